@@ -1,12 +1,11 @@
 #include "tracking/camera.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace clearway {
 namespace {
@@ -20,57 +19,8 @@ constexpr double kNearest = 1e-9;  // metres before the camera
   throw std::invalid_argument(text.str());
 }
 
-bool is_free_of_distortion(const std::array<double, 5>& d) {
+bool is_free_of_distortion(const LensDistortion::Coefficients& d) {
   return std::all_of(d.begin(), d.end(), [](double k) { return k == 0.0; });
-}
-
-double slope(const std::array<double, 5>& d, double s) {  // d(r f(r^2))/dr at s = r^2
-  return 1.0 + s * (3.0 * d[0] + s * (5.0 * d[1] + s * 7.0 * d[4]));
-}
-
-// The square of the radius at which the radial polynomial stops growing: the smallest s > 0 with
-// 1 + 3 k1 s + 5 k2 s^2 + 7 k3 s^3 = 0; infinity when there is none.
-double fold_radius_squared(const std::array<double, 5>& d) {
-  const double a = 21.0 * d[4], b = 10.0 * d[1], c = 3.0 * d[0];  // derivative: a s^2 + b s + c
-  std::array<double, 3> ends{};
-  int count = 0;
-  if (const double root = b * b - 4.0 * a * c; a != 0.0 && root >= 0.0) {
-    const double q = -0.5 * (b + std::copysign(std::sqrt(root), b));
-    ends[count++] = q / a;
-    if (q != 0.0) ends[count++] = c / q;
-  } else if (a == 0.0 && b != 0.0) {
-    ends[count++] = -c / b;
-  }
-  std::sort(ends.begin(), ends.begin() + count);
-  double low = 0.0;
-  const auto bisect = [&d](double from, double to) {
-    for (int i = 0; i < 200 && to - from > 1e-12 * to; ++i) {
-      const double middle = 0.5 * (from + to);
-      (slope(d, middle) > 0.0 ? from : to) = middle;
-    }
-    return from;
-  };
-  for (int i = 0; i < count; ++i) {
-    if (!(ends[i] > 0.0)) continue;
-    if (slope(d, ends[i]) <= 0.0) return bisect(low, ends[i]);
-    low = ends[i];
-  }
-  for (double high = std::max(1.0, 2.0 * low); high < 1e12; high *= 2.0)
-    if (slope(d, high) <= 0.0) return bisect(low, high);
-  return std::numeric_limits<double>::infinity();
-}
-
-// Brown-Conrady: the distorted normalised point, and its derivative by the undistorted one.
-Eigen::Vector2d distort(const std::array<double, 5>& d, const Eigen::Vector2d& p, Eigen::Matrix2d& by_p) {
-  const double x = p.x(), y = p.y(), s = p.squaredNorm();
-  const double radial = 1.0 + s * (d[0] + s * (d[1] + s * d[4]));
-  const double twice = 2.0 * (d[0] + s * (2.0 * d[1] + s * 3.0 * d[4]));  // d(radial)/dx = twice * x
-  by_p(0, 0) = radial + x * x * twice + 2.0 * d[2] * y + 6.0 * d[3] * x;
-  by_p(0, 1) = x * y * twice + 2.0 * d[2] * x + 2.0 * d[3] * y;
-  by_p(1, 0) = by_p(0, 1);
-  by_p(1, 1) = radial + y * y * twice + 6.0 * d[2] * y + 2.0 * d[3] * x;
-  return {x * radial + 2.0 * d[2] * x * y + d[3] * (s + 2.0 * x * x),
-          y * radial + d[2] * (s + 2.0 * y * y) + 2.0 * d[3] * x * y};
 }
 
 // Half the diagonal, taken from the principal point to the farthest corner of the image.
@@ -79,25 +29,52 @@ double corner_distance(const Camera& camera) {
                     std::max(camera.cy, camera.height - 1.0 - camera.cy));
 }
 
+/// How many coefficients a model has, and their names.
+std::pair<std::size_t, std::string> coefficients_of(LensDistortion::Model model) {
+  switch (model) {
+    case LensDistortion::Model::rational:
+      return {8, "eight finite numbers k1, k2, p1, p2, k3, k4, k5, k6"};
+    case LensDistortion::Model::fisheye:
+      return {4, "four finite numbers k1, k2, k3, k4"};
+    case LensDistortion::Model::plumb_bob:
+      break;
+  }
+  return {5, "five finite numbers k1, k2, p1, p2, k3"};
+}
+
+/// Pixels that must be seen: all around the border; of a lens that may see less, half-way to it.
+std::vector<Eigen::Vector2d> pixels_to_see(const Camera& camera) {
+  const double w = camera.width, h = camera.height;
+  if (camera.lens != LensDistortion::Model::plumb_bob)
+    return {{0.5 * (camera.cx - 0.5), camera.cy},
+            {0.5 * (camera.cx + w - 0.5), camera.cy},
+            {camera.cx, 0.5 * (camera.cy - 0.5)},
+            {camera.cx, 0.5 * (camera.cy + h - 0.5)}};
+  std::vector<Eigen::Vector2d> pixels;
+  for (int i = 0; i <= 16; ++i) {
+    const double x = -0.5 + camera.width * i / 16.0, y = -0.5 + camera.height * i / 16.0;
+    pixels.insert(pixels.end(), {{x, -0.5}, {x, h - 0.5}, {-0.5, y}, {w - 0.5, y}});
+  }
+  return pixels;
+}
+
+void require_distortion(const Camera& camera) {
+  const auto [count, names] = coefficients_of(camera.lens);
+  for (std::size_t i = 0; i < camera.distortion.size(); ++i)
+    if (const double k = camera.distortion[i]; !std::isfinite(k) || (i >= count && k != 0.0))
+      refuse("distortion", k, names);
+  for (const Eigen::Vector2d& pixel : pixels_to_see(camera))
+    if (!camera.undistort(pixel))
+      refuse("distortion", camera.distortion[0],
+             camera.lens == LensDistortion::Model::plumb_bob
+                 ? "coefficients that map the whole image one to one (k1 named)"
+                 : "coefficients that map at least the middle of the image one to one (k1 named)");
+}
+
 constexpr double kKnownDistortion = 0.5;     // pixels
 constexpr double kUnknownDistortion = 0.01;  // of half the diagonal
 
 }  // namespace
-
-LensDistortion::LensDistortion(const std::array<double, 5>& coefficients)
-    : coefficients_(coefficients),
-      is_none_(is_free_of_distortion(coefficients)),
-      fold_squared_(is_none_ ? std::numeric_limits<double>::infinity() : fold_radius_squared(coefficients)) {}
-
-std::optional<Eigen::Vector2d> LensDistortion::distort(const Eigen::Vector2d& ray,
-                                                       Eigen::Matrix2d& by_ray) const {
-  by_ray.setIdentity();
-  if (is_none_) return ray;
-  if (ray.squaredNorm() > fold_squared_) return std::nullopt;
-  const Eigen::Vector2d seen = clearway::distort(coefficients_, ray, by_ray);
-  if (!(by_ray.determinant() > 0.0)) return std::nullopt;
-  return seen;
-}
 
 void CameraErrors::validate() const {
   const auto check = [](const std::string& field, double value) {
@@ -136,15 +113,7 @@ void Camera::validate() const {
   if (!(std::isfinite(fy) && fy > 0.0)) refuse("fy", fy, "a focal length > 0 pixels");
   if (!(cx >= 0.0 && cx <= width - 1.0)) refuse("cx", cx, "a principal point inside the image");
   if (!(cy >= 0.0 && cy <= height - 1.0)) refuse("cy", cy, "a principal point inside the image");
-  for (double k : distortion)
-    if (!std::isfinite(k)) refuse("distortion", k, "five finite numbers k1, k2, p1, p2, k3");
-  for (int i = 0; i <= 16; ++i) {  // all around the border
-    const double x = -0.5 + width * i / 16.0, y = -0.5 + height * i / 16.0;
-    for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(x, -0.5), Eigen::Vector2d(x, height - 0.5),
-                                         Eigen::Vector2d(-0.5, y), Eigen::Vector2d(width - 0.5, y)})
-      if (!undistort(pixel))
-        refuse("distortion", distortion[0], "coefficients that map the whole image one to one (k1 named)");
-  }
+  require_distortion(*this);
 }
 
 std::optional<Eigen::Vector2d> Camera::project(const Eigen::Vector3d& point) const {
@@ -157,7 +126,7 @@ std::optional<Eigen::Vector2d> Camera::project(const Eigen::Vector3d& point,
   if (!(point.z() > kNearest) || !point.allFinite()) return std::nullopt;
   const Eigen::Vector2d ray = point.head<2>() / point.z();
   Eigen::Matrix2d seen_by_ray;
-  const auto seen = LensDistortion(distortion).distort(ray, seen_by_ray);
+  const auto seen = LensDistortion(distortion, lens).distort(ray, seen_by_ray);
   if (!seen) return std::nullopt;
   Eigen::Matrix<double, 2, 3> ray_by_point;
   ray_by_point << 1.0, 0.0, -ray.x(), 0.0, 1.0, -ray.y();
@@ -168,22 +137,7 @@ std::optional<Eigen::Vector2d> Camera::project(const Eigen::Vector3d& point,
 std::optional<Eigen::Vector2d> Camera::undistort(const Eigen::Vector2d& pixel) const {
   if (!pixel.allFinite()) return std::nullopt;
   const Eigen::Vector2d seen((pixel.x() - cx) / fx, (pixel.y() - cy) / fy);
-  if (is_free_of_distortion(distortion)) return seen;
-  const double fold = fold_radius_squared(distortion);
-  Eigen::Vector2d ray = seen.squaredNorm() < fold ? seen : Eigen::Vector2d::Zero();
-  for (int i = 0; i < 100; ++i) {
-    Eigen::Matrix2d by_ray;
-    const Eigen::Vector2d error = distort(distortion, ray, by_ray) - seen;
-    if (error.squaredNorm() < 1e-26) return ray;
-    const double det = by_ray.determinant();
-    if (!(det > 0.0)) return std::nullopt;
-    Eigen::Vector2d step = by_ray.inverse() * error;
-    double shorten = 1.0;  // a Newton step that would cross the fold is halved until it stays inside
-    while (shorten > 1e-9 && (ray - shorten * step).squaredNorm() >= fold) shorten *= 0.5;
-    ray -= shorten * step;
-  }
-  Eigen::Matrix2d unused;
-  return (distort(distortion, ray, unused) - seen).norm() < 1e-9 ? std::optional(ray) : std::nullopt;
+  return LensDistortion(distortion, lens).undistort(seen);
 }
 
 bool Camera::sees(const Eigen::Vector2d& pixel, double margin) const {

@@ -1,31 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <optional>
 
+#include "tracking/lens_distortion.hpp"
+
 namespace clearway {
-
-/// Brown-Conrady ("plumb bob") distortion of normalised points, for many points of one lens: where it folds
-/// back is found once.
-class LensDistortion {
- public:
-  /// @param coefficients k1, k2, p1, p2, k3 (OpenCV's order), finite
-  explicit LensDistortion(const std::array<double, 5>& coefficients);
-
-  /// The distorted point, and its derivative by `ray` = (x/z, y/z). Empty beyond the angle at which the
-  /// polynomial folds back, where the formula gives a point but the lens sees nothing.
-  std::optional<Eigen::Vector2d> distort(const Eigen::Vector2d& ray, Eigen::Matrix2d& by_ray) const;
-
-  bool is_none() const { return is_none_; }  ///< all coefficients are zero
-  /// The square of the radius at which the radial polynomial stops growing; infinity when it never does.
-  double fold_squared() const { return fold_squared_; }
-
- private:
-  std::array<double, 5> coefficients_;
-  bool is_none_;
-  double fold_squared_;
-};
 
 /// What a calibration does not know of its camera: one standard deviation each.
 struct CameraErrors {
@@ -42,7 +22,8 @@ struct CameraErrors {
 /// Focal length, aspect, cx, cy, k1, k2, p1, p2.
 constexpr int kCameraModes = 8;
 
-/// A pinhole camera with Brown-Conrady ("plumb bob") lens distortion, as OpenCV and MRPT calibrate it.
+/// A pinhole camera with Brown-Conrady ("plumb bob") or rational lens distortion, or a fisheye camera, as
+/// OpenCV calibrates them.
 ///
 /// Camera frame: x right, y down, z forward, metres. Pixels: the centre of the upper left pixel is
 /// (0, 0), as everywhere in OpenCV; the image covers [-0.5, width - 0.5] x [-0.5, height - 0.5].
@@ -51,17 +32,20 @@ struct Camera {
   int width = 0;
   int height = 0;
   double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;  ///< pixels
-  std::array<double, 5> distortion{};             ///< k1, k2, p1, p2, k3 (OpenCV's order)
+  LensDistortion::Coefficients distortion{};      ///< as many as the lens's model has, the rest 0
   CameraErrors errors{};                          ///< of all of these
+  LensDistortion::Model lens = LensDistortion::Model::plumb_bob;
 
   /// Throws std::invalid_argument naming the field and what was expected: `errors`, sizes in [32, 20000],
   /// focal lengths finite and > 0, principal point inside the image, finite distortion that maps the whole
-  /// image one to one (a polynomial that folds back inside the image is a wrong calibration).
+  /// image one to one (a polynomial that folds back inside the image is a wrong calibration). Rational and
+  /// fisheye lenses may see less than the image, but half of the way from the principal point to each side.
   void validate() const;
 
   /// The pixel at which a point of the camera frame is seen, possibly outside the image. Empty when the
-  /// point is not in front of the camera (z <= 1e-9 m), is not finite, or lies beyond the angle at which
-  /// the distortion polynomial folds back (where the formula gives a pixel but the lens sees nothing).
+  /// point is not in front of the camera (z <= 1e-9 m: what a fisheye sees at 90 degrees and more is not
+  /// used), is not finite, or lies beyond the angle at which the distortion folds back (where the formula
+  /// gives a pixel but the lens sees nothing).
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point) const;
 
   /// As `project`; also the derivative of the pixel by the point, pixels per metre.

@@ -14,11 +14,24 @@ void override(double& value, const std::optional<double>& by) {
   if (by) value = *by;
 }
 
+LensDistortion::Model lens_of(LensModel model) {
+  switch (model) {
+    case LensModel::rational:
+      return LensDistortion::Model::rational;
+    case LensModel::fisheye:
+      return LensDistortion::Model::fisheye;
+    case LensModel::plumb_bob:
+      break;
+  }
+  return LensDistortion::Model::plumb_bob;
+}
+
 }  // namespace
 
 Camera tracking_camera(const CameraIntrinsics& intrinsics, const CameraErrorsSetup& errors) {
   Camera camera{intrinsics.width, intrinsics.height, intrinsics.fx,        intrinsics.fy,
                 intrinsics.cx,    intrinsics.cy,     intrinsics.distortion};
+  camera.lens = lens_of(intrinsics.lens);
   override(camera.errors.focal, errors.focal);
   override(camera.errors.aspect, errors.aspect);
   override(camera.errors.center, errors.center);

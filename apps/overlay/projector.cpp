@@ -42,27 +42,39 @@ CameraCorner camera_between(const CameraCorner& a, const CameraCorner& b, double
 }  // namespace
 
 Projector::Projector(const Camera& camera, const ProjectorOptions& options)
-    : camera_(camera), options_(options), lens_(camera.distortion) {
+    : camera_(camera), options_(options), lens_(camera.distortion, camera.lens) {
   camera.validate();
   if (!(options.near > 0.0 && std::isfinite(options.near)))
     throw std::invalid_argument("projector: near is expected to be a distance > 0 m");
   if (!(options.tolerance > 0.0))
     throw std::invalid_argument("projector: tolerance is expected to be > 0 px");
   seen_ = seen_rays(camera);
-  const double bend = strongest_bend();
+  const double bend = camera.lens == LensDistortion::Model::plumb_bob ? strongest_bend() : 0.0;
   longest_squared_ = bend > 0.0 ? 8.0 * options.tolerance / bend : std::numeric_limits<double>::infinity();
 }
 
-/// The rectangle of the rays that end in the image, a little larger: lines have a width.
+/// The rectangle of the rays that end in the image, a little larger: lines have a width. Of a lens whose
+/// field ends within the image, all of that field, a fisheye's up to 89 degrees.
 Projector::Bounds Projector::seen_rays(const Camera& camera) {
   Eigen::AlignedBox2d box;
+  const auto add = [&](const Eigen::Vector2d& pixel) {
+    if (const auto ray = camera.undistort(pixel)) {
+      box.extend(*ray);
+      return;
+    }
+    constexpr double widest = 57.29;  // the tangent of 89 degrees
+    const double end =
+        std::min(widest, std::sqrt(LensDistortion(camera.distortion, camera.lens).fold_squared()));
+    box.extend(Eigen::Vector2d(-end, -end));
+    box.extend(Eigen::Vector2d(end, end));
+  };
   constexpr int steps = 64;
   for (int i = 0; i <= steps; ++i) {
     const double x = -0.5 + camera.width * static_cast<double>(i) / steps;
     const double y = -0.5 + camera.height * static_cast<double>(i) / steps;
     for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(x, -0.5), Eigen::Vector2d(x, camera.height - 0.5),
                                          Eigen::Vector2d(-0.5, y), Eigen::Vector2d(camera.width - 0.5, y)})
-      if (const auto ray = camera.undistort(pixel)) box.extend(*ray);
+      add(pixel);
   }
   const Eigen::Array2d margin = 0.05 * box.sizes().array();
   return {box.min().array() - margin, box.max().array() + margin};
@@ -131,8 +143,29 @@ std::optional<ScreenCorner> Projector::plain_corner(const CameraCorner& corner) 
   return screen(at);
 }
 
+/// Whether the lens moves the parts of an edge away from where they lie between the pixels of its ends. A
+/// plumb bob bends alike everywhere, so its edges are asked for their length; a wide lens bends its middle
+/// most, so there the pixels are compared.
+bool Projector::is_bent(const RayCorner& a, const RayCorner& b) const {
+  if (camera_.lens == LensDistortion::Model::plumb_bob) return is_long(a, b);
+  const auto first = screen(a), last = screen(b);
+  if (!first || !last) return false;  // `halve` asks where the field ends
+  const Eigen::Array2d from(first->x, first->y), to(last->x, last->y);
+  for (const double share : {0.25, 0.5, 0.75}) {
+    const auto part = screen(between(a, b, share));
+    if (!part) return true;
+    const Eigen::Array2d off = Eigen::Array2d(part->x, part->y) - from - share * (to - from);
+    if (off.matrix().norm() > 0.8 * options_.tolerance) return true;
+  }
+  return false;
+}
+
 bool Projector::is_plain(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) const {
   if (lens_.is_none()) return true;
+  if (camera_.lens != LensDistortion::Model::plumb_bob) {
+    const RayCorner at_a = ray({a, 1.0}), at_b = ray({b, 1.0}), at_c = ray({c, 1.0});
+    return !is_bent(at_a, at_b) && !is_bent(at_b, at_c) && !is_bent(at_c, at_a);
+  }
   const Eigen::Vector2d p = a.head<2>() / a.z(), q = b.head<2>() / b.z(), r = c.head<2>() / c.z();
   return (p - q).squaredNorm() <= longest_squared_ && (q - r).squaredNorm() <= longest_squared_ &&
          (r - p).squaredNorm() <= longest_squared_;
@@ -181,17 +214,17 @@ void Projector::halve(const std::array<RayCorner, 3>& corners, int depth,
     }
   std::size_t longest = 0;
   double length = -1.0;
-  bool is_bent = seen == 1 || seen == 2;
+  bool is_halved = seen == 1 || seen == 2;
   for (std::size_t i = 0; i < 3; ++i) {
     const RayCorner &a = corners[i], &b = corners[(i + 1) % 3];
-    is_bent = is_bent || is_long(a, b);
+    is_halved = is_halved || is_bent(a, b);
     const double squared = (a.u - b.u) * (a.u - b.u) + (a.v - b.v) * (a.v - b.v);
     if (squared > length) {
       length = squared;
       longest = i;
     }
   }
-  if (!is_bent || depth == deepest) {
+  if (!is_halved || depth == deepest) {
     if (seen == 3 && !is_beside(drawn, camera_)) emit(drawn);
     return;
   }
@@ -199,6 +232,30 @@ void Projector::halve(const std::array<RayCorner, 3>& corners, int depth,
   const RayCorner middle = between(a, b, 0.5);
   halve({a, middle, c}, depth + 1, emit);
   halve({middle, b, c}, depth + 1, emit);
+}
+
+/// Where the pieces of a segment end, as shares of it.
+std::vector<double> Projector::shares_of(const RayCorner& begin, const RayCorner& end) const {
+  std::vector<double> shares;
+  if (camera_.lens == LensDistortion::Model::plumb_bob) {
+    const double length = std::hypot(begin.u - end.u, begin.v - end.v);
+    const double count = std::clamp(std::ceil(length / std::sqrt(longest_squared_)), 1.0, 4096.0);
+    for (double i = 1.0; i <= count; i += 1.0) shares.push_back(i / count);
+    return shares;
+  }
+  constexpr double shortest = 1.0 / 4096.0;
+  const std::function<void(double, double)> halve_between = [&](double from, double to) {
+    const RayCorner a = between(begin, end, from), b = between(begin, end, to);
+    const bool ends_field = screen(a).has_value() != screen(b).has_value();
+    if (to - from > shortest && (ends_field || is_bent(a, b))) {
+      halve_between(from, 0.5 * (from + to));
+      halve_between(0.5 * (from + to), to);
+    } else {
+      shares.push_back(to);
+    }
+  };
+  halve_between(0.0, 1.0);
+  return shares;
 }
 
 std::vector<std::array<ScreenCorner, 2>> Projector::segment(const Eigen::Vector3d& from,
@@ -223,11 +280,9 @@ std::vector<std::array<ScreenCorner, 2>> Projector::segment(const Eigen::Vector3
       !keep([&](const RayCorner& c) { return c.v - seen_.low.y(); }) ||
       !keep([&](const RayCorner& c) { return seen_.high.y() - c.v; }))
     return pieces;
-  const double length = std::hypot(begin.u - end.u, begin.v - end.v);
-  const double count = std::clamp(std::ceil(length / std::sqrt(longest_squared_)), 1.0, 4096.0);
   std::optional<ScreenCorner> last = screen(begin);
-  for (double i = 1.0; i <= count; i += 1.0) {
-    const auto next = screen(between(begin, end, i / count));
+  for (const double share : shares_of(begin, end)) {
+    const auto next = screen(between(begin, end, share));
     if (last && next && !is_beside<2>({*last, *next}, camera_)) pieces.push_back({*last, *next});
     last = next;
   }

@@ -36,7 +36,7 @@ struct ProjectorOptions {
 /// On the plane of normalised points (x/z, y/z) edges are straight and 1/z is linear, whatever the depth. So
 /// parts before the near plane are kept, cut there to the rectangle that the image sees, and halved at their
 /// longest edge until the lens bends no edge by more than the tolerance: then the corners are distorted and
-/// what lies between them is linear in pixels. An edge is halved or not by its own length alone, so that two
+/// what lies between them is linear in pixels. An edge is halved or not by itself alone, so that two
 /// triangles that share it fit together.
 class Projector {
  public:
@@ -77,6 +77,8 @@ class Projector {
   double strongest_bend() const;
   std::optional<ScreenCorner> screen(const RayCorner& corner) const;
   bool is_long(const RayCorner& a, const RayCorner& b) const;
+  bool is_bent(const RayCorner& a, const RayCorner& b) const;
+  std::vector<double> shares_of(const RayCorner& begin, const RayCorner& end) const;
   std::vector<RayCorner> cut(const std::array<CameraCorner, 3>& corners) const;
   void halve(const std::array<RayCorner, 3>& corners, int depth,
              const std::function<void(const ScreenTriangle&)>& emit) const;
@@ -85,7 +87,7 @@ class Projector {
   ProjectorOptions options_;
   LensDistortion lens_;
   Bounds seen_;
-  double longest_squared_;  ///< edge that need not be halved, normalised
+  double longest_squared_;  ///< of a plumb bob: edge that need not be halved, normalised
 };
 
 }  // namespace clearway

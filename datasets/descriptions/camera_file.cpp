@@ -1,31 +1,38 @@
 #include "datasets/descriptions/camera_file.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <stdexcept>
 
 #include "datasets/descriptions/setup.hpp"
 #include "datasets/descriptions/yaml_fields.hpp"
+#include "datasets/sources/lens.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
 
-constexpr const char* lenses = "Clearway knows pinhole lenses with k1, k2, p1, p2, k3";
-
-/// k1, k2, p1, p2[, k3[, k4, k5, k6]] of OpenCV, the last three 0.
-void take_distortion(const YamlFields& fields, const std::string& key, CameraIntrinsics& camera) {
+/// OpenCV's coefficients, as many as the lens has; OpenCV writes 5, 8, 12 or 14 for one that has fewer.
+void take_distortion(const YamlFields& fields, const std::string& key, LensModel lens,
+                     CameraIntrinsics& camera) {
   const std::vector<double> values = fields.numbers(key, within_reach);
-  if (values.size() != 4 && values.size() != 5 && values.size() != 8 && !values.empty())
-    fields.fail(key, "expected 4, 5 or 8 numbers, got " + std::to_string(values.size()));
-  if (std::any_of(values.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(5, values.size())),
-                  values.end(), [](double value) { return value != 0.0; }))
-    fields.fail(key, std::string("a rational lens with k4, k5, k6 other than 0; ") + lenses +
-                         ": calibrate anew with `clearway calibrate camera`");
-  std::copy_n(values.begin(), std::min<std::size_t>(5, values.size()), camera.distortion.begin());
+  const std::size_t size = values.size();
+  const bool is_list = size == 4 || size == 5 || size == 8 || size == 12 || size == 14;
+  if (!is_list && !(values.empty() && lens != LensModel::fisheye))
+    fields.fail(key, std::string("expected ") + (lens == LensModel::fisheye ? "4" : "4, 5 or 8") +
+                         " numbers, got " + std::to_string(size));
+  try {
+    set_lens(camera, lens, values);
+  } catch (const std::runtime_error& error) {
+    fields.fail(key, error.what());
+  }
 }
 
-[[noreturn]] void refuse_lens(const YamlFields& fields, const std::string& key, const std::string& model) {
-  fields.fail(key, "the lens '" + model + "' is not known, expected plumb_bob or radtan: " + lenses);
+LensModel read_lens(const YamlFields& fields, const std::string& key, const std::string& otherwise) {
+  const std::string name = fields.text(key, otherwise);
+  if (name == "none") return LensModel::plumb_bob;
+  const auto lens = lens_named(name);
+  if (!lens) fields.fail(key, "the lens '" + name + "' is not known, expected " + known_lenses);
+  return *lens;
 }
 
 CameraIntrinsics read_camchain(const YamlFields& file, const std::string& wanted) {
@@ -37,14 +44,14 @@ CameraIntrinsics read_camchain(const YamlFields& file, const std::string& wanted
                       " cameras, expected `camera: {file: …, name: …}` to name one of them");
   const YamlFields fields = file.map(name);
   if (const std::string model = fields.text("camera_model", "pinhole"); model != "pinhole")
-    refuse_lens(fields, "camera_model", model);
-  const std::string lens = fields.text("distortion_model", "none");
-  if (lens != "radtan" && lens != "plumb_bob" && lens != "none")
-    refuse_lens(fields, "distortion_model", lens);
+    fields.fail("camera_model", "the camera model '" + model + "' is not known, expected pinhole");
+  const bool has_lens = fields.text("distortion_model", "none") != "none";
+  const LensModel lens = read_lens(fields, "distortion_model", "none");
   const std::vector<double> k = fields.numbers("intrinsics", within_reach, 4);
   const std::vector<double> size = fields.numbers("resolution", {32, 20000}, 2);
   CameraIntrinsics camera{static_cast<int>(size[0]), static_cast<int>(size[1]), k[0], k[1], k[2], k[3], {}};
-  if (fields.has("distortion_coeffs") && lens != "none") take_distortion(fields, "distortion_coeffs", camera);
+  if (has_lens && (fields.has("distortion_coeffs") || lens == LensModel::fisheye))
+    take_distortion(fields, "distortion_coeffs", lens, camera);
   if (camera.fx <= 0.0 || camera.fy <= 0.0)
     fields.fail("intrinsics", "expected [fx, fy, cx, cy], fx and fy > 0");
   return camera;
@@ -54,8 +61,7 @@ CameraIntrinsics read_camera_info(const YamlFields& file) {
   CameraIntrinsics camera;
   camera.width = file.integer("image_width", {32, 20000});
   camera.height = file.integer("image_height", {32, 20000});
-  const std::string lens = file.text("distortion_model", "plumb_bob");
-  if (lens != "plumb_bob" && lens != "rational_polynomial") refuse_lens(file, "distortion_model", lens);
+  const LensModel lens = read_lens(file, "distortion_model", "plumb_bob");
   const YamlFields matrix = file.map("camera_matrix");
   const std::vector<double> k = matrix.numbers("data", within_reach, 9);
   if (k[0] <= 0.0 || k[4] <= 0.0 || k[1] != 0.0 || k[8] != 1.0)
@@ -64,8 +70,8 @@ CameraIntrinsics read_camera_info(const YamlFields& file) {
   camera.cx = k[2];
   camera.fy = k[4];
   camera.cy = k[5];
-  if (file.has("distortion_coefficients"))
-    take_distortion(file.map("distortion_coefficients"), "data", camera);
+  if (file.has("distortion_coefficients") || lens == LensModel::fisheye)
+    take_distortion(file.map("distortion_coefficients"), "data", lens, camera);
   return camera;
 }
 

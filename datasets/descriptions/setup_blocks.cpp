@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "datasets/sources/lens.hpp"
 #include "mapping/system/number_text.hpp"
 
 namespace clearway {
@@ -55,7 +56,9 @@ std::vector<double> pose_numbers(const Eigen::Isometry3d& pose) {
 std::string camera_block(const CameraIntrinsics& c) {
   return "camera: {width: " + std::to_string(c.width) + ", height: " + std::to_string(c.height) +
          ", fx: " + digits(c.fx) + ", fy: " + digits(c.fy) + ", cx: " + digits(c.cx) +
-         ", cy: " + digits(c.cy) + ",\n         distortion: " + flow_list(c.distortion) + "}\n";
+         ", cy: " + digits(c.cy) + ",\n         " +
+         (c.lens == LensModel::plumb_bob ? "" : "lens: " + lens_name(c.lens) + ", ") +
+         "distortion: " + flow_list(coefficients_of(c)) + "}\n";
 }
 
 std::string errors_block(const ErrorsSetup& errors) {

@@ -5,6 +5,7 @@
 
 #include "datasets/descriptions/camera_file.hpp"
 #include "datasets/descriptions/yaml_fields.hpp"
+#include "datasets/sources/lens.hpp"
 
 namespace clearway {
 namespace {
@@ -56,10 +57,13 @@ CameraIntrinsics read_camera(const YamlFields& fields) {
   camera.fy = fields.number("fy", positive);
   camera.cx = fields.number("cx", within_reach);
   camera.cy = fields.number("cy", within_reach);
-  if (fields.has("distortion")) {
-    const auto values = fields.numbers("distortion", within_reach, 5);
-    std::copy(values.begin(), values.end(), camera.distortion.begin());
-  }
+  const std::string name = fields.text("lens", "plumb_bob");
+  const auto lens = lens_named(name);
+  if (!lens) fields.fail("lens", std::string("expected ") + known_lenses + ", got '" + name + "'");
+  std::vector<double> coefficients;
+  if (fields.has("distortion"))
+    coefficients = fields.numbers("distortion", within_reach, coefficient_count(*lens));
+  set_lens(camera, *lens, coefficients);
   fields.finish();
   return camera;
 }

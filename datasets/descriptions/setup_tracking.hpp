@@ -13,7 +13,7 @@ class YamlFields;
 // What a setup says of the camera, the tags and what is tracked by them. Each map must hold nothing else.
 // All: @throws std::invalid_argument
 
-/// {width, height, fx, fy, cx, cy, distortion: [k1, k2, p1, p2, k3]} of a setup or scene.
+/// {width, height, fx, fy, cx, cy, lens, distortion: [k1, k2, p1, p2, k3]} of a setup or scene.
 CameraIntrinsics read_camera(const YamlFields& fields);
 
 /// In the setup itself, or in a file that it names.

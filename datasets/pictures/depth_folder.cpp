@@ -72,14 +72,16 @@ bool has_pose_files(const fs::path& folder) {
   return false;
 }
 
-/// The rays (1, y, z) of all pixels, row by row: x forward, y left, z up.
+/// The rays (1, y, z) of all pixels, row by row: x forward, y left, z up; 0 where the lens sees nothing.
 std::vector<Eigen::Vector3f> rays_of(const CameraIntrinsics& camera) {
   std::vector<Eigen::Vector3f> rays;
   rays.reserve(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height));
+  const Lens lens(camera);
   for (int row = 0; row < camera.height; ++row) {
     for (int column = 0; column < camera.width; ++column) {
-      const Eigen::Vector3d optical = pixel_ray(camera, {column, row});
-      rays.push_back(Eigen::Vector3d(1.0, -optical.x(), -optical.y()).cast<float>());
+      const auto optical = lens.pixel_ray({column, row});
+      rays.push_back(optical ? Eigen::Vector3d(1.0, -optical->x(), -optical->y()).cast<float>()
+                             : Eigen::Vector3f(0.0F, 0.0F, 0.0F));
     }
   }
   return rays;
@@ -108,7 +110,7 @@ CloudFrame decode_depth(const std::string& bytes, const CameraIntrinsics& camera
     const auto* line = depth.ptr<std::uint16_t>(row);
     const Eigen::Vector3f* ray = &rays[static_cast<std::size_t>(row) * static_cast<std::size_t>(depth.cols)];
     for (int column = 0; column < depth.cols; ++column) {
-      if (line[column] == 0 || line[column] == no_depth) continue;
+      if (line[column] == 0 || line[column] == no_depth || ray[column].x() == 0.0F) continue;
       cloud.points.push_back(static_cast<float>(options.scale * line[column]) * ray[column]);
     }
   }

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "datasets/pictures/picture_file.hpp"
+#include "datasets/sources/lens.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -112,15 +113,22 @@ CameraIntrinsics intrinsics_of(const RosCameraInfo& info) {
                           info.k[4],
                           info.k[2],
                           info.k[5]};
-  const bool is_zero = std::all_of(info.d.begin(), info.d.end(), [](double x) { return x == 0.0; });
+  const auto lens = lens_named(info.distortion_model);
+  if (lens == LensModel::fisheye && info.d.size() < 4)
+    throw std::runtime_error("its distortion " + quote(info.distortion_model) + " has " +
+                             std::to_string(info.d.size()) + " numbers, expected k1, k2, k3, k4");
+  const bool is_zero = lens != LensModel::fisheye &&
+                       std::all_of(info.d.begin(), info.d.end(), [](double x) { return x == 0.0; });
   if (is_zero) return camera;
-  const bool is_plumb_bob = info.distortion_model == "plumb_bob" && info.d.size() <= 5;
-  const bool is_rational = info.distortion_model == "rational_polynomial" && info.d.size() == 8 &&
-                           info.d[5] == 0.0 && info.d[6] == 0.0 && info.d[7] == 0.0;
-  if (!is_plumb_bob && !is_rational)
+  if (!lens)
     throw std::runtime_error("its distortion " + quote(info.distortion_model) +
-                             " is not known here, expected plumb_bob with up to 5 numbers");
-  std::copy_n(info.d.begin(), std::min<std::size_t>(info.d.size(), 5), camera.distortion.begin());
+                             " is not known here, expected " + known_lenses);
+  try {
+    set_lens(camera, *lens, info.d);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error("its distortion does not fit " + quote(info.distortion_model) + ": " +
+                             error.what());
+  }
   return camera;
 }
 
@@ -163,12 +171,19 @@ CloudFrame depth_cloud(const RosImage& image, const CameraIntrinsics& camera) {
     throw std::runtime_error("it has another size than its camera");
   CloudFrame cloud;
   cloud.kind = "depth";
+  const Lens lens(camera);
   for (std::size_t row = 0; row < image.height; ++row) {
     for (std::size_t column = 0; column < image.width; ++column) {
       const double depth = depth_at(image, row * image.step + column * size, is_float);
       if (depth == 0.0) continue;
-      const double right = (static_cast<double>(column) - camera.cx) / camera.fx,
-                   down = (static_cast<double>(row) - camera.cy) / camera.fy;
+      double right = (static_cast<double>(column) - camera.cx) / camera.fx,
+             down = (static_cast<double>(row) - camera.cy) / camera.fy;
+      if (camera.lens != LensModel::plumb_bob) {
+        const auto ray = lens.pixel_ray({static_cast<double>(column), static_cast<double>(row)});
+        if (!ray) continue;
+        right = ray->x();
+        down = ray->y();
+      }
       cloud.points.emplace_back(static_cast<float>(depth), static_cast<float>(-depth * right),
                                 static_cast<float>(-depth * down));
     }

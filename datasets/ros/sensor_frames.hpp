@@ -10,7 +10,8 @@
 
 namespace clearway {
 
-/// Of camera_info with the distortion models plumb_bob, none, and rational_polynomial whose last three are 0.
+/// Of camera_info with the distortion models plumb_bob, rational_polynomial, equidistant (fisheye), and of
+/// any other whose numbers are all 0.
 CameraIntrinsics intrinsics_of(const RosCameraInfo& info);
 
 /// mono8, mono16, rgb8, bgr8, rgba8, bgra8, 8UC1, 8UC3, yuv422 (UYVY), yuv422_yuy2, and bayer_*8 as grey.
@@ -20,6 +21,7 @@ GrayImage gray_image(const RosCompressedImage& image);
 
 /// A depth image: 16UC1 (mono16) in millimetres or 32FC1 in metres, along the optical axis; 0 and NaN are no
 /// returns. The points are in the sensor's own axes (x forward), which the optical frame's pose turns into.
+/// Depth images of plumb_bob cameras are taken as rectified; rational and fisheye lenses are undone.
 CloudFrame depth_cloud(const RosImage& image, const CameraIntrinsics& camera);
 /// The pose of the axes x forward, y left, z up in the optical ones: z forward, x right, y down.
 Eigen::Isometry3d optical_from_sensor();

@@ -18,12 +18,13 @@ DepthImage render_depth(const SceneDepth& depth, size_t index, std::span<const S
   const std::vector<SurfaceView> views = views_from(image.world_from_sensor.translation(), surfaces);
   const RandomNumbers noise(seed, 1'000'000'000 + 2 * index), losses(seed, 1'000'000'001 + 2 * index);
 
+  const Lens lens(camera);
   parallel_for(height, [&](size_t row) {
     for (size_t column = 0; column < width; ++column) {
-      const Eigen::Vector3d optical =
-          pixel_ray(camera, {static_cast<double>(column), static_cast<double>(row)});
+      const auto optical = lens.pixel_ray({static_cast<double>(column), static_cast<double>(row)});
+      if (!optical) continue;
       const Eigen::Vector3d ray =
-          image.world_from_sensor.linear() * Eigen::Vector3d(1, -optical.x(), -optical.y()).normalized();
+          image.world_from_sensor.linear() * Eigen::Vector3d(1, -optical->x(), -optical->y()).normalized();
       const auto result = cast_ray(views, ray);
       const size_t pixel = row * width + column;
       if (result.index < 0 || result.hit.along > depth.max_range) continue;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "datasets/sources/lens.hpp"
 #include "mapping/system/parallel.hpp"
@@ -19,15 +20,25 @@ std::array<Eigen::Vector2d, 34> spread_points() {
   return points;
 }
 
+/// At a corner, that corner alone: the other may see nothing.
+Eigen::Vector2d mixed(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double share) {
+  if (share == 0.0) return a;
+  return share == 1.0 ? b : Eigen::Vector2d((1 - share) * a + share * b);
+}
+
 }  // namespace
 
 PixelRays::PixelRays(const CameraIntrinsics& camera) : width_(camera.width), height_(camera.height) {
   const int columns = width_ + 1;
+  const Lens lens(camera);
+  const Eigen::Vector2d nowhere = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
   corners_.resize(static_cast<size_t>(columns) * static_cast<size_t>(height_ + 1));
   parallel_for(static_cast<size_t>(height_) + 1, [&](size_t row) {
-    for (int column = 0; column < columns; ++column)
+    for (int column = 0; column < columns; ++column) {
+      const auto ray = lens.pixel_ray({column - 0.5, static_cast<double>(row) - 0.5});
       corners_[row * static_cast<size_t>(columns) + static_cast<size_t>(column)] =
-          pixel_ray(camera, {column - 0.5, static_cast<double>(row) - 0.5}).head<2>();
+          ray ? Eigen::Vector2d(ray->head<2>()) : nowhere;
+    }
   });
 }
 
@@ -39,9 +50,7 @@ Eigen::Vector3d PixelRays::at(double column, double row) const {
       &corners_[static_cast<size_t>(j) * static_cast<size_t>(width_ + 1) + static_cast<size_t>(i)];
   const auto* below = corner + width_ + 1;
   const double u = x - i, v = y - j;
-  const Eigen::Vector2d at =
-      (1 - v) * ((1 - u) * corner[0] + u * corner[1]) + v * ((1 - u) * below[0] + u * below[1]);
-  return at.homogeneous();
+  return mixed(mixed(corner[0], corner[1], u), mixed(below[0], below[1], u), v).homogeneous();
 }
 
 Patch PixelRays::patch(int column, int row) const {
@@ -136,13 +145,16 @@ float& ImageRenderer::value(Radiance& picture, int column, int row) const {
 
 ImageRenderer::Sight ImageRenderer::look(const Candidates& candidates, const SurfaceView* first, int column,
                                          int row) const {
-  const Meeting meeting = cast(candidates, ray(column, row));
+  const Eigen::Vector3d in_camera = rays_->at(column, row);
+  if (!in_camera.allFinite()) return {-2, std::numeric_limits<double>::infinity(), 0};
+  const Meeting meeting = cast(candidates, map_from_camera_.linear() * in_camera);
   const int part = meeting.view ? 8 * static_cast<int>(meeting.view - first) + meeting.hit.part : -1;
   return {part, meeting.hit.along, shade(meeting)};
 }
 
 double ImageRenderer::average(const Candidates& candidates, EdgeRays edge_rays, int column, int row) const {
   static const auto spread = spread_points();
+  if (!rays_->at(column, row).allFinite()) return 0;
   const Patch pixel = rays_->patch(column, row);
   Candidates near;
   for (const Candidate& candidate : candidates)

@@ -20,7 +20,9 @@ struct Radiance {
 struct Patch {
   Eigen::Array2d low = Eigen::Array2d::Constant(std::numeric_limits<double>::infinity()), high = -low;
 
+  /// What is not finite is no point.
   void add(const Eigen::Array2d& point) {
+    if (!point.isFinite().all()) return;
     low = low.min(point);
     high = high.max(point);
   }
@@ -34,7 +36,8 @@ class PixelRays {
   explicit PixelRays(const CameraIntrinsics& camera);
   int width() const { return width_; }
   int height() const { return height_; }
-  /// In the camera frame, of depth 1; (0, 0) is the centre of the first pixel.
+  /// In the camera frame, of depth 1; (0, 0) is the centre of the first pixel. Not finite in pixels with a
+  /// corner beyond the lens's field.
   Eigen::Vector3d at(double column, double row) const;
   /// Holds all that a pixel looks at.
   Patch patch(int column, int row) const;
@@ -53,7 +56,8 @@ struct EdgeRays {
 /// Draws what a still camera sees by casting rays through its lens. Pixels at edges (another surface, face or
 /// tag cell within one pixel) take the mean of 34 rays spread evenly over the pixel, the others one ray. What
 /// never moves is drawn once; a picture then redraws only the 16 x 16 tiles that moving surfaces may touch.
-/// Shading: half ambient, half by the angle to a light above the scene; no shadows.
+/// Pixels beyond the lens's field are black. Shading: half ambient, half by the angle to a light above the
+/// scene; no shadows.
 class ImageRenderer {
  public:
   ImageRenderer(std::shared_ptr<const PixelRays> rays, const Eigen::Isometry3d& map_from_camera,
@@ -73,7 +77,8 @@ class ImageRenderer {
   using Candidates = std::vector<Candidate>;
   /// What the centre of a pixel sees.
   struct Sight {
-    int part = -1;  ///< neighbours that differ have an edge between them
+    int part = -1;  ///< -1: the background; -2: beyond the lens's field; neighbours that differ have an edge
+                    ///< between them
     double along = 0, level = 0;
   };
   struct Tile {

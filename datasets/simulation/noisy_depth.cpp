@@ -13,12 +13,15 @@ namespace {
 /// One image's camera: casts the ray of a place in the image.
 struct Eye {
   const CameraIntrinsics& camera;
+  Lens lens;
   const Eigen::Isometry3d& pose;
   std::vector<SurfaceView> surfaces;
 
-  Eigen::Vector3d ray(const Eigen::Vector2d& pixel) const {
-    const Eigen::Vector3d optical = pixel_ray(camera, pixel);
-    return pose.linear() * Eigen::Vector3d(1, -optical.x(), -optical.y()).normalized();
+  /// Empty beyond the lens's field.
+  std::optional<Eigen::Vector3d> ray(const Eigen::Vector2d& pixel) const {
+    const auto optical = lens.pixel_ray(pixel);
+    if (!optical) return std::nullopt;
+    return pose.linear() * Eigen::Vector3d(1, -optical->x(), -optical->y()).normalized();
   }
   CastResult look(const Eigen::Vector3d& ray) const { return cast_ray(surfaces, ray); }
 };
@@ -71,13 +74,15 @@ double quantised(double depth, double focal, const DepthNoise& noise) {
 /// Range along the pixel's ray after all effects; 0 for no return.
 double measure(const Eye& eye, const Eigen::Vector2d& place, size_t pixel, const Chances& chances,
                const DepthNoise& noise) {
-  const Eigen::Vector3d ray = eye.ray(place);
+  const auto sight = eye.ray(place);
+  if (!sight) return 0.0;
+  const Eigen::Vector3d& ray = *sight;
   CastResult seen = eye.look(ray);
   double range = seen.hit.along;
   if (noise.lateral_px > 0.0) {
     const auto offset = chances.gaussian(pixel, aim);
-    const CastResult beside =
-        eye.look(eye.ray(place + noise.lateral_px * Eigen::Vector2d(offset.first, offset.second)));
+    const auto aside = eye.ray(place + noise.lateral_px * Eigen::Vector2d(offset.first, offset.second));
+    const CastResult beside = eye.look(aside.value_or(ray));
     const bool edge = std::isfinite(range) && std::isfinite(beside.hit.along) &&
                       std::abs(beside.hit.along - range) > 0.05 * range;
     const double other = beside.hit.along;
@@ -114,7 +119,8 @@ DepthImage render_noisy_depth(const SceneDepth& depth, size_t index, std::span<c
   const size_t width = static_cast<size_t>(camera.width), height = static_cast<size_t>(camera.height);
   DepthImage image{camera, std::vector<float>(width * height, 0), depth.unit, depth.max_range,
                    depth.map_from_sensor[index % depth.map_from_sensor.size()]};
-  const Eye eye{camera, image.world_from_sensor, views_from(image.world_from_sensor.translation(), surfaces)};
+  const Eye eye{camera, Lens(camera), image.world_from_sensor,
+                views_from(image.world_from_sensor.translation(), surfaces)};
   const Chances chances(seed, index);
   parallel_for(height, [&](size_t row) {
     for (size_t column = 0; column < width; ++column) {

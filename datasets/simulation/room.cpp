@@ -170,15 +170,16 @@ CloudFrame FurnishedRoom::frame(std::size_t index) const {
   cloud.max_range = camera().max_range;
   cloud.world_from_sensor = stated_pose(index);
   const CameraIntrinsics& intrinsics = image.intrinsics;
+  const Lens lens(intrinsics);
   for (int row = 0; row < intrinsics.height; ++row) {
     for (int column = 0; column < intrinsics.width; ++column) {
       const std::size_t pixel = static_cast<std::size_t>(row) * static_cast<std::size_t>(intrinsics.width) +
                                 static_cast<std::size_t>(column);
       const float range = image.ranges[pixel];
       if (!(range > 0.0F)) continue;
-      const Eigen::Vector3d optical =
-          pixel_ray(intrinsics, {static_cast<double>(column), static_cast<double>(row)});
-      const Eigen::Vector3d ray = Eigen::Vector3d(1, -optical.x(), -optical.y()).normalized();
+      const auto optical = lens.pixel_ray({static_cast<double>(column), static_cast<double>(row)});
+      if (!optical) continue;
+      const Eigen::Vector3d ray = Eigen::Vector3d(1, -optical->x(), -optical->y()).normalized();
       cloud.points.push_back((static_cast<double>(range) * ray).cast<float>());
     }
   }

@@ -18,7 +18,12 @@ CameraIntrinsics true_camera(CameraIntrinsics camera, const PictureErrors& error
   camera.cx -= errors.centre_error;
   camera.cy -= errors.centre_error;
   const double corner = std::hypot(0.5 * camera.width / camera.fx, 0.5 * camera.height / camera.fy);
-  camera.distortion[0] -= errors.distortion_error / (camera.fx * corner * corner * corner);
+  double shift = errors.distortion_error / (camera.fx * corner * corner * corner);  // of k1
+  if (camera.lens == LensModel::rational) {
+    const double s = corner * corner;
+    shift *= 1.0 + s * (camera.distortion[5] + s * (camera.distortion[6] + s * camera.distortion[7]));
+  }
+  camera.distortion[0] -= shift;
   return camera;
 }
 

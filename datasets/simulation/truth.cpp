@@ -20,13 +20,12 @@ Json to_json(const Eigen::Isometry3d& pose) {
 }
 
 Json to_json(const CameraIntrinsics& camera) {
-  return {{"width", camera.width},
-          {"height", camera.height},
-          {"fx", camera.fx},
-          {"fy", camera.fy},
-          {"cx", camera.cx},
-          {"cy", camera.cy},
-          {"distortion", camera.distortion}};
+  Json json{{"width", camera.width}, {"height", camera.height}, {"fx", camera.fx},
+            {"fy", camera.fy},       {"cx", camera.cx},         {"cy", camera.cy}};
+  if (camera.lens != LensModel::plumb_bob) json["lens"] = lens_name(camera.lens);
+  const auto coefficients = coefficients_of(camera);
+  json["distortion"] = std::vector<double>(coefficients.begin(), coefficients.end());
+  return json;
 }
 
 Json to_json(const SceneShape& shape) {
@@ -117,17 +116,18 @@ Json to_json(const std::vector<BoardSetup>& boards) {
 /// One tag as a camera sees it.
 struct SeenTag {
   const CameraIntrinsics& camera;
+  const Lens& lens;
   const Eigen::Isometry3d& map_from_camera;
   Eigen::Isometry3d map_from_tag;
   double size;
 
   Eigen::Vector3d in_map(double x, double y) const { return map_from_tag * Eigen::Vector3d(x, y, 0); }
-  bool in_image(const Eigen::Vector3d& point, Eigen::Vector2d& pixel) const {
+  bool in_image(const Eigen::Vector3d& point) const {
     const Eigen::Vector3d seen = map_from_camera.inverse() * point;
     if (!(seen.z() > 1e-6)) return false;
-    pixel = project(camera, seen);
-    return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= camera.width - 1 &&
-           pixel.y() <= camera.height - 1;
+    const auto pixel = lens.project(seen);
+    return pixel && pixel->x() >= 0 && pixel->y() >= 0 && pixel->x() <= camera.width - 1 &&
+           pixel->y() <= camera.height - 1;
   }
 
   /// Faces the camera, and a 10 x 10 grid over the tag and its quiet zone is in the image with nothing
@@ -139,8 +139,7 @@ struct SeenTag {
     for (int i = 0; i < 10; ++i) {
       for (int j = 0; j < 10; ++j) {
         const Eigen::Vector3d point = in_map(half * (i / 4.5 - 1) * 0.999, half * (j / 4.5 - 1) * 0.999);
-        Eigen::Vector2d pixel;
-        if (!in_image(point, pixel)) return false;
+        if (!in_image(point)) return false;
         if (cast_ray(surfaces, eye, point - eye).hit.along < 1 - 1e-6) return false;
       }
     }
@@ -148,7 +147,7 @@ struct SeenTag {
   }
 
   /// Pixels of the corners of the black border: top left, top right, bottom right, bottom left of the tag as
-  /// one reads it. Null when a corner is behind the camera.
+  /// one reads it. Null when a corner is behind the camera or beyond its lens.
   Json corners() const {
     const double h = size / 2;
     Json json = Json::array();
@@ -156,8 +155,9 @@ struct SeenTag {
          {Eigen::Vector2d(-h, h), Eigen::Vector2d(h, h), Eigen::Vector2d(h, -h), Eigen::Vector2d(-h, -h)}) {
       const Eigen::Vector3d seen = map_from_camera.inverse() * in_map(corner.x(), corner.y());
       if (!(seen.z() > 1e-6)) return nullptr;
-      const Eigen::Vector2d pixel = project(camera, seen);
-      json.push_back({pixel.x(), pixel.y()});
+      const auto pixel = lens.project(seen);
+      if (!pixel) return nullptr;
+      json.push_back({pixel->x(), pixel->y()});
     }
     return json;
   }
@@ -208,12 +208,13 @@ void Truth::add_image(double time, const Eigen::Isometry3d& map_from_camera, con
   std::vector<const Surface*> surfaces;
   for (const auto& surface : still) surfaces.push_back(&surface);
   for (const auto& surface : surfaces_of_moving) surfaces.push_back(&surface);
+  const Lens lens(*scene.setup.camera);
   Json tags = Json::array();
   for (const auto& board : scene.setup.boards) {
     const auto map_from_board = map_from(board, scene.setup, moving);
     if (!map_from_board) continue;
     for (const auto& tag : board.tags) {
-      const SeenTag seen{*scene.setup.camera, map_from_camera, *map_from_board * tag.board_from_tag,
+      const SeenTag seen{*scene.setup.camera, lens, map_from_camera, *map_from_board * tag.board_from_tag,
                          tag.size};
       tags.push_back({{"id", tag.id},
                       {"board", board.name},

@@ -38,8 +38,10 @@ CameraIntrinsics intrinsics(const mrpt::img::TCamera& camera) {
                           camera.cx(),
                           camera.cy(),
                           {}};
-  if (camera.distortion != mrpt::img::DistortionModel::none)
-    for (size_t i = 0; i < result.distortion.size(); ++i) result.distortion[i] = camera.dist[i];
+  if (camera.distortion == mrpt::img::DistortionModel::kannala_brandt)
+    set_lens(result, LensModel::fisheye, std::array{camera.k1(), camera.k2(), camera.k3(), camera.k4()});
+  else if (camera.distortion == mrpt::img::DistortionModel::plumb_bob)
+    set_lens(result, LensModel::rational, camera.dist);  // MRPT's plumb bob has room for k4, k5, k6
   return result;
 }
 
@@ -49,8 +51,6 @@ void decode_image(const mrpt::img::CImage& stored, const mrpt::img::TCamera& cam
     return skipped("an image is stored outside of the recording, in '" + stored.getExternalStorageFile() +
                    "': only embedded images are read");
   }
-  if (camera.distortion == mrpt::img::DistortionModel::kannala_brandt)
-    return skipped("an image was taken with a fish-eye lens: only plumb-bob lenses are read");
   if (stored.isEmpty()) return skipped("an image has no pixels");
   const mrpt::img::CImage grey = stored.isColor() ? stored.grayscale() : stored;
   if (grey.getPixelDepth() != mrpt::img::PixelDepth::D8U)
@@ -70,14 +70,15 @@ void decode_image(const mrpt::img::CImage& stored, const mrpt::img::TCamera& cam
 
 /// Points of a range image: MRPT's depth camera looks along +x, with +y left and +z up.
 std::vector<Eigen::Vector3f> range_points(const mrpt::obs::CObservation3DRangeScan& scan) {
-  const CameraIntrinsics camera = intrinsics(scan.cameraParams);
+  const Lens lens(intrinsics(scan.cameraParams));
   std::vector<Eigen::Vector3f> points;
   for (int row = 0; row < scan.rangeImage.rows(); ++row) {
     for (int column = 0; column < scan.rangeImage.cols(); ++column) {
       const double range = scan.rangeImage(row, column) * static_cast<double>(scan.rangeUnits);
       if (!(range > 0)) continue;
-      const Eigen::Vector3d optical = pixel_ray(camera, {column, row});
-      const Eigen::Vector3d ray(1, -optical.x(), -optical.y());
+      const auto optical = lens.pixel_ray({column, row});
+      if (!optical) continue;
+      const Eigen::Vector3d ray(1, -optical->x(), -optical->y());
       const Eigen::Vector3d point = scan.range_is_depth ? range * ray : range * ray.normalized();
       if (point.allFinite()) points.push_back(point.cast<float>());
     }

@@ -21,12 +21,20 @@ struct GrayImage {
   bool operator==(const GrayImage&) const = default;
 };
 
-/// A pinhole camera with plumb-bob distortion, in pixels. Pixel (0, 0) is the *centre* of the top left pixel
-/// (OpenCV's convention); width 0 means "not known".
+/// How a lens bends rays, with OpenCV's coefficients in OpenCV's order.
+enum class LensModel : std::uint8_t {
+  plumb_bob,  ///< k1 k2 p1 p2 k3 (Brown-Conrady; kalibr's radtan)
+  rational,   ///< k1 k2 p1 p2 k3 k4 k5 k6 (CALIB_RATIONAL_MODEL; ROS: rational_polynomial)
+  fisheye,    ///< k1 k2 k3 k4 of the angle (Kannala and Brandt; cv::fisheye; ROS and kalibr: equidistant)
+};
+
+/// A camera, in pixels. Pixel (0, 0) is the *centre* of the top left pixel (OpenCV's convention); width 0
+/// means "not known".
 struct CameraIntrinsics {
   int width = 0, height = 0;
   double fx = 0, fy = 0, cx = 0, cy = 0;
-  std::array<double, 5> distortion{};  ///< k1 k2 p1 p2 k3
+  std::array<double, 8> distortion{};  ///< as many as the lens has, the rest 0
+  LensModel lens = LensModel::plumb_bob;
 
   bool operator==(const CameraIntrinsics&) const = default;
 };

@@ -40,7 +40,12 @@ mrpt::img::TCamera mrpt_camera(const CameraIntrinsics& camera) {
   result.nrows = static_cast<uint32_t>(camera.height);
   result.setIntrinsicParamsFromValues(camera.fx, camera.fy, camera.cx, camera.cy);
   const auto& d = camera.distortion;
-  result.setDistortionPlumbBob(d[0], d[1], d[2], d[3], d[4]);
+  if (camera.lens == LensModel::fisheye) {
+    result.setDistortionKannalaBrandt(d[0], d[1], d[2], d[3]);
+  } else {
+    result.distortion = mrpt::img::DistortionModel::plumb_bob;
+    result.dist = d;  // of a rational lens with k4, k5, k6, as OpenCV reads them there
+  }
   return result;
 }
 

@@ -56,6 +56,17 @@ inline std::vector<Frame> sample_frames() {
           {1000.75, "camera", sample_image(random, 8, 6)}};
 }
 
+/// The picture with a rational and a fisheye lens.
+inline std::vector<ImageFrame> images_of_other_lenses() {
+  std::mt19937 random(8);
+  ImageFrame rational = sample_image(random, 8, 6), fisheye = rational;
+  rational.intrinsics.distortion = {0.42, -2.1, 5e-4, -3e-4, 1.3, 0.31, -1.9, 1.2};
+  rational.intrinsics.lens = LensModel::rational;
+  fisheye.intrinsics.distortion = {-0.012, 0.021, -0.017, 0.003};
+  fisheye.intrinsics.lens = LensModel::fisheye;
+  return {rational, fisheye};
+}
+
 inline std::string bytes_of(const Frame& frame) { return frame_to_bytes({frame, true}); }
 
 /// All frames of a recording.

@@ -14,6 +14,12 @@
 namespace clearway::scene {
 namespace {
 
+/// OpenCV's coefficients of any lens.
+cv::Mat coefficients_of(const Camera& c) {
+  const int count = c.lens == LensDistortion::Model::fisheye ? 4 : 8;
+  return cv::Mat(1, count, CV_64F, const_cast<double*>(c.distortion.data()));
+}
+
 cv::Matx33d matrix_of(const Camera& c) { return {c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1}; }
 
 /// 10 x 10 cells of a printed tag, upper row first: white ring, black ring, 6 x 6 bits.
@@ -49,9 +55,11 @@ void draw(const Camera& camera, const PlacedTag& tag, int n, cv::Mat& grey) {
   std::vector<cv::Point2d> pixels, rays;  // of the pixel corners; in between, a bilinear ray is exact enough
   for (int y = y0; y <= y1 + 1; ++y)
     for (int x = x0; x <= x1 + 1; ++x) pixels.emplace_back(x - 0.5, y - 0.5);
-  cv::undistortPoints(pixels, rays, matrix_of(camera),
-                      cv::Mat(1, 5, CV_64F, const_cast<double*>(camera.distortion.data())), cv::noArray(),
-                      cv::noArray(), cv::TermCriteria(cv::TermCriteria::COUNT, 14, 0));
+  if (camera.lens == LensDistortion::Model::fisheye)
+    cv::fisheye::undistortPoints(pixels, rays, matrix_of(camera), coefficients_of(camera));
+  else
+    cv::undistortPoints(pixels, rays, matrix_of(camera), coefficients_of(camera), cv::noArray(),
+                        cv::noArray(), cv::TermCriteria(cv::TermCriteria::COUNT, 14, 0));
   const int stride = x1 - x0 + 2;
   const Eigen::Matrix3d r = tag.camera_from_tag.linear();
   const Eigen::Vector3d t = tag.camera_from_tag.translation();
@@ -80,6 +88,30 @@ Camera distorted_camera() {
   return {640, 480, 600.0, 605.0, 318.0, 243.0, {-0.18, 0.06, 0.0006, -0.0004, 0.0}};
 }
 
+Camera rational_camera() {
+  return {640,
+          480,
+          600.0,
+          605.0,
+          318.0,
+          243.0,
+          {0.42, -2.1, 0.0005, -0.0003, 1.3, 0.31, -1.9, 1.2},
+          {},
+          LensDistortion::Model::rational};
+}
+
+Camera fisheye_camera() {
+  return {640,
+          480,
+          230.0,
+          231.5,
+          318.0,
+          243.0,
+          {-0.012, 0.021, -0.017, 0.003},
+          {},
+          LensDistortion::Model::fisheye};
+}
+
 Eigen::Isometry3d tag_before_camera(double distance, double tilt, double azimuth, double roll, double x,
                                     double y) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
@@ -93,9 +125,12 @@ Eigen::Isometry3d tag_before_camera(double distance, double tilt, double azimuth
 
 Eigen::Vector2d pixel_by_opencv(const Camera& camera, const Eigen::Vector3d& point) {
   std::vector<cv::Point2d> pixel;
-  cv::projectPoints(std::vector<cv::Point3d>{{point.x(), point.y(), point.z()}}, cv::Vec3d(), cv::Vec3d(),
-                    matrix_of(camera), cv::Mat(1, 5, CV_64F, const_cast<double*>(camera.distortion.data())),
-                    pixel);
+  const std::vector<cv::Point3d> points{{point.x(), point.y(), point.z()}};
+  if (camera.lens == LensDistortion::Model::fisheye)
+    cv::fisheye::projectPoints(points, pixel, cv::Vec3d(), cv::Vec3d(), matrix_of(camera),
+                               coefficients_of(camera));
+  else
+    cv::projectPoints(points, cv::Vec3d(), cv::Vec3d(), matrix_of(camera), coefficients_of(camera), pixel);
   return {pixel[0].x, pixel[0].y};
 }
 

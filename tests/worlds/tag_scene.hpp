@@ -29,6 +29,10 @@ struct Look {
 
 Camera plain_camera();
 Camera distorted_camera();
+/// Like an Azure Kinect's colour camera: k1 to k6 are large and nearly cancel.
+Camera rational_camera();
+/// 100 degrees from the axis in its corners.
+Camera fisheye_camera();
 
 /// Camera looking at a tag `distance` ahead, turned by `tilt` about an axis of the tag's plane at `azimuth`,
 /// rolled about its normal, shifted sideways.

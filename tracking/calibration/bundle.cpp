@@ -65,7 +65,7 @@ std::array<double, kCameraUnknowns> camera_priors(const Camera& camera) {
   const double x = std::max(camera.cx, camera.width - camera.cx) / camera.fx;
   const double y = std::max(camera.cy, camera.height - camera.cy) / camera.fy;
   const double r = std::hypot(x, y), f = std::sqrt(camera.fx * camera.fy);
-  const bool is_given = camera.distortion != std::array<double, 5>{};
+  const bool is_given = camera.distortion != LensDistortion::Coefficients{};
   const double px =
       camera.errors.distortion.value_or(is_given ? 0.5 : 0.005 * std::hypot(camera.width, camera.height));
   const CameraErrors& e = camera.errors;

@@ -78,8 +78,9 @@ std::vector<Scan> LiveRoom::views() const {
 bool LiveRoom::is_seen(const Eigen::Vector3d& point) const {
   const Eigen::Vector3d in_sensor = camera_.map_from_sensor.front().inverse() * point;
   if (in_sensor.x() <= 0.1) return false;
-  const Eigen::Vector2d pixel = project(camera_.intrinsics, {-in_sensor.y(), -in_sensor.z(), in_sensor.x()});
-  if (pixel.x() < 30.0 || pixel.x() > 610.0 || pixel.y() < 30.0 || pixel.y() > 450.0) return false;
+  const auto pixel = Lens(camera_.intrinsics).project({-in_sensor.y(), -in_sensor.z(), in_sensor.x()});
+  if (!pixel || pixel->x() < 30.0 || pixel->x() > 610.0 || pixel->y() < 30.0 || pixel->y() > 450.0)
+    return false;
   const std::vector<Surface> surfaces(things_.begin(), things_.end());
   std::vector<const Surface*> targets;
   for (const Surface& surface : surfaces) targets.push_back(&surface);

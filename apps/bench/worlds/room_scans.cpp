@@ -15,15 +15,17 @@ Scan scan_of(const CloudFrame& frame) {
 
 Scan scan_of(const DepthImage& image) {
   const auto width = static_cast<std::size_t>(image.intrinsics.width);
+  const Lens lens(image.intrinsics);
   Scan scan;
   scan.sensor = "depth";
   scan.map_from_sensor = image.world_from_sensor;
   for (std::size_t pixel = 0; pixel < image.ranges.size(); ++pixel) {
     const float range = image.ranges[pixel];
     if (!(range > 0.0F)) continue;
-    const Eigen::Vector3d optical =
-        pixel_ray(image.intrinsics, {static_cast<double>(pixel % width), static_cast<double>(pixel / width)});
-    const Eigen::Vector3d ray = Eigen::Vector3d(1, -optical.x(), -optical.y()).normalized();
+    const auto optical =
+        lens.pixel_ray({static_cast<double>(pixel % width), static_cast<double>(pixel / width)});
+    if (!optical) continue;
+    const Eigen::Vector3d ray = Eigen::Vector3d(1, -optical->x(), -optical->y()).normalized();
     scan.points.push_back((double{range} * ray).cast<float>());
   }
   return scan;

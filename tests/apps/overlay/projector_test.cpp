@@ -41,7 +41,8 @@ double distance_to(const std::vector<std::array<ScreenCorner, 2>>& pieces, const
 
 TEST(Projector, sees_points_where_opencv_projects_them) {
   std::mt19937 random(1);
-  for (const Camera& camera : {scene::plain_camera(), scene::distorted_camera(), wide_camera()}) {
+  for (const Camera& camera : {scene::plain_camera(), scene::distorted_camera(), wide_camera(),
+                               scene::rational_camera(), scene::fisheye_camera()}) {
     const Projector projector(camera);
     for (int i = 0; i < 2000; ++i) {
       const Vector3d point = drawn_point(random);
@@ -68,7 +69,8 @@ TEST(Projector, sees_nothing_behind_the_near_plane_or_beyond_the_fold) {
 TEST(Projector, segments_follow_the_lens) {
   std::mt19937 random(2);
   int seen = 0;
-  for (const Camera& camera : {scene::distorted_camera(), wide_camera(), folding_camera()}) {
+  for (const Camera& camera : {scene::distorted_camera(), wide_camera(), folding_camera(),
+                               scene::rational_camera(), scene::fisheye_camera()}) {
     const Projector projector(camera, {.tolerance = 0.25});
     for (int i = 0; i < 300; ++i) {
       const Vector3d from = drawn_point(random), to = drawn_point(random);
@@ -88,7 +90,8 @@ TEST(Projector, segments_follow_the_lens) {
 TEST(Projector, what_is_drawn_of_a_segment_through_the_camera_is_before_it) {
   std::mt19937 random(3);
   std::normal_distribution<double> any(0.0, 1.0);
-  for (const Camera& camera : {scene::plain_camera(), wide_camera(), folding_camera()}) {
+  for (const Camera& camera :
+       {scene::plain_camera(), wide_camera(), folding_camera(), scene::fisheye_camera()}) {
     const Projector projector(camera, {.near = 0.05});
     for (int i = 0; i < 1000; ++i) {
       const Vector3d from(any(random), any(random), any(random)), to(any(random), any(random), any(random));
@@ -103,11 +106,32 @@ TEST(Projector, what_is_drawn_of_a_segment_through_the_camera_is_before_it) {
   }
 }
 
+TEST(Projector, a_straight_edge_across_a_fisheye_bends_with_it) {
+  const Camera camera = scene::fisheye_camera();
+  const Projector projector(camera);
+  const Vector3d from(-20, 0.8, 0.4), to(20, 0.8, 0.4);
+  const auto pieces = projector.segment(from, to);
+  EXPECT_GT(pieces.size(), 8U);
+  EXPECT_LT(pieces.size(), 200U);
+  int seen = 0;
+  for (double x = -20; x <= 20; x += 0.05) {
+    const Eigen::Vector2d pixel = scene::pixel_by_opencv(camera, {x, 0.8, 0.4});
+    if (!camera.sees(pixel)) continue;
+    ++seen;
+    EXPECT_LT(distance_to(pieces, pixel), 0.26) << x;
+  }
+  EXPECT_GT(seen, 130);
+  // The chord of its ends is far from it.
+  const Eigen::Vector2d middle = scene::pixel_by_opencv(camera, {0, 0.8, 0.4});
+  EXPECT_GT(middle.y() - scene::pixel_by_opencv(camera, from).y(), 200.0);
+}
+
 /// And the two parts of a triangle that is cut from one corner cover the same.
 TEST(Projector, pieces_of_triangles_cover_the_image_of_the_triangle_once) {
   std::mt19937 random(4);
   int seen = 0;
-  for (const Camera& camera : {scene::distorted_camera(), wide_camera(), folding_camera()}) {
+  for (const Camera& camera : {scene::distorted_camera(), wide_camera(), folding_camera(),
+                               scene::rational_camera(), scene::fisheye_camera()}) {
     const Projector projector(camera);
     for (int i = 0; i < 100; ++i) {
       const Vector3d a = drawn_point(random), b = drawn_point(random), c = drawn_point(random);

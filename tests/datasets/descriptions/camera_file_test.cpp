@@ -57,6 +57,22 @@ TEST(CameraFile, kalibr_and_ros_describe_the_same_camera) {
   EXPECT_EQ(parse_camera_file(rational, "c.yaml", ""), expected);
 }
 
+TEST(CameraFile, rational_and_fisheye_lenses_keep_their_coefficients) {
+  CameraIntrinsics expected{752, 480, 458.6, 457.2, 367.2, 248.3, {-0.28, 0.07, 0.0001, -0.0002}};
+  expected.lens = LensModel::fisheye;
+  EXPECT_EQ(parse_camera_file(with(kalibr, "radtan", "equidistant"), "c.yaml", ""), expected);
+  for (const std::string name : {"equidistant", "fisheye"})
+    EXPECT_EQ(parse_camera_file(with(with(ros, "plumb_bob", name), "-0.0002, 0]", "-0.0002]"), "c.yaml", ""),
+              expected);
+  expected.lens = LensModel::rational;
+  expected.distortion = {-0.28, 0.07, 0.0001, -0.0002, 0.5, 0.1, 0.2, 0.3};
+  const std::string rational = with(ros, "plumb_bob", "rational_polynomial");
+  for (const std::string rest : {"", ", 0, 0, 0, 0", ", 0, 0, 0, 0, 0, 0"})  // of thin prisms and tilts
+    EXPECT_EQ(parse_camera_file(with(rational, "-0.0002, 0]", "-0.0002, 0.5, 0.1, 0.2, 0.3" + rest + "]"),
+                                "c.yaml", ""),
+              expected);
+}
+
 TEST(CameraFile, a_setup_takes_it_relative_to_its_own_folder) {
   const TemporaryFolder folder;
   folder.write("ros.yaml", ros);
@@ -66,10 +82,13 @@ TEST(CameraFile, a_setup_takes_it_relative_to_its_own_folder) {
 
 TEST(CameraFile, other_lenses_and_damaged_files_are_refused_in_a_sentence) {
   for (const auto& [text, words] : std::vector<std::pair<std::string, std::string>>{
-           {with(kalibr, "radtan", "equidistant"), "the lens 'equidistant' is not known"},
-           {with(kalibr, "model: pinhole", "model: omni"), "the lens 'omni' is not known"},
-           {with(ros, "plumb_bob", "fisheye"), "the lens 'fisheye' is not known"},
-           {with(ros, "-0.0002, 0]", "-0.0002, 0, 0.1, 0, 0]"), "k4, k5, k6"},
+           {with(kalibr, "radtan", "fov"), "the lens 'fov' is not known, expected plumb_bob"},
+           {with(kalibr, "model: pinhole", "model: omni"), "the camera model 'omni' is not known"},
+           {with(kalibr, "[-0.28, 0.07, 0.0001, -0.0002]", "[-0.28]"), "expected 4, 5 or 8 numbers, got 1"},
+           {with(with(kalibr, "radtan", "equidistant"), "[-0.28, 0.07, 0.0001, -0.0002]", "[]"),
+            "expected 4 numbers, got 0"},
+           {with(with(ros, "plumb_bob", "fisheye"), "-0.0002, 0]", "-0.0002, 0.1]"), "k1, k2, k3, k4"},
+           {with(ros, "-0.0002, 0]", "-0.0002, 0, 0.1, 0, 0]"), "k1, k2, p1, p2, k3"},
            {with(ros, "[458.6, 0,", "[458.6, 3,"), "expected [fx, 0, cx"},
            {with(ros, "[458.6, 0,", "[.nan, 0,"), "c.yaml"},
            {with(kalibr, "[458.6, ", "["), "intrinsics"},

@@ -50,6 +50,15 @@ TEST(SetupBlocks, every_block_reads_back_to_what_was_written) {
   }
 }
 
+TEST(SetupBlocks, cameras_of_every_lens_read_back_to_what_was_written) {
+  CameraIntrinsics camera{640, 480, 230.5, 231.25, 318, 243, {-0.0125, 0.5, -0.25, 0.0625}};
+  camera.lens = LensModel::fisheye;
+  EXPECT_EQ(parse_setup(camera_block(camera), "fisheye").camera, camera);
+  camera.distortion = {-0.0125, 0.5, -0.25, 0.0625, 1, 2, 3, 4};
+  camera.lens = LensModel::rational;
+  EXPECT_EQ(parse_setup(camera_block(camera), "rational").camera, camera);
+}
+
 TEST(SetupBlocks, robots_and_sensors_read_back_to_what_was_written) {
   clearway::Setup setup = parse_setup(small_setup, "small");
   setup.robot.emplace();

@@ -23,8 +23,9 @@ Eigen::Isometry3d tag_pose(double x, double y, double z, double tilt, double tur
   return pose;
 }
 
-Radiance draw(const std::vector<Surface>& still, const std::vector<Surface>& moving = {}) {
-  return ImageRenderer(std::make_shared<const PixelRays>(camera), Eigen::Isometry3d::Identity(), still, 40)
+Radiance draw(const std::vector<Surface>& still, const std::vector<Surface>& moving = {},
+              const CameraIntrinsics& by = camera) {
+  return ImageRenderer(std::make_shared<const PixelRays>(by), Eigen::Isometry3d::Identity(), still, 40)
       .draw(moving);
 }
 
@@ -40,16 +41,20 @@ double level(const Radiance& picture, const Eigen::Vector2d& at) {
 
 /// Pixels by OpenCV of points in the tag's plane.
 std::vector<Eigen::Vector2d> projected(const Eigen::Isometry3d& camera_from_tag,
-                                       const std::vector<Eigen::Vector2d>& points) {
+                                       const std::vector<Eigen::Vector2d>& points,
+                                       const CameraIntrinsics& by = camera) {
   std::vector<cv::Point3d> in_camera;
   for (const auto& p : points) {
     const Eigen::Vector3d q = camera_from_tag * Eigen::Vector3d(p.x(), p.y(), 0);
     in_camera.emplace_back(q.x(), q.y(), q.z());
   }
   std::vector<cv::Point2d> pixels;
-  cv::projectPoints(in_camera, cv::Vec3d(), cv::Vec3d(),
-                    cv::Matx33d(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1), camera.distortion,
-                    pixels);
+  const cv::Matx33d matrix(by.fx, 0, by.cx, 0, by.fy, by.cy, 0, 0, 1);
+  const std::vector<double> lens(coefficients_of(by).begin(), coefficients_of(by).end());
+  if (by.lens == LensModel::fisheye)
+    cv::fisheye::projectPoints(in_camera, pixels, cv::Vec3d(), cv::Vec3d(), matrix, lens);
+  else
+    cv::projectPoints(in_camera, cv::Vec3d(), cv::Vec3d(), matrix, lens, pixels);
   std::vector<Eigen::Vector2d> result;
   for (const auto& pixel : pixels) result.emplace_back(pixel.x, pixel.y);
   return result;
@@ -98,6 +103,69 @@ TEST(ImageRenderer, BordersOfTagsLieWhereOpenCvProjectsThem) {
   EXPECT_LT(std::abs(sum / count), 0.01) << "no bias towards black or white";
 }
 
+TEST(ImageRenderer, TagsBeforeWideLensesLieWhereOpenCvProjectsThemFarFromTheAxisToo) {
+  CameraIntrinsics rational{
+      320, 240, 200, 201, 161.5, 118, {0.42, -2.1, 0.0005, -0.0003, 1.3, 0.31, -1.9, 1.2}};
+  rational.lens = LensModel::rational;
+  CameraIntrinsics fisheye{320, 240, 115, 116, 161.5, 118, {-0.012, 0.021, -0.017, 0.003}};
+  fisheye.lens = LensModel::fisheye;
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (const CameraIntrinsics& by : {rational, fisheye}) {
+    double sum = 0, worst = 0, count = 0;
+    for (int trial = 0; trial < 30; ++trial) {
+      // Facing the camera, up to 30 and 70 degrees from its axis.
+      const double aside = (by.lens == LensModel::fisheye ? 1.2 : 0.5) * uniform(random);
+      Eigen::Isometry3d pose(Eigen::AngleAxisd(aside, Eigen::Vector3d::UnitY()));
+      pose = pose * tag_pose(0, 0.05 * uniform(random), 0.3, 0.4 * uniform(random), 3 * uniform(random));
+      const double size = 0.12, h = size / 2, cell = size / 8;
+      const Radiance picture = draw({Surface(TagShape{size, tag36h11_cells(trial)}, pose)}, {}, by);
+      for (int side = 0; side < 4; ++side) {
+        const Eigen::Rotation2Dd turn(side * M_PI / 2);
+        for (double along = -0.8; along <= 0.8; along += 0.1) {
+          const auto at = projected(
+              pose,
+              {turn * Eigen::Vector2d(along * h, h - 0.5 * cell), turn * Eigen::Vector2d(along * h, h),
+               turn * Eigen::Vector2d(along * h, h + 0.5 * cell)},
+              by);
+          const auto is_in = [](const Eigen::Vector2d& p) {
+            return p.x() > 2 && p.x() < 317 && p.y() > 2 && p.y() < 237;
+          };
+          if (!std::all_of(at.begin(), at.end(), is_in)) continue;
+          const double offset = edge_offset(picture, at[0], at[1], at[2]);
+          sum += offset;
+          worst = std::max(worst, std::abs(offset));
+          ++count;
+        }
+      }
+    }
+    EXPECT_GT(count, 1200) << lens_name(by.lens);
+    EXPECT_LT(worst, 0.25) << lens_name(by.lens) << ", single profiles of small tags";
+    EXPECT_LT(std::abs(sum / count), 0.02) << lens_name(by.lens);
+  }
+}
+
+TEST(ImageRenderer, BeyondItsFieldAFisheyeSeesBlackAndWithinItTheBackgroundOrWhatIsThere) {
+  CameraIntrinsics fisheye{320, 240, 80, 80, 159.5, 119.5, {}};  // 90 degrees: 126 pixels from the middle
+  fisheye.lens = LensModel::fisheye;
+  // A wall all around ahead: only what is 90 degrees aside misses it.
+  const SceneShape wall{"wall", BoxShape{{100, 100, 1}}, Eigen::Isometry3d(Eigen::Translation3d(0, 0, 1.0)),
+                        200};
+  for (const bool is_wall : {false, true}) {
+    const Radiance picture = is_wall ? draw({Surface(wall)}, {}, fisheye) : draw({}, {}, fisheye);
+    for (int row = 0; row < 240; ++row)
+      for (int column = 0; column < 320; ++column) {
+        const double off = std::hypot(column - 159.5, row - 119.5),
+                     value = picture.values[320 * row + column];
+        if (off > 127) {
+          EXPECT_EQ(value, 0) << column << " " << row;
+        } else if (off < 120) {
+          EXPECT_TRUE(is_wall ? value > 60 : value == 40) << column << " " << row;
+        }
+      }
+  }
+}
+
 TEST(ImageRenderer, BallsAreAsLargeAsTheirOutlineSays) {
   const CameraIntrinsics pinhole{320, 240, 400, 400, 160, 120, {}};
   const Eigen::Vector3d center(0.02, -0.01, 0.6);
@@ -110,7 +178,7 @@ TEST(ImageRenderer, BallsAreAsLargeAsTheirOutlineSays) {
   double seen = 0;
   for (int row = 0; row < 240; ++row)
     for (int column = 0; column < 320; ++column) {
-      const Eigen::Vector3d ray = pixel_ray(pinhole, {column, row});
+      const Eigen::Vector3d ray = *Lens(pinhole).pixel_ray({column, row});
       const double level = picture.values[static_cast<size_t>(320 * row + column)];
       if (level > 0) seen += std::pow(ray.norm(), -3) / (400.0 * 400.0);
     }

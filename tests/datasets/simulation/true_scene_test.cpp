@@ -38,7 +38,7 @@ TEST(TrueScene, TheDistortionIsOffByItsPixelsInTheCorner) {
   CameraIntrinsics truth = *true_scene(scene).setup.camera, stated = *scene.setup.camera;
   stated.fy = truth.fy = stated.fx;  // so that the corner's distance is the same along both axes
   const Eigen::Vector3d corner(0.5 * stated.width / stated.fx, 0.5 * stated.height / 331.0, 1);
-  EXPECT_NEAR((project(stated, corner) - project(truth, corner)).norm(), 0.7, 0.01);
+  EXPECT_NEAR((*Lens(stated).project(corner) - *Lens(truth).project(corner)).norm(), 0.7, 0.01);
 }
 
 TEST(TrueScene, TagsLieAsideByTheStatedSpreadAndNothingElseMoves) {

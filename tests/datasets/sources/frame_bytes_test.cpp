@@ -19,6 +19,15 @@ TEST(FrameBytes, EveryKindOfFrameComesBack) {
   }
 }
 
+TEST(FrameBytes, EveryLensComesBackAndNoOtherDoes) {
+  for (const ImageFrame& image : images_of_other_lenses()) {
+    std::string bytes = bytes_of({2, "camera", image});
+    EXPECT_EQ(std::get<ImageFrame>(frame_from_bytes(bytes).frame.content).intrinsics, image.intrinsics);
+    bytes[bytes.size() - 16 * sizeof(double) - 1] = 3;  // before the pose
+    EXPECT_THROW(frame_from_bytes(bytes), std::runtime_error);
+  }
+}
+
 TEST(FrameBytes, NothingCutOrLengthenedIsTakenForAFrame) {
   for (const auto& frame : sample_frames()) {
     const std::string bytes = bytes_of(frame);

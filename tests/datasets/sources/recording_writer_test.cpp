@@ -72,12 +72,58 @@ TEST(RecordingWriter, DepthImagesBecomeThePointsOnTheirRays) {
       if (range == 0) continue;
       const Eigen::Vector3f& point = cloud.points.at(next++);
       EXPECT_NEAR(point.norm(), range, 1e-6);
-      const Eigen::Vector2d pixel = project(depth.intrinsics, {-point.y(), -point.z(), point.x()});
+      const Eigen::Vector2d pixel = *Lens(depth.intrinsics).project({-point.y(), -point.z(), point.x()});
       EXPECT_NEAR(pixel.x(), column, 1e-4);
       EXPECT_NEAR(pixel.y(), row, 1e-4);
     }
   }
   EXPECT_EQ(next, cloud.points.size());
+}
+
+TEST(RecordingWriter, EveryLensComesBack) {
+  const TemporaryFolder folder;
+  std::vector<Frame> frames;
+  for (const ImageFrame& image : images_of_other_lenses()) frames.push_back({1.0, "camera", image});
+  write(folder / "a.rawlog", frames);
+  RecordingReader reader(folder / "a.rawlog");
+  const auto read = read_all(reader);
+  ASSERT_EQ(read.size(), 2U);
+  for (size_t i = 0; i < read.size(); ++i)
+    EXPECT_EQ(std::get<ImageFrame>(read[i].content).intrinsics,
+              std::get<ImageFrame>(frames[i].content).intrinsics);
+}
+
+TEST(RecordingWriter, DepthImagesOfAFisheyeBecomeThePointsOnItsRays) {
+  const TemporaryFolder folder;
+  std::mt19937 random(3);
+  DepthImage depth = sample_depth(random, 31, 21);
+  depth.intrinsics.fx = depth.intrinsics.fy = 8;  // 90 degrees lie 12.6 pixels from the middle
+  depth.intrinsics.lens = LensModel::fisheye;
+  RecordingWriter writer(folder / "d.rawlog");
+  writer.write(5, "depth", depth);
+  writer.finish();
+  RecordingReader reader(folder / "d.rawlog");
+  const auto frames = read_all(reader);
+  ASSERT_EQ(frames.size(), 1U);
+  const auto& cloud = std::get<CloudFrame>(frames[0].content);
+  size_t next = 0, beyond = 0;
+  for (int row = 0; row < 21; ++row) {
+    for (int column = 0; column < 31; ++column) {
+      const float range = depth.ranges[static_cast<size_t>(31 * row + column)];
+      if (range == 0) continue;
+      const Eigen::Vector2d off(column - 15.5, row - 10.5);
+      const double angle = off.norm() / 8;  // equidistant
+      if (angle >= M_PI_2) {
+        ++beyond;
+        continue;
+      }
+      const Eigen::Vector2d aside = std::sin(angle) * off.normalized();
+      const Eigen::Vector3d expected = range * Eigen::Vector3d(std::cos(angle), -aside.x(), -aside.y());
+      EXPECT_LT((cloud.points.at(next++).cast<double>() - expected).norm(), 1e-5);
+    }
+  }
+  EXPECT_EQ(next, cloud.points.size());
+  EXPECT_GT(beyond, 50U);
 }
 
 TEST(RecordingWriter, TheSameFramesGiveTheSameBytes) {
