@@ -13,6 +13,7 @@
 #include "apps/console/parse.hpp"
 #include "apps/console/table.hpp"
 #include "apps/results/compare_files.hpp"
+#include "apps/results/compare_overview.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/interruption.hpp"
@@ -83,10 +84,11 @@ void print_experiment(const CompareExperiment& experiment, Console& console) {
 }
 
 void print_sums(const CompareResults& results, Console& console) {
-  const auto sums = total_table(results);
-  if (sums.empty()) return;
-  console.out() << "== all experiments\n";
-  print_table(console.out(), sums);
+  const CompareOverview all = overview(results);
+  if (!all.adds_up()) return;
+  console.out() << "== all experiments" << (all.without_runs > 0 ? " so far" : "") << '\n';
+  print_table(console.out(), overview_table(all));
+  for (const std::string& note : overview_notes(all)) console.out() << "  " << note << '\n';
   console.out() << '\n' << std::flush;
 }
 

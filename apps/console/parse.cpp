@@ -90,6 +90,10 @@ std::string grouped(std::size_t number) {
   return digits;
 }
 
+std::string counted(std::size_t count, const std::string& what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
 std::string significant(double value, int digits) {
   std::ostringstream stream;
   stream.imbue(std::locale::classic());

@@ -29,6 +29,9 @@ std::string to_text(const Eigen::Isometry3d& pose);
 /// "1234567" as "1,234,567".
 std::string grouped(std::size_t number);
 
+/// "1 run", "2 runs".
+std::string counted(std::size_t count, const std::string& what);
+
 /// A number with `digits` significant digits in the classic locale.
 std::string significant(double value, int digits = 4);
 

@@ -4,6 +4,7 @@
 #include "apps/console/parse.hpp"
 #include "apps/pages/page_template.hpp"
 #include "apps/results/compare_files.hpp"
+#include "apps/results/compare_overview.hpp"
 #include "apps/results/compare_statistics.hpp"
 #include "apps/results/compare_summary.hpp"
 #include "apps/viewer/page_templates.hpp"
@@ -52,10 +53,6 @@ Json profile_json(const CompareProfile& profile) {
     waypoints.push_back(std::vector<double>(q.begin(), q.end()));
   }
   return {{"planner", profile.planner}, {"waypoints", waypoints}};
-}
-
-std::string counted(std::size_t count, const std::string& what) {
-  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
 /// Where the animations are, in words and as files below the folder of results.
@@ -158,10 +155,10 @@ std::string to_html(const CompareResults& results) {
                     "of valid runs. Every path was judged by the independent check, whoever planned it. "
                     "To repeat a run and see it in 3D: clearway compare " +
                     results.file + " --rerun ID --out DIR."},
+      {"overview", overview_json(overview(results))},
       {"experiments", Json::array()}};
-  for (const CompareExperiment& experiment : results.experiments) {
-    page["experiments"].push_back(experiment_json(experiment));
-  }
+  for (const CompareExperiment& experiment : results.experiments)
+    if (!experiment.problems.empty()) page["experiments"].push_back(experiment_json(experiment));
   return fill_page_template(compare_template(), title,
                             "<script type=\"application/json\" id=\"page\">" +
                                 script_json(page.dump(-1, ' ', false, Json::error_handler_t::replace)) +

@@ -1,12 +1,12 @@
 #include "apps/results/compare_results.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "apps/console/number_or_null.hpp"
 #include "apps/console/parse.hpp"
 #include "apps/results/compare_columns.hpp"
+#include "apps/results/compare_overview.hpp"
 #include "apps/results/compare_summary.hpp"
 #include "mapping/system/number_text.hpp"
 
@@ -14,18 +14,6 @@ namespace clearway {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string cell(double value, int digits = 3) {
-  return std::isfinite(value) ? significant(value, digits) : "-";
-}
-
-std::string unsolved_text(const CompareSummary& sum) {
-  std::string text;
-  for (const auto& [status, count] : sum.unsolved) {
-    text += (text.empty() ? "" : ", ") + status + " " + std::to_string(count);
-  }
-  return text.empty() ? "-" : text;
-}
 
 std::string csv_field(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
@@ -49,6 +37,22 @@ std::string csv_text(const CompareCell& cell) {
 }
 
 }  // namespace
+
+std::string cell_text(double value, int digits) {
+  return std::isfinite(value) ? significant(value, digits) : "-";
+}
+
+std::string counts_text(const CompareSummary& sum) {
+  return std::to_string(sum.solved) + " / " + std::to_string(sum.valid) + " / " + std::to_string(sum.total);
+}
+
+std::string unsolved_text(const CompareSummary& sum) {
+  std::string text;
+  for (const auto& [status, count] : sum.unsolved) {
+    text += (text.empty() ? "" : ", ") + status + " " + std::to_string(count);
+  }
+  return text.empty() ? "-" : text;
+}
 
 std::vector<std::string> broken_promises(const CompareResults& results) {
   std::vector<std::string> sentences;
@@ -74,12 +78,11 @@ std::vector<std::vector<std::string>> team_table(const CompareExperiment& experi
                                               "allowed mm", "computed in s", "not arrived"}};
   for (std::size_t i = 0; i < experiment.planners.size(); ++i) {
     const CompareSummary sum = summary(experiment, i);
-    rows.push_back(
-        {experiment.planners[i].label,
-         std::to_string(sum.solved) + " / " + std::to_string(sum.valid) + " / " + std::to_string(sum.total),
-         std::to_string(sum.safe), std::to_string(sum.outrun), std::to_string(sum.refused),
-         cell(sum.motion_median), cell(1000.0 * sum.least_separation), cell(1000.0 * sum.worst_shortfall),
-         cell(1000.0 * sum.allowed_shortfall), cell(sum.time_median), unsolved_text(sum)});
+    rows.push_back({experiment.planners[i].label, counts_text(sum), std::to_string(sum.safe),
+                    std::to_string(sum.outrun), std::to_string(sum.refused), cell_text(sum.motion_median),
+                    cell_text(1000.0 * sum.least_separation), cell_text(1000.0 * sum.worst_shortfall),
+                    cell_text(1000.0 * sum.allowed_shortfall), cell_text(sum.time_median),
+                    unsolved_text(sum)});
   }
   return rows;
 }
@@ -93,45 +96,11 @@ std::vector<std::vector<std::string>> summary_table(const CompareExperiment& exp
                                               "unsolved"}};
   for (std::size_t i = 0; i < experiment.planners.size(); ++i) {
     const CompareSummary sum = summary(experiment, i);
-    rows.push_back(
-        {experiment.planners[i].label,
-         std::to_string(sum.solved) + " / " + std::to_string(sum.valid) + " / " + std::to_string(sum.total),
-         cell(sum.time_median), cell(sum.time_p95), cell(sum.cpu_median), cell(sum.check_median),
-         cell(sum.cost_median, 4), cell(sum.length_median, 4), cell(sum.steps_median, 6),
-         unsolved_text(sum)});
+    rows.push_back({experiment.planners[i].label, counts_text(sum), cell_text(sum.time_median),
+                    cell_text(sum.time_p95), cell_text(sum.cpu_median), cell_text(sum.check_median),
+                    cell_text(sum.cost_median, 4), cell_text(sum.length_median, 4),
+                    cell_text(sum.steps_median, 6), unsolved_text(sum)});
   }
-  return rows;
-}
-
-std::vector<std::vector<std::string>> total_table(const CompareResults& results) {
-  std::vector<std::vector<std::string>> rows{
-      {"planner", "experiments", "solved / valid / total", "unsolved"}};
-  std::vector<std::string> labels;
-  for (const CompareExperiment& experiment : results.experiments)
-    for (const ComparePlanner& planner : experiment.planners)
-      if (std::find(labels.begin(), labels.end(), planner.label) == labels.end())
-        labels.push_back(planner.label);
-  for (const std::string& label : labels) {
-    CompareSummary sum;
-    std::size_t experiments = 0;
-    for (const CompareExperiment& experiment : results.experiments) {
-      for (std::size_t i = 0; i < experiment.planners.size(); ++i) {
-        if (experiment.setup.teams || experiment.planners[i].label != label) continue;
-        const CompareSummary one = summary(experiment, i);
-        ++experiments;
-        sum.solved += one.solved;
-        sum.valid += one.valid;
-        sum.total += one.total;
-        for (const auto& [status, count] : one.unsolved) sum.unsolved[status] += count;
-      }
-    }
-    if (experiments < 2) continue;
-    rows.push_back(
-        {label, std::to_string(experiments),
-         std::to_string(sum.solved) + " / " + std::to_string(sum.valid) + " / " + std::to_string(sum.total),
-         unsolved_text(sum)});
-  }
-  if (rows.size() == 1) rows.clear();
   return rows;
 }
 
@@ -175,6 +144,7 @@ std::string to_json(const CompareResults& results) {
                {"date", results.date},
                {"time_s", results.time},
                {"experiments", Json::array()},
+               {"overview", overview_json(overview(results))},
                {"broken_promises", broken_promises(results)}};
   for (const CompareExperiment& experiment : results.experiments) {
     Json planners = Json::array();

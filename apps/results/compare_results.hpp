@@ -130,6 +130,8 @@ struct CompareSummary {
   std::map<std::string, std::size_t> unsolved;  ///< by status
 };
 CompareSummary summary(const CompareExperiment& experiment, std::size_t planner);
+/// The same of any runs, whatever experiments and planners they are of.
+CompareSummary summary_of(const std::vector<const CompareRun*>& runs);
 
 /// Sentences about paths that their planner promised to be valid and that the check does not hold valid.
 std::vector<std::string> broken_promises(const CompareResults& results);
@@ -137,9 +139,12 @@ std::vector<std::string> broken_promises(const CompareResults& results);
 /// The table of an experiment: a header, then a row for each planner.
 std::vector<std::vector<std::string>> summary_table(const CompareExperiment& experiment);
 
-/// The sums over all experiments of single robots, a row for each label that stands in two or more; empty
-/// when there is none.
-std::vector<std::vector<std::string>> total_table(const CompareResults& results);
+/// Three numbers of a table: "4 / 3 / 6", solved, valid and all.
+std::string counts_text(const CompareSummary& sum);
+/// "no_path 2, timed_out 1"; "-" when all are solved.
+std::string unsolved_text(const CompareSummary& sum);
+/// A figure of a table; "-" for none.
+std::string cell_text(double value, int digits = 3);
 
 /// One row a run. Times stand in the column `time_s` and nowhere else.
 std::string to_csv(const CompareResults& results);

@@ -87,11 +87,13 @@ PairedFigure paired(const CompareExperiment& experiment, std::size_t first, std:
 
 void count_successes(const CompareExperiment& experiment, PairedPlanners& pair) {
   for (const CompareProblem& problem : experiment.problems) {
-    int difference = 0;
+    int difference = 0, runs_more = 0;
     for (const CompareRun& run : problem.runs) {
       if (run.planner == pair.first) difference += run.is_valid();
       if (run.planner == pair.second) difference -= run.is_valid();
+      runs_more += (run.planner == pair.first) - (run.planner == pair.second);
     }
+    if (runs_more != 0) continue;  // interrupted: one of them has not had its turn
     pair.first_more += difference > 0;
     pair.second_more += difference < 0;
   }

@@ -9,45 +9,40 @@
 #include "apps/results/compare_statistics.hpp"
 
 namespace clearway {
-namespace {
 
 using Json = nlohmann::ordered_json;
 
-}  // namespace
-
-CompareSummary summary(const CompareExperiment& experiment, std::size_t planner) {
+CompareSummary summary_of(const std::vector<const CompareRun*>& runs) {
   CompareSummary sum;
   std::vector<double> times, cpus, checks, costs, lengths, steps, motions, motion_cpus;
-  for (const CompareProblem& problem : experiment.problems) {
-    for (const CompareRun& run : problem.runs) {
-      if (run.planner != planner) continue;
-      ++sum.total;
-      sum.safe += run.check == "valid";
-      sum.outrun += run.check == "outrun";
-      sum.refused += run.check == "refused";
-      if (run.team && run.check != "outrun" && run.check != "none") {
-        sum.least_separation = std::fmin(sum.least_separation, run.min_clearance);
-        const double shortfall = run.team->security_distance - run.min_clearance;
-        sum.worst_shortfall = std::max(sum.worst_shortfall, shortfall);
-        sum.allowed_shortfall = std::max(sum.allowed_shortfall, run.team->step_bound);
-      }
-      if (!run.is_solved()) {
-        ++sum.unsolved[run.outcome()];
-        continue;
-      }
-      ++sum.solved;
-      times.push_back(run.time);
-      cpus.push_back(run.cpu);
-      checks.push_back(run.check_cpu);
-      if (!run.is_valid()) continue;
-      ++sum.valid;
-      if (run.motion) motions.push_back(run.motion->time);
-      if (run.motion) motion_cpus.push_back(run.motion_cpu);
-      sum.edge_by_edge += run.motion && !run.motion->note.empty();
-      costs.push_back(run.cost);
-      lengths.push_back(run.length);
-      steps.push_back(static_cast<double>(run.steps));
+  for (const CompareRun* each : runs) {
+    const CompareRun& run = *each;
+    ++sum.total;
+    sum.safe += run.check == "valid";
+    sum.outrun += run.check == "outrun";
+    sum.refused += run.check == "refused";
+    if (run.team && run.check != "outrun" && run.check != "none") {
+      sum.least_separation = std::fmin(sum.least_separation, run.min_clearance);
+      const double shortfall = run.team->security_distance - run.min_clearance;
+      sum.worst_shortfall = std::max(sum.worst_shortfall, shortfall);
+      sum.allowed_shortfall = std::max(sum.allowed_shortfall, run.team->step_bound);
     }
+    if (!run.is_solved()) {
+      ++sum.unsolved[run.outcome()];
+      continue;
+    }
+    ++sum.solved;
+    times.push_back(run.time);
+    cpus.push_back(run.cpu);
+    checks.push_back(run.check_cpu);
+    if (!run.is_valid()) continue;
+    ++sum.valid;
+    if (run.motion) motions.push_back(run.motion->time);
+    if (run.motion) motion_cpus.push_back(run.motion_cpu);
+    sum.edge_by_edge += run.motion && !run.motion->note.empty();
+    costs.push_back(run.cost);
+    lengths.push_back(run.length);
+    steps.push_back(static_cast<double>(run.steps));
   }
   sum.time_median = quantile(times, 0.5);
   sum.time_p95 = quantile(times, 0.95);
@@ -61,12 +56,20 @@ CompareSummary summary(const CompareExperiment& experiment, std::size_t planner)
   return sum;
 }
 
-Json summary_json(const CompareExperiment& experiment, std::size_t planner) {
-  const ComparePlanner& who = experiment.planners[planner];
-  const CompareSummary sum = summary(experiment, planner);
+CompareSummary summary(const CompareExperiment& experiment, std::size_t planner) {
+  std::vector<const CompareRun*> runs;
+  for (const CompareProblem& problem : experiment.problems)
+    for (const CompareRun& run : problem.runs)
+      if (run.planner == planner) runs.push_back(&run);
+  return summary_of(runs);
+}
+
+namespace {
+
+Json summary_json(const ComparePlanner& who, const CompareSummary& sum, bool is_of_teams) {
   const auto interval = wilson_interval(sum.valid, sum.total);
-  const auto of_teams = [&](const Json& value) { return experiment.setup.teams ? value : Json(nullptr); };
-  const auto of_planners = [&](const Json& value) { return experiment.setup.teams ? Json(nullptr) : value; };
+  const auto of_teams = [&](const Json& value) { return is_of_teams ? value : Json(nullptr); };
+  const auto of_planners = [&](const Json& value) { return is_of_teams ? Json(nullptr) : value; };
   return {{"label", who.label},
           {"planner", who.planner},
           {"options", who.options},
@@ -92,6 +95,17 @@ Json summary_json(const CompareExperiment& experiment, std::size_t planner) {
           {"below_security_distance_m", of_teams(sum.worst_shortfall)},
           {"allowed_below_m", of_teams(sum.allowed_shortfall)},
           {"unsolved", sum.unsolved}};
+}
+
+}  // namespace
+
+Json summary_json(const ComparePlanner& who, const CompareSummary& sum) {
+  return summary_json(who, sum, false);
+}
+
+Json summary_json(const CompareExperiment& experiment, std::size_t planner) {
+  return summary_json(experiment.planners[planner], summary(experiment, planner),
+                      experiment.setup.teams.has_value());
 }
 
 }  // namespace clearway

@@ -11,4 +11,7 @@ namespace clearway {
 /// does not exist is null: medians of nothing, and what only teams have.
 nlohmann::ordered_json summary_json(const CompareExperiment& experiment, std::size_t planner);
 
+/// The same of any runs of single robots.
+nlohmann::ordered_json summary_json(const ComparePlanner& who, const CompareSummary& sum);
+
 }  // namespace clearway

@@ -286,6 +286,38 @@ TEST_F(CompareJob, ThePageHoldsEveryRunAndItsTitleIsText) {
   }
 }
 
+TEST_F(CompareJob, TheTableOfAllExperimentsAddsUpWhatTheCsvHolds) {
+  const auto page = nlohmann::json::parse(
+      PageReader::element(result("report.html"), "<script type=\"application/json\" id=\"page\">"));
+  const auto& rows = page.at("overview").at("planners");
+  EXPECT_EQ(rows.size(), 5U);
+  EXPECT_EQ(page["overview"]["runs"], 7);
+  for (const auto& row : rows) {
+    int total = 0, solved = 0, valid = 0;
+    std::vector<double> times;
+    std::set<std::string> experiments;
+    for (const auto& run : records(result("results.csv"))) {
+      if (run.at("label") != row.at("label")) continue;
+      ++total;
+      experiments.insert(run.at("experiment"));
+      valid += run.at("valid") == "1";
+      solved += run.at("solved") == "1";
+      if (run.at("solved") == "1") times.push_back(std::stod(run.at("time_s")));
+    }
+    std::sort(times.begin(), times.end());
+    EXPECT_EQ(row.at("total"), total);
+    EXPECT_EQ(row.at("solved"), solved);
+    EXPECT_EQ(row.at("valid"), valid);
+    EXPECT_EQ(row.at("experiments"), experiments.size());
+    EXPECT_EQ(row.at("comparable"), row.at("label") == "rrtconnect");
+    EXPECT_EQ(row.at("time_median_s"), times.at((times.size() - 1) / 2));
+    EXPECT_EQ(row.at("time_p95_s"), times.back()) << "of five at most";
+  }
+  EXPECT_NE(run_.out.find("== all experiments\n"), std::string::npos);
+  EXPECT_NE(run_.out.find("coarse *       1 of 2"), std::string::npos) << run_.out;
+  EXPECT_NE(run_.out.find("* ran only some of the 7 runs"), std::string::npos) << run_.out;
+}
+
 TEST_F(CompareJob, MistakesAreReportedBeforeAnythingRuns) {
   const auto refusal = [&](const std::string& from, const std::string& to,
                            std::vector<std::string> flags = {}) {

@@ -11,6 +11,15 @@ export interface Planner {
   unsolved: Record<string, number>;                         // by status
 }
 
+/// As overview_json (apps/results/compare_overview.cpp) writes it: a planner over all experiments of single robots.
+export interface OverviewRow extends Planner {
+  same_options: boolean;                    // in all experiments
+  experiments: number;                      // in which it has runs
+  comparable: boolean;                      // it has all the runs that any planner has
+  shared: Planner;                          // of the runs that all comparable planners solved
+}
+export interface Overview { experiments: number; runs: number; shared_runs: number; notes: string[]; planners: OverviewRow[] }
+
 export interface Run {
   planner: number; problem: number; run: number;
   status: string; check: string;
@@ -38,7 +47,7 @@ export interface Experiment {
   table: string[][] | null;                 // of teams: a header, then a row for each planner
 }
 
-export interface Page { title: string; subtitle: string; about: string; experiments: Experiment[] }
+export interface Page { title: string; subtitle: string; about: string; overview: Overview | null; experiments: Experiment[] }
 
 export const isValid = (run: Run) => run.status === "solved" && run.check === "valid";
 

@@ -5,7 +5,7 @@ import { byId, el } from "../dom";
 import { isDark } from "../palette";
 import { colorOf, type Chart } from "./chart";
 import { readPage } from "./data";
-import { section } from "./section";
+import { overviewSection, section } from "./section";
 
 const asked = new URLSearchParams(location.hash.slice(1)).get("dark");
 const systemDark = matchMedia("(prefers-color-scheme: dark)");
@@ -22,6 +22,10 @@ const page = readPage();
 byId("title").textContent = page.title;
 byId("subtitle").textContent = page.subtitle;
 byId("about").textContent = page.about;
+if (page.overview) {
+  byId("experiments").append(overviewSection(page.overview));
+  byId("contents").append(el("a", { href: "#all" }, "All experiments"));
+}
 page.experiments.forEach((experiment, i) => {
   const made = section(experiment, i);
   byId("experiments").append(made.element);

@@ -1,8 +1,8 @@
-// One experiment: its table, what the paper says, its plots, and the runs that failed.
+// All experiments in one table; and one experiment: its table, what the paper says, its plots, and the runs that failed.
 
 import { el } from "../dom";
 import { colorOf, plain, type Chart } from "./chart";
-import { isValid, type Experiment, type Figure, type Planner, type Run } from "./data";
+import { isValid, type Experiment, type Figure, type Overview, type Planner, type Run } from "./data";
 import { sortable } from "./sortable";
 import { costScatter, profileCharts, shareCharts, timeChart, widthCharts } from "./plots";
 
@@ -36,22 +36,46 @@ function boxed(label: string, inner: HTMLElement): HTMLElement {
 const cell = (text: string, value: number | null) => el("td", value === null ? { class: "number" } : { class: "number", "data-value": String(value) }, text);
 const share = (value: number) => (100 * value).toFixed(value > 0 && value < 1 ? 1 : 0);
 
+/// The planner's name with its colour, options on hovering, and what it does not promise.
+function nameCell(planner: Planner, color: number, ...marks: HTMLElement[]): HTMLElement {
+  const options = Object.entries(planner.options).map(([key, value]) => `${key} = ${value}`).join("\n");
+  const promise = planner.certified ? [] : [el("small", { class: "mark", title: "This planner does not prove its edges" }, "not certified")];
+  return el("td", { class: "planner", "data-value": String(color) }, el("i", { class: "swatch", style: `background:${colorOf(color)}`, "data-color": String(color) }),
+    el("span", { title: `${planner.planner}\n${options}` }, planner.label), ...promise, ...marks);
+}
+
+/// A bar, the counts, and the share of valid runs with its interval.
+function successCells(planner: Planner): HTMLElement[] {
+  const [low, high] = planner.valid_share_95, success = planner.valid / Math.max(planner.total, 1);
+  return [el("td", { class: "runs", "data-value": String(planner.valid) }, bar(planner)),
+    el("td", { class: `number${planner.valid < planner.solved ? " bad" : ""}`, "data-value": String(planner.solved) }, `${planner.solved} / ${planner.valid} / ${planner.total}`),
+    cell(`${share(success)} (${share(low)}–${share(high)})`, success)];
+}
+
+const timeCells = (planner: Planner) => [planner.time_median_s, planner.cpu_median_s, planner.time_p95_s].map((value) => cell(seconds(value), value));
+
 function table(experiment: Experiment): HTMLElement {
   const head = ["planner", "runs", "solved / valid / total", "success, % (95 %)", "time, median", "CPU, median", "time, p95", "cost, J", "length, rad", "steps", "not solved"];
-  const rows = experiment.planners.map((planner, p) => {
-    const options = Object.entries(planner.options).map(([key, value]) => `${key} = ${value}`).join("\n");
-    const name = el("span", { title: `${planner.planner}\n${options}` }, planner.label);
-    const swatch = el("i", { class: "swatch", style: `background:${colorOf(p)}`, "data-color": String(p) });
-    const promise = planner.certified ? [] : [el("small", { class: "uncertified", title: "This planner does not prove its edges" }, "not certified")];
-    const [low, high] = planner.valid_share_95, success = planner.valid / Math.max(planner.total, 1);
-    return el("tr", {}, el("td", { class: "planner", "data-value": String(p) }, swatch, name, ...promise), el("td", { class: "runs", "data-value": String(planner.valid) }, bar(planner)),
-      el("td", { class: `number${planner.valid < planner.solved ? " bad" : ""}`, "data-value": String(planner.solved) }, `${planner.solved} / ${planner.valid} / ${planner.total}`),
-      cell(`${share(success)} (${share(low)}–${share(high)})`, success),
-      ...[planner.time_median_s, planner.cpu_median_s, planner.time_p95_s].map((value) => cell(seconds(value), value)),
-      cell(figure(planner.cost_median_joules), planner.cost_median_joules), cell(figure(planner.length_median_rad), planner.length_median_rad),
-      cell(figure(planner.steps_median, 6), planner.steps_median), el("td", {}, unsolved(planner)));
-  });
+  const rows = experiment.planners.map((planner, p) => el("tr", {}, nameCell(planner, p), ...successCells(planner), ...timeCells(planner),
+    cell(figure(planner.cost_median_joules), planner.cost_median_joules), cell(figure(planner.length_median_rad), planner.length_median_rad),
+    cell(figure(planner.steps_median, 6), planner.steps_median), el("td", {}, unsolved(planner))));
   return boxed(experiment.name, sortable(head, new Set([2, 3, 4, 5, 6, 7, 8, 9]), rows));
+}
+
+/// All experiments of single robots: only planners with the same runs are told apart by it, and the others say so.
+export function overviewSection(overview: Overview): HTMLElement {
+  const head = ["planner", "experiments", "runs", "solved / valid / total", "success, % (95 %)", "time, median", "CPU, median", "time, p95",
+                "shared: time", "shared: cost, J", "shared: length, rad", "not solved"];
+  const rows = overview.planners.map((row, p) => {
+    const part = row.comparable ? [] : [el("small", { class: "mark", title: `It has ${row.total} of the ${overview.runs} runs` }, "* only some runs")];
+    const mixed = row.same_options ? [] : [el("small", { class: "mark", title: "Planner or options differ between experiments; shown are the first one's" }, "options differ")];
+    return el("tr", row.comparable ? {} : { class: "apart" }, nameCell(row, p, ...part, ...mixed), cell(`${row.experiments} of ${overview.experiments}`, row.experiments),
+      ...successCells(row), ...timeCells(row), cell(seconds(row.shared.time_median_s), row.shared.time_median_s),
+      cell(figure(row.shared.cost_median_joules), row.shared.cost_median_joules), cell(figure(row.shared.length_median_rad), row.shared.length_median_rad),
+      el("td", {}, unsolved(row)));
+  });
+  return el("section", { id: "all" }, el("h2", {}, "All experiments"),
+    el("p", { class: "conditions" }, overview.notes.join(" ")), boxed("all experiments", sortable(head, new Set([1, 3, 4, 5, 6, 7, 8, 9, 10]), rows)), legend());
 }
 
 /// Each pair of planners on the problems that both had.
