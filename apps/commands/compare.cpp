@@ -22,6 +22,7 @@
 #include "apps/results/compare_diff.hpp"
 #include "apps/results/compare_files.hpp"
 #include "apps/results/compare_merge.hpp"
+#include "apps/suites/suite_resolutions.hpp"
 #include "mapping/files/map_digest.hpp"
 #include "mapping/system/atomic_folder.hpp"
 #include "mapping/system/input_file.hpp"
@@ -65,13 +66,21 @@ fs::path suite_file(const CompareOptions& options) { return shipped_file("suites
 Suite chosen_suite(const CompareOptions& options) {
   Suite suite = load_suite(suite_file(options));
   add_chosen_planners(options.planners, suite);
+  std::vector<std::string> chosen = options.experiments;
   std::vector<std::string> names;
-  for (const SuiteExperiment& experiment : suite.experiments) names.push_back(experiment.name);
+  for (const SuiteExperiment& experiment : suite.experiments) {
+    names.push_back(experiment.name);
+    const bool is_chosen = std::find(chosen.begin(), chosen.end(), experiment.name) != chosen.end();
+    for (const std::string& name : names_at_resolutions(experiment)) {
+      names.push_back(name);
+      if (is_chosen) chosen.push_back(name);
+    }
+  }
   require_known("--experiments", options.experiments, names);
-  if (!options.experiments.empty()) {
+  expand_resolutions(suite);
+  if (!chosen.empty()) {
     std::erase_if(suite.experiments, [&](const SuiteExperiment& experiment) {
-      return std::find(options.experiments.begin(), options.experiments.end(), experiment.name) ==
-             options.experiments.end();
+      return std::find(chosen.begin(), chosen.end(), experiment.name) == chosen.end();
     });
   }
   if (options.time_limit) {

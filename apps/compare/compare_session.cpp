@@ -14,6 +14,7 @@
 #include "apps/console/table.hpp"
 #include "apps/results/compare_files.hpp"
 #include "apps/results/compare_overview.hpp"
+#include "apps/results/compare_resolutions.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/interruption.hpp"
@@ -84,6 +85,11 @@ void print_experiment(const CompareExperiment& experiment, Console& console) {
 }
 
 void print_sums(const CompareResults& results, Console& console) {
+  for (const ResolutionSweep& sweep : resolution_sweeps(results)) {
+    console.out() << "== effect of resolution: " << sweep_name(results, sweep) << '\n';
+    print_table(console.out(), sweep_table(results, sweep));
+    console.out() << "  " << sweep_note(sweep) << "\n\n";
+  }
   const CompareOverview all = overview(results);
   if (!all.adds_up()) return;
   console.out() << "== all experiments" << (all.without_runs > 0 ? " so far" : "") << '\n';

@@ -35,6 +35,7 @@ class CompareSession {
 /// Every experiment's table, then their sums where there are several.
 void print_results(const CompareResults& results, Console& console);
 void print_experiment(const CompareExperiment& experiment, Console& console);
+/// What stands over several experiments: effects of resolution, and all of them added up.
 void print_sums(const CompareResults& results, Console& console);
 
 /// Sentences about runs that ended without an answer, with the id that repeats each.

@@ -75,14 +75,6 @@ void sum_up(const std::set<SeededProblem>& shared, LabelRuns& label) {
   label.row.shared = summary_of(runs);
 }
 
-std::string success_text(const CompareSummary& sum) {
-  if (sum.total == 0) return "-";
-  const auto [low, high] = wilson_interval(sum.valid, sum.total);
-  const double share = static_cast<double>(sum.valid) / static_cast<double>(sum.total);
-  return significant(100.0 * share, 3) + " (" + significant(100.0 * low, 3) + " to " +
-         significant(100.0 * high, 3) + ")";
-}
-
 }  // namespace
 
 bool CompareOverview::adds_up() const {

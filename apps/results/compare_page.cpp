@@ -5,6 +5,7 @@
 #include "apps/pages/page_template.hpp"
 #include "apps/results/compare_files.hpp"
 #include "apps/results/compare_overview.hpp"
+#include "apps/results/compare_resolutions.hpp"
 #include "apps/results/compare_statistics.hpp"
 #include "apps/results/compare_summary.hpp"
 #include "apps/viewer/page_templates.hpp"
@@ -156,6 +157,7 @@ std::string to_html(const CompareResults& results) {
                     "To repeat a run and see it in 3D: clearway compare " +
                     results.file + " --rerun ID --out DIR."},
       {"overview", overview_json(overview(results))},
+      {"resolutions", sweeps_json(results)},
       {"experiments", Json::array()}};
   for (const CompareExperiment& experiment : results.experiments)
     if (!experiment.problems.empty()) page["experiments"].push_back(experiment_json(experiment));

@@ -83,6 +83,7 @@ Json setup_record(const SuiteExperiment& setup) {
                  {"payload", setup.payload}, {"gravity", reals_record(setup.gravity)},
                  {"runs", setup.runs},       {"plots", setup.plots}};
   if (setup.padding) record["padding"] = *setup.padding;
+  if (!setup.alike.empty()) record["alike"] = setup.alike;
   if (setup.teams)
     record["teams"] = {{"period", setup.teams->period},
                        {"duration", setup.teams->duration},
@@ -101,6 +102,7 @@ SuiteExperiment setup_of(const Json& record) {
   setup.gravity = configuration_of(record.at("gravity"));
   record.at("runs").get_to(setup.runs);
   record.at("plots").get_to(setup.plots);
+  if (record.contains("alike")) record.at("alike").get_to(setup.alike);
   if (record.contains("padding")) setup.padding = record.at("padding").get<double>();
   if (!record.contains("teams")) return setup;
   SuiteTeams teams;

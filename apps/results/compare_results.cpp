@@ -7,6 +7,8 @@
 #include "apps/console/parse.hpp"
 #include "apps/results/compare_columns.hpp"
 #include "apps/results/compare_overview.hpp"
+#include "apps/results/compare_resolutions.hpp"
+#include "apps/results/compare_statistics.hpp"
 #include "apps/results/compare_summary.hpp"
 #include "mapping/system/number_text.hpp"
 
@@ -44,6 +46,14 @@ std::string cell_text(double value, int digits) {
 
 std::string counts_text(const CompareSummary& sum) {
   return std::to_string(sum.solved) + " / " + std::to_string(sum.valid) + " / " + std::to_string(sum.total);
+}
+
+std::string success_text(const CompareSummary& sum) {
+  if (sum.total == 0) return "-";
+  const auto [low, high] = wilson_interval(sum.valid, sum.total);
+  const double share = static_cast<double>(sum.valid) / static_cast<double>(sum.total);
+  return significant(100.0 * share, 3) + " (" + significant(100.0 * low, 3) + " to " +
+         significant(100.0 * high, 3) + ")";
 }
 
 std::string unsolved_text(const CompareSummary& sum) {
@@ -145,6 +155,7 @@ std::string to_json(const CompareResults& results) {
                {"time_s", results.time},
                {"experiments", Json::array()},
                {"overview", overview_json(overview(results))},
+               {"resolutions", sweeps_json(results)},
                {"broken_promises", broken_promises(results)}};
   for (const CompareExperiment& experiment : results.experiments) {
     Json planners = Json::array();

@@ -141,6 +141,8 @@ std::vector<std::vector<std::string>> summary_table(const CompareExperiment& exp
 
 /// Three numbers of a table: "4 / 3 / 6", solved, valid and all.
 std::string counts_text(const CompareSummary& sum);
+/// The share of valid runs in percent with Wilson's interval: "60 (31.3 to 83.2)"; "-" without runs.
+std::string success_text(const CompareSummary& sum);
 /// "no_path 2, timed_out 1"; "-" when all are solved.
 std::string unsolved_text(const CompareSummary& sum);
 /// A figure of a table; "-" for none.

@@ -14,6 +14,8 @@ namespace clearway {
 namespace {
 
 constexpr Bounds resolutions{1e-4, 100};
+// Drawn scenes are as large as the arm that they are for, a metre or so.
+constexpr Bounds generated_resolutions{0.002, 100};
 
 SuiteVolume read_volume(const YamlFields& fields) {
   SuiteVolume volume;
@@ -162,8 +164,7 @@ SuiteGenerator read_generator(const YamlFields& fields) {
   generator.kind = fields.text("kind");
   generator.count = fields.integer("count", {1, 100000});
   generator.seed = fields.seed("seed", 1);
-  // Scenes are as large as the arm that they are for, a metre or so.
-  generator.resolution = fields.number("resolution", {0.002, 100}, generator.resolution);
+  generator.resolution = fields.number("resolution", generated_resolutions, generator.resolution);
   fields.finish();
   return generator;
 }
@@ -231,6 +232,36 @@ void read_robot_terms(const YamlFields& fields, const std::filesystem::path& fol
   for (const std::string& name : packages.keys()) experiment.packages[name] = folder / packages.file(name);
 }
 
+std::set<std::string> used_worlds(const SuiteExperiment& experiment) {
+  std::set<std::string> names;
+  for (const SuiteProblem& problem : experiment.problems)
+    names.insert(problem.world.empty() ? experiment.world : problem.world);
+  return names;
+}
+
+/// Of an experiment whose worlds are made: of a map that is loaded the resolution is what it is.
+void read_resolutions(const YamlFields& fields, const Suite& suite, SuiteExperiment& experiment) {
+  if (!fields.has("resolutions")) return;
+  if (experiment.teams) fields.fail("resolutions", "expected nothing: it does not apply to teams");
+  experiment.resolutions =
+      fields.numbers("resolutions", experiment.generate ? generated_resolutions : resolutions);
+  constexpr std::size_t most = 20;
+  if (experiment.resolutions.size() < 2 || experiment.resolutions.size() > most)
+    fields.fail("resolutions", "expected 2 to " + std::to_string(most) + " resolutions, got " +
+                                   std::to_string(experiment.resolutions.size()) +
+                                   "; a single one stands in 'resolution'");
+  if (std::set<double>(experiment.resolutions.begin(), experiment.resolutions.end()).size() !=
+      experiment.resolutions.size())
+    fields.fail("resolutions", "expected each resolution once");
+  if (experiment.generate && fields.map("generate").has("resolution"))
+    fields.fail("resolutions", "expected nothing beside the 'resolution' of 'generate'; state one of them");
+  const std::set<std::string> used = used_worlds(experiment);
+  for (const SuiteWorld& world : suite.worlds)
+    if (used.contains(world.name) && !world.map.empty())
+      fields.fail("resolutions", "expected worlds that are made here, but the map of world " +
+                                     quote(world.name) + " is loaded and has a resolution of its own");
+}
+
 SuiteExperiment read_experiment(const YamlFields& fields, const Suite& suite,
                                 const std::filesystem::path& folder, const std::vector<SuitePlanner>& usual) {
   SuiteExperiment experiment;
@@ -242,6 +273,7 @@ SuiteExperiment read_experiment(const YamlFields& fields, const Suite& suite,
   experiment.payload = fields.number("payload", not_negative, experiment.payload);
   if (fields.has("gravity")) experiment.gravity = fields.vector("gravity");
   read_tasks(fields, suite, folder, experiment);
+  read_resolutions(fields, suite, experiment);
   read_robot_terms(fields, folder, experiment);
   for (const char* key : {"scale", "payload"})
     if (experiment.teams && fields.has(key)) fields.fail(key, "expected it beside each robot of a team");
@@ -257,6 +289,20 @@ SuiteExperiment read_experiment(const YamlFields& fields, const Suite& suite,
   fields.finish();
   require_size(fields, experiment);
   return experiment;
+}
+
+/// Each world at each resolution that an experiment wants it at.
+void require_sizes_at_resolutions(const YamlFields& fields, const Suite& suite,
+                                  const SuiteExperiment& experiment) {
+  const std::set<std::string> used = used_worlds(experiment);
+  const auto entries = fields.list_of_maps("worlds");
+  for (std::size_t i = 0; i < suite.worlds.size(); ++i) {
+    SuiteWorld world = suite.worlds[i];
+    for (const double resolution : experiment.resolutions) {
+      world.resolution = resolution;
+      if (used.contains(world.name)) require_size(entries[i], world);
+    }
+  }
 }
 
 }  // namespace
@@ -278,6 +324,7 @@ Suite parse_suite(const std::string& text, const std::string& name) {
   for (const auto& entry : fields.list_of_maps("experiments")) {
     suite.experiments.push_back(read_experiment(entry, suite, file.parent_path(), usual));
     take_name(experiments, suite.experiments.back().name, entry, "name");
+    require_sizes_at_resolutions(fields, suite, suite.experiments.back());
   }
   if (suite.experiments.empty()) fields.fail("experiments", "expected at least one experiment");
   fields.finish();

@@ -99,9 +99,11 @@ struct SuiteExperiment {
   std::map<std::string, std::string> policies;  ///< part or "default" -> painted | known_free | not_occupied
   std::optional<double> padding;                ///< m; none: `auto`, the robot's position accuracy
   std::vector<SuitePlanner> planners;
-  int runs = 1;                      ///< each problem with that many seeds
-  std::optional<double> time_limit;  ///< s a leg; left out: the suite's
-  std::vector<std::string> plots;    ///< "profiles" (joint against step), "cost_against_width", ...
+  int runs = 1;                       ///< each problem with that many seeds
+  std::optional<double> time_limit;   ///< s a leg; left out: the suite's
+  std::vector<std::string> plots;     ///< "profiles" (joint against step), "cost_against_width", ...
+  std::vector<double> resolutions{};  ///< m: it is run at each of them; empty: at its world's own
+  std::string alike{};  ///< the first of the experiments that differ from it in resolution alone; empty: none
 };
 
 /// Planners against problems on voxel maps: what `clearway compare` runs.

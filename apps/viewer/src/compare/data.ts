@@ -20,6 +20,12 @@ export interface OverviewRow extends Planner {
 }
 export interface Overview { experiments: number; runs: number; shared_runs: number; notes: string[]; planners: OverviewRow[] }
 
+/// As sweeps_json (apps/results/compare_resolutions.cpp) writes it: experiments that differ in resolution alone.
+export interface Sweep {
+  experiments: string[]; resolutions_m: number[]; note: string;   // finest first
+  planners: { label: string; points: Planner[] }[];               // a point for each resolution
+}
+
 export interface Run {
   planner: number; problem: number; run: number;
   status: string; check: string;
@@ -47,7 +53,7 @@ export interface Experiment {
   table: string[][] | null;                 // of teams: a header, then a row for each planner
 }
 
-export interface Page { title: string; subtitle: string; about: string; overview: Overview | null; experiments: Experiment[] }
+export interface Page { title: string; subtitle: string; about: string; overview: Overview | null; resolutions: Sweep[]; experiments: Experiment[] }
 
 export const isValid = (run: Run) => run.status === "solved" && run.check === "valid";
 

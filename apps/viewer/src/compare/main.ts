@@ -5,7 +5,7 @@ import { byId, el } from "../dom";
 import { isDark } from "../palette";
 import { colorOf, type Chart } from "./chart";
 import { readPage } from "./data";
-import { overviewSection, section } from "./section";
+import { overviewSection, section, sweepSection } from "./section";
 
 const asked = new URLSearchParams(location.hash.slice(1)).get("dark");
 const systemDark = matchMedia("(prefers-color-scheme: dark)");
@@ -26,6 +26,12 @@ if (page.overview) {
   byId("experiments").append(overviewSection(page.overview));
   byId("contents").append(el("a", { href: "#all" }, "All experiments"));
 }
+page.resolutions.forEach((sweep, i) => {
+  const made = sweepSection(sweep, i);
+  byId("experiments").append(made.element);
+  charts.push(...made.charts);
+  byId("contents").append(el("a", { href: `#r${i}` }, page.resolutions.length === 1 ? "Resolution" : `Resolution: ${sweep.experiments.join(", ")}`));
+});
 page.experiments.forEach((experiment, i) => {
   const made = section(experiment, i);
   byId("experiments").append(made.element);

@@ -2,7 +2,7 @@
 
 import { el } from "../dom";
 import { Chart, type ChartOptions, type Line } from "./chart";
-import { isValid, type Experiment, type Planner, type Run } from "./data";
+import { isValid, type Experiment, type Planner, type Run, type Sweep } from "./data";
 
 const kDegrees = 180 / Math.PI;
 
@@ -73,6 +73,23 @@ export function widthCharts(experiment: Experiment): Chart[] {
   const common = widthAxis(experiment);
   return [new Chart({ ...common, title: "Path cost against beam width", y: "path cost, J", lines: costs }),
           new Chart({ ...common, title: "Planning time against beam width", y: "planning time, s", logY: true, lines: times })];
+}
+
+/// Success and time of each planner against the edge of the voxels.
+export function resolutionCharts(sweep: Sweep): Chart[] {
+  const mm = sweep.resolutions_m.map((resolution) => Number((1000 * resolution).toPrecision(6)));
+  const axis = { x: "edge of a voxel, mm", logX: true, xRange: [mm[0] / 1.2, mm.at(-1)! * 1.2] as [number, number], xTicks: mm };
+  const success = sweep.planners.map(({ label, points }, p): Line => ({
+    name: label, color: p, dots: true, x: mm, y: points.map((point) => 100 * point.valid / Math.max(point.total, 1)),
+    bounds: points.map((point) => [100 * point.valid_share_95[0], 100 * point.valid_share_95[1]]) }));
+  const times = sweep.planners.map(({ label, points }, p): Line => {
+    const known = mm.map((x, i) => ({ x, y: points[i].time_median_s })).filter(({ y }) => y !== null);
+    return { name: label, color: p, dots: true, x: known.map(({ x }) => x), y: known.map(({ y }) => Math.max(y!, 1e-6)) };
+  });
+  return [new Chart({ ...axis, title: "Success against resolution", y: "valid runs, %", yRange: [0, 104], lines: success,
+                      note: "Bars are Wilson's intervals at 95 % confidence." }),
+          new Chart({ ...axis, title: "Time against resolution", y: "median planning time, s", logY: true, lines: times,
+                      note: "Of solved runs, whichever those are at each resolution." })];
 }
 
 /// Joint values along the path of each planner to the first problem, as the paper plots them.

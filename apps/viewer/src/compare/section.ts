@@ -2,9 +2,9 @@
 
 import { el } from "../dom";
 import { colorOf, plain, type Chart } from "./chart";
-import { isValid, type Experiment, type Figure, type Overview, type Planner, type Run } from "./data";
+import { isValid, type Experiment, type Figure, type Overview, type Planner, type Run, type Sweep } from "./data";
 import { sortable } from "./sortable";
-import { costScatter, profileCharts, shareCharts, timeChart, widthCharts } from "./plots";
+import { costScatter, profileCharts, resolutionCharts, shareCharts, timeChart, widthCharts } from "./plots";
 
 const statusWords: Record<string, string> = {
   start_invalid: "start invalid", goal_invalid: "goal invalid", no_path: "no path", timed_out: "timed out", out_of_memory: "out of memory",
@@ -76,6 +76,17 @@ export function overviewSection(overview: Overview): HTMLElement {
   });
   return el("section", { id: "all" }, el("h2", {}, "All experiments"),
     el("p", { class: "conditions" }, overview.notes.join(" ")), boxed("all experiments", sortable(head, new Set([1, 3, 4, 5, 6, 7, 8, 9, 10]), rows)), legend());
+}
+
+/// Experiments that differ in resolution alone, side by side.
+export function sweepSection(sweep: Sweep, number: number): { element: HTMLElement; charts: Chart[] } {
+  const head = ["planner", "voxels, mm", "runs", "solved / valid / total", "success, % (95 %)", "time, median", "CPU, median", "time, p95"];
+  const rows = sweep.planners.flatMap(({ points }, p) => points.map((point, i) => el("tr", {}, nameCell(point, p),
+    cell(figure(1000 * sweep.resolutions_m[i]), sweep.resolutions_m[i]), ...successCells(point), ...timeCells(point))));
+  const charts = resolutionCharts(sweep);
+  return { charts, element: el("section", { id: `r${number}` }, el("h2", {}, `Effect of resolution: ${sweep.experiments.join(", ")}`),
+    el("p", { class: "conditions" }, sweep.note), boxed("effect of resolution", sortable(head, new Set([1, 3, 4, 5, 6, 7]), rows)), legend(),
+    el("div", { class: "charts" }, ...charts.map((chart) => chart.figure))) };
 }
 
 /// Each pair of planners on the problems that both had.
