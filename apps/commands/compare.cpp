@@ -179,7 +179,8 @@ CompareChoice choice_of(const Suite& suite, const CompareOptions& options, const
           .shown_out = options.out,
           .keep_maps = options.keep_maps,
           .isolation = {options.isolate, options.grace, 1e9 * options.memory},
-          .shard = {options.shard, options.shards}};
+          .shard = {options.shard, options.shards},
+          .worst_pages = options.worst_pages};
 }
 
 /// Runs all and lets the results take the place of older ones. An error says what is left.

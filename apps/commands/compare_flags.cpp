@@ -61,6 +61,13 @@ void add_run_flags(CLI::App& command, const std::shared_ptr<CompareOptions>& opt
   command.add_option("--jobs", options->jobs, "problems solved in parallel; use 1 for timings")
       ->check(number("a whole number from 1 to 256", 1, 256))
       ->type_name("N");
+  command
+      .add_option("--worst-pages", options->worst_pages,
+                  "draw 3D pages of at most so many worst runs (failed, slowest, tightest, dearest) of each "
+                  "experiment below worst/, linked from the report; 0: none")
+      ->capture_default_str()
+      ->check(number("a whole number from 0 to 1000", 0, 1000))
+      ->type_name("N");
   command.add_flag("--resume", options->resume,
                    "continue the interrupted run in DIR.partial; if there is none, begin");
   command

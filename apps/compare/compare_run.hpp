@@ -61,6 +61,7 @@ struct CompareChoice {
   CompareIsolation isolation = {};
   CompareShard shard = {};
   std::optional<CompareOnly> only = {};
+  int worst_pages = 0;  ///< pages in 3D of the worst runs, at most, each experiment (worst_case_pages.hpp)
 };
 
 /// Called with how many runs of an experiment are done, of how many; and, with the same, as time goes by.

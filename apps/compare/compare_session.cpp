@@ -10,6 +10,7 @@
 #include <ostream>
 #include <stdexcept>
 
+#include "apps/compare/worst_case_pages.hpp"
 #include "apps/console/parse.hpp"
 #include "apps/console/table.hpp"
 #include "apps/results/compare_files.hpp"
@@ -187,6 +188,7 @@ CompareResults CompareSession::run(const Suite& suite, const std::vector<Prepare
     });
     before += count_runs(suite, prepared[e], e, choice);
     console.progress(prepared[e].setup.name, 1.0);
+    draw_worst_pages(suite, prepared[e], e, choice, records_, console);
     const CompareResults results = keep_tables(e + 1);
     const std::lock_guard lock(printing);
     if (!console.json && !results.experiments.back().problems.empty())

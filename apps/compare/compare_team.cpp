@@ -98,6 +98,9 @@ class TeamServer : public ProblemServer {
     }
   }
 
+  /// Teams draw their pages while they run.
+  void draw(const ProblemRequest&, const Send& send) override { send({.kind = Kind::finished}); }
+
   /// In the order of the planners; the last part is the page's.
   static void send_all(const std::vector<std::string>& parts, const std::map<std::size_t, CompareRun>& others,
                        const Send& send) {

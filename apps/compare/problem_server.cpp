@@ -96,6 +96,7 @@ std::string to_bytes(const ProblemRequest& request) {
                {"wanted_not", request.wanted_not},
                {"unsafe", request.unsafe}};
   if (request.problem) json["problem"] = *request.problem;
+  if (request.drawn_number) json["drawn_number"] = *request.drawn_number;
   return cbor_bytes(json);
 }
 
@@ -104,6 +105,7 @@ ProblemRequest request_of_bytes(std::string_view bytes) {
   ProblemRequest request;
   json.at("stage").get_to(request.stage);
   if (json.contains("problem")) request.problem = json.at("problem").get<std::size_t>();
+  if (json.contains("drawn_number")) request.drawn_number = json.at("drawn_number").get<int>();
   json.at("have").get_to(request.have);
   json.at("wanted_not").get_to(request.wanted_not);
   json.at("unsafe").get_to(request.unsafe);
@@ -142,7 +144,9 @@ ProblemReply reply_of_bytes(std::string_view bytes) {
 
 void ProblemServer::answer(const ProblemRequest& request, const Send& send) {
   try {
-    if (request.problem) {
+    if (request.drawn_number) {
+      draw(request, send);
+    } else if (request.problem) {
       plan(request, send);
     } else {
       open(request.stage, send);

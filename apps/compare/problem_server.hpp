@@ -22,6 +22,7 @@ struct ProblemRequest {
   std::set<std::pair<std::size_t, int>> have = {};        ///< planner and number: runs that need no repeating
   std::set<std::pair<std::size_t, int>> wanted_not = {};  ///< runs that nobody asked for
   std::set<std::size_t> unsafe = {};                      ///< planners that took a worker down
+  std::optional<int> drawn_number = {};  ///< nothing is planned: a page of the runs of that number is drawn
 };
 
 /// What it reports, step by step.
@@ -48,13 +49,16 @@ class ProblemServer {
   using Send = std::function<void(const ProblemReply&)>;
 
   virtual ~ProblemServer() = default;
-  /// Answers with `opened`, or with `run`s and `finished`, or with an error. Before a planner derives what it
-  /// keeps of a map comes `preparing`, then `prepared`: what happens between happens in this process.
+  /// Answers with `opened`, or with `run`s and `finished`, or with `finished` and a page alone, or with an
+  /// error. Before a planner derives what it keeps of a map comes `preparing`, then `prepared`: what happens
+  /// between happens in this process.
   void answer(const ProblemRequest& request, const Send& send);
 
  private:
   virtual void open(std::size_t stage, const Send& send) = 0;
   virtual void plan(const ProblemRequest& request, const Send& send) = 0;
+  /// Sends `finished` with the page of the runs that are saved.
+  virtual void draw(const ProblemRequest& request, const Send& send) = 0;
 };
 
 std::unique_ptr<ProblemServer> make_problem_server(const Suite& suite, const PreparedExperiment& experiment,

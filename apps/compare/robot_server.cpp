@@ -186,8 +186,17 @@ class RobotServer : public ProblemServer {
     const auto& plots = experiment_.setup.plots;
     if (std::find(plots.begin(), plots.end(), "animation") != plots.end()) {
       end.page = page_file(problem);
-      end.files[end.page] = page_of_problem(open, problem, first_plans);
+      end.files[end.page] = page_of_problem(open, problem, 1, first_plans);
     }
+    send(end);
+  }
+
+  void draw(const ProblemRequest& request, const Send& send) override {
+    const OpenStage& open = opened(request.stage);
+    const StageProblem& problem = open.stage.problems.at(*request.problem);
+    ProblemReply end{.kind = Kind::finished};
+    end.page = page_file(problem);
+    end.files[end.page] = page_of_problem(open, problem, *request.drawn_number, {});
     send(end);
   }
 
@@ -306,8 +315,8 @@ class RobotServer : public ProblemServer {
            (name_as_file(problem.name) + ".html");
   }
 
-  /// What an interrupted comparison planned is read from its files.
-  std::string page_of_problem(const OpenStage& open, const StageProblem& problem,
+  /// Of the runs of that number. What an interrupted comparison planned is read from its files.
+  std::string page_of_problem(const OpenStage& open, const StageProblem& problem, int number,
                               const std::map<std::size_t, std::string>& plans) const {
     ReportPage page = page_of_map(MapLeaves(open.stage.map), experiment_.setup.title + ": " + problem.name);
     page.subtitle = problem.view.caption;
@@ -315,7 +324,7 @@ class RobotServer : public ProblemServer {
     look_from(page, open.stage.map, experiment_.robot.map_from_base.translation());
     show_robot(page, with_all_loads(experiment_.robot, problem.loads), problem.start);
     for (std::size_t i = 0; i < experiment_.planners.size(); ++i) {
-      const fs::path file = choice_.out / plan_file(problem, i, 1);
+      const fs::path file = choice_.out / plan_file(problem, i, number);
       const auto planned = plans.find(i);
       if (planned == plans.end() && !fs::exists(file)) continue;
       Plan plan = planned == plans.end() ? load_plan(file) : parse_plan(planned->second, file.string());

@@ -215,6 +215,7 @@ struct CompareOptions {
   std::optional<std::uint64_t> seed;        ///< replaces the suite's
   std::optional<double> time_limit;         ///< replaces all of the suite's, seconds a leg
   bool keep_maps = false;                   ///< also those that generators made
+  int worst_pages = 3;                      ///< pages in 3D of worst runs, each experiment, at most
   bool resume = false;                      ///< goes on with OUT.partial
   std::string rerun;                        ///< the one run of that id; empty: all
   int shard = 1, shards = 1;                ///< one part of several

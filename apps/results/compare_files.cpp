@@ -46,7 +46,7 @@ bool is_of_comparison(const std::filesystem::path& relative) {
   const std::filesystem::path folder = *relative.begin(), kind = relative.extension();
   if (folder == "maps") return relative.filename() == "map.ot" || relative.filename() == "painted.csv";
   if (folder == "plans" || folder == "teams") return kind == ".json" || kind == ".html";
-  return folder == "animations" && kind == ".html";
+  return (folder == "animations" || folder == "worst") && kind == ".html";
 }
 
 void save_results(const CompareResults& results, const std::filesystem::path& folder) {

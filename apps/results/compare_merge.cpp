@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "apps/results/compare_files.hpp"
+#include "apps/results/compare_worst.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -140,6 +141,19 @@ void copy_files(const ShardRecords& shard, const CompareProblem& problem, const 
   if (!problem.page.empty()) copy_new(shard.folder / problem.page, folder / problem.page);
 }
 
+/// A planner's worst run of all is the worst of its shard, which drew it, were it not for the bound.
+void copy_worst_pages(const std::vector<ShardRecords>& shards, const CompareRecords& all,
+                      const fs::path& folder) {
+  for (std::size_t e = 0; e < all.asked().results.experiments.size(); ++e) {
+    const CompareExperiment experiment = all.experiment(e);
+    for (const WorstPage& page : worst_pages(experiment, SIZE_MAX)) {
+      const fs::path name = worst_page_file(experiment, experiment.problems[page.problem], page.number);
+      for (const ShardRecords& shard : shards)
+        if (fs::exists(shard.folder / name)) copy_new(shard.folder / name, folder / name);
+    }
+  }
+}
+
 CompareAsked asked_whole(const std::vector<ShardRecords>& shards) {
   CompareAsked asked = shards.front().records.asked();
   asked.shard = {};
@@ -208,6 +222,7 @@ CompareResults merge_into(const fs::path& folder, const fs::path& shown,
         if (problem.is_finished) copy_files(shard, problem.found, folder, shown);
   const CompareRecords records = merge_all(shards, shown);
   require_all(records);
+  copy_worst_pages(shards, records, folder);
   const CompareResults results = records.results(folder);
   save_results(results, folder);
   save_file(folder / records_name, records.text());

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "apps/console/number_or_null.hpp"
 #include "apps/console/parse.hpp"
 #include "apps/pages/page_template.hpp"
 #include "apps/results/compare_files.hpp"
@@ -8,6 +9,7 @@
 #include "apps/results/compare_resolutions.hpp"
 #include "apps/results/compare_statistics.hpp"
 #include "apps/results/compare_summary.hpp"
+#include "apps/results/compare_worst.hpp"
 #include "apps/viewer/page_templates.hpp"
 
 namespace clearway {
@@ -24,10 +26,23 @@ Json run_json(const CompareExperiment& experiment, const CompareRun& run, std::s
             {"time", run.time},
             {"cpu", run.cpu},
             {"cost", run.cost},
+            {"clearance", number_or_null(run.min_clearance)},
             {"id", run_id(experiment, experiment.problems[problem], run)}};
+  if (!run.page.empty()) json["page"] = run.page;
   if (!run.is_valid())
     json["explanation"] = run.is_solved() && !run.contact.empty() ? run.contact : run.explanation;
   return json;
+}
+
+/// The worst runs as indices into the page's runs, which stand problem by problem.
+Json worst_json(const CompareExperiment& experiment) {
+  std::vector<std::size_t> first(1, 0);
+  for (const CompareProblem& problem : experiment.problems)
+    first.push_back(first.back() + problem.runs.size());
+  Json list = Json::array();
+  for (const WorstCase& worst : worst_cases(experiment))
+    list.push_back({{"kind", to_string(worst.kind)}, {"run", first[worst.problem] + worst.run}});
+  return list;
 }
 
 Json figure_json(const PairedFigure& figure) {
@@ -138,6 +153,7 @@ Json experiment_json(const CompareExperiment& experiment) {
           {"profiles", profiles},
           {"pairs", pairs_json(experiment)},
           {"pages", pages_json(experiment)},
+          {"worst", worst_json(experiment)},
           {"table", experiment.setup.teams ? Json(summary_table(experiment)) : Json(nullptr)}};
 }
 

@@ -8,6 +8,7 @@
 
 #include "apps/results/compare_files.hpp"
 #include "apps/results/compare_record.hpp"
+#include "apps/results/compare_worst.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/files/json_text.hpp"
@@ -249,12 +250,22 @@ CompareExperiment CompareRecords::experiment(std::size_t index) const {
   return found;
 }
 
+std::vector<std::pair<std::size_t, std::size_t>> CompareRecords::places(std::size_t index) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::pair<std::size_t, std::size_t>> places;
+  for (const auto& [key, stage] : stages_)
+    for (std::size_t i = 0; key.first == index && i < stage.size(); ++i)
+      if (!stage[i].found.runs.empty()) places.emplace_back(key.second, i);
+  return places;
+}
+
 CompareResults CompareRecords::results(const std::filesystem::path& folder, std::size_t end) const {
   CompareResults all = asked_.results;
   all.experiments.resize(std::min(end, all.experiments.size()));
   for (std::size_t e = 0; e < all.experiments.size(); ++e) {
     all.experiments[e] = experiment(e);
     all.experiments[e].profiles = profiles_of(all.experiments[e], folder);
+    link_worst_pages(folder, all.experiments[e]);
   }
   const std::lock_guard lock(mutex_);
   all.time = time_;

@@ -58,7 +58,9 @@ class CompareRecords {
   /// Null when nobody opened that stage.
   const Stage* stage(std::size_t experiment, std::size_t stage) const;
   std::vector<std::pair<std::size_t, std::size_t>> stages() const;  ///< experiment and stage, in order
-  std::size_t count() const;                                        ///< of runs
+  /// Stage and place there of each problem of experiment(index).
+  std::vector<std::pair<std::size_t, std::size_t>> places(std::size_t index) const;
+  std::size_t count() const;  ///< of runs
 
   void open(std::size_t experiment, std::size_t stage, std::vector<CompareProblem> problems);
   /// In the place of an earlier run of the same planner and number.
@@ -69,7 +71,8 @@ class CompareRecords {
   /// Runs planner by planner and seed by seed, problems in the order of the suite; those without a run are
   /// left out.
   CompareExperiment experiment(std::size_t index) const;
-  /// All experiments, or those before `end`, and paths to plot, read from the plans below `folder`.
+  /// All experiments, or those before `end`, and what is below `folder`: paths to plot, of its plans, and the
+  /// pages of worst runs.
   CompareResults results(const std::filesystem::path& folder, std::size_t end = SIZE_MAX) const;
   /// All lines, in that order.
   std::string text() const;

@@ -63,7 +63,8 @@ struct CompareRun {
   double check_time = 0.0, check_cpu = 0.0;  ///< s, after: the independent check
   double motion_cpu = 0.0;                   ///< s, after: giving the path its motion, and the check of that
   std::string plan_file;                     ///< below the folder of results
-  std::map<std::string, double> statistics;  ///< of those with columns of their own (compare_columns)
+  std::string page;  ///< the same, of a worst case: its page in 3D, opened at this run; empty: none
+  std::map<std::string, double> statistics;    ///< of those with columns of their own (compare_columns)
   std::optional<BoundaryPlusStage> solved_by;  ///< of several legs the last stage that was needed
   std::optional<CompareMotion> motion;         ///< of a valid path, or of a team
   std::optional<CompareTeamRun> team;          ///< teams: then min_clearance is the least separation

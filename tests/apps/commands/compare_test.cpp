@@ -318,6 +318,46 @@ TEST_F(CompareJob, TheTableOfAllExperimentsAddsUpWhatTheCsvHolds) {
   EXPECT_NE(run_.out.find("* ran only some of the 7 runs"), std::string::npos) << run_.out;
 }
 
+TEST_F(CompareJob, WorstRunsLinkToPagesThatShowThemWhereverTheFolderIs) {
+  const fs::path moved = folder_->path() / "moved";
+  fs::copy(folder_->path() / "one", moved, fs::copy_options::recursive);
+  const auto page = nlohmann::json::parse(PageReader::element(
+      read_file(moved / "report.html"), "<script type=\"application/json\" id=\"page\">"));
+  std::set<std::string> files;
+  for (const auto& experiment : page.at("experiments")) {
+    std::set<std::string> linked;
+    EXPECT_FALSE(experiment.at("worst").empty());
+    for (const auto& worst : experiment.at("worst")) {
+      const auto& run = experiment.at("runs").at(worst.at("run").get<std::size_t>());
+      const bool valid = run.at("status") == "solved" && run.at("check") == "valid";
+      EXPECT_EQ(worst.at("kind") == "failed", !valid);
+      if (!run.contains("page")) continue;
+      const std::string link = run.at("page"), file = link.substr(0, link.find('#'));
+      linked.insert(worst.at("kind"));
+      files.insert(file);
+      ASSERT_TRUE(fs::exists(moved / file)) << file;
+      const PageReader shown(read_file(moved / file));
+      const std::size_t plan = std::stoul(link.substr(link.find("#plan=") + 6));
+      EXPECT_EQ(shown.page.at("plans").at(plan).at("name"),
+                experiment.at("planners").at(run.at("planner").get<std::size_t>()).at("label"));
+    }
+    EXPECT_TRUE(linked.contains("slowest"));
+    EXPECT_TRUE(linked.contains("tightest"));
+    EXPECT_EQ(linked.contains("failed"), experiment.at("name") == "round");
+  }
+  std::size_t drawn = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(moved / "worst"))
+    drawn += entry.is_regular_file();
+  EXPECT_EQ(drawn, files.size()) << "nothing is drawn that no link leads to";
+  EXPECT_LE(drawn, 3U * 2U);
+}
+
+TEST_F(CompareJob, NoPageOfAWorstRunIsDrawnWhereNoneIsWanted) {
+  ASSERT_EQ(compare("none", {"--worst-pages", "0", "--experiments", "swing"}).status, 0);
+  EXPECT_FALSE(fs::exists(folder_->path() / "none" / "worst"));
+  EXPECT_EQ(compare("few", {"--worst-pages", "-1"}).status, 2);
+}
+
 TEST_F(CompareJob, MistakesAreReportedBeforeAnythingRuns) {
   const auto refusal = [&](const std::string& from, const std::string& to,
                            std::vector<std::string> flags = {}) {

@@ -30,6 +30,8 @@ export interface Run {
   planner: number; problem: number; run: number;
   status: string; check: string;
   time: number; cpu: number; cost: number;  // s, s, J
+  clearance: number | null;    // m, by the check
+  page?: string;               // in 3D, of a worst case, beside the report
   id: string;                  // for --rerun
   explanation?: string;        // of a run that is not solved, or not valid
 }
@@ -50,6 +52,7 @@ export interface Experiment {
   planners: Planner[]; problems: string[]; runs: Run[]; profiles: Profile[];
   pairs: Pair[];                            // of single robots
   pages: { name: string; file: string; problem: number }[];  // animations, beside the page
+  worst: { kind: string; run: number }[];   // the worst runs of each planner, by their index in `runs`
   table: string[][] | null;                 // of teams: a header, then a row for each planner
 }
 

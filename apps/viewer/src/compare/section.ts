@@ -23,10 +23,10 @@ function bar(planner: Planner): HTMLElement {
     el("i", { class: "valid", style: share(planner.valid) }), el("i", { class: "invalid", style: share(planner.solved - planner.valid) }));
 }
 
-/// The 3D page of a problem, where there is one.
-function linked(experiment: Experiment, problem: number): HTMLElement | string {
-  const name = experiment.problems[problem], page = experiment.pages.find((each) => each.problem === problem);
-  return page ? el("a", { href: page.file, title: "in 3D" }, name) : name;
+/// The problem of a run, with its 3D page where there is one: the run's own, else the problem's.
+function linked(experiment: Experiment, run: Run): HTMLElement | string {
+  const name = experiment.problems[run.problem], file = run.page ?? experiment.pages.find((each) => each.problem === run.problem)?.file;
+  return file ? el("a", { href: file, title: "in 3D" }, name) : name;
 }
 
 function boxed(label: string, inner: HTMLElement): HTMLElement {
@@ -104,22 +104,24 @@ function pairs(experiment: Experiment): HTMLElement | null {
     boxed(`pairs of ${experiment.name}`, sortable(head, new Set([1, 2, 3, 4, 5, 6]), rows)));
 }
 
-/// Of each planner the valid runs that are worst: slowest, and dearest against the best path for that problem.
+/// The worst runs of each planner, with their pages where those were drawn.
 function worst(experiment: Experiment): HTMLElement | null {
-  const best = new Map<number, number>(), valid = experiment.runs.filter(isValid);
-  for (const run of valid) best.set(run.problem, Math.min(best.get(run.problem) ?? Infinity, run.cost));
-  const excess = (run: Run) => best.get(run.problem)! > 0 ? run.cost / best.get(run.problem)! : 1;
-  const most = (runs: Run[], of: (run: Run) => number) => runs.reduce((a, b) => of(b) > of(a) ? b : a);
-  const rows = experiment.planners.flatMap((planner, p) => {
-    const own = valid.filter((run) => run.planner === p);
-    if (own.length < 3) return [];
-    const row = (what: string, run: Run) => el("tr", {}, el("td", {}, planner.label), el("td", {}, what), el("td", {}, linked(experiment, run.problem)),
-      cell(seconds(run.time), run.time), cell(seconds(run.cpu), run.cpu), cell(figure(run.cost), run.cost), cell(`× ${plain(Number(excess(run).toPrecision(3)))}`, excess(run)), el("td", { class: "id" }, run.id));
-    return [row("slowest", most(own, (run) => run.time)), row("dearest", most(own, excess))];
+  if (experiment.worst.length === 0) return null;
+  const best = new Map<number, number>();
+  for (const run of experiment.runs.filter(isValid)) best.set(run.problem, Math.min(best.get(run.problem) ?? Infinity, run.cost));
+  const excess = (run: Run) => !isValid(run) ? null : best.get(run.problem)! > 0 ? run.cost / best.get(run.problem)! : 1;
+  const mm = (run: Run) => run.clearance === null || !isValid(run) ? null : 1000 * run.clearance;
+  const rows = experiment.worst.map(({ kind, run: index }) => {
+    const run = experiment.runs[index], times = excess(run);
+    return el("tr", {}, el("td", {}, experiment.planners[run.planner].label), el("td", {}, kind), el("td", {}, linked(experiment, run)),
+      cell(seconds(run.time), run.time), cell(seconds(run.cpu), run.cpu), cell(figure(mm(run), 3), mm(run)),
+      cell(isValid(run) ? figure(run.cost) : "–", isValid(run) ? run.cost : null), cell(times === null ? "–" : `× ${plain(Number(times.toPrecision(3)))}`, times),
+      el("td", { class: "id" }, run.id));
   });
-  if (rows.length === 0) return null;
-  const head = ["planner", "worst", "problem", "time", "CPU", "cost, J", "of the best", "run"];
-  return el("details", {}, el("summary", {}, "Worst cases"), boxed(`worst cases of ${experiment.name}`, sortable(head, new Set([3, 4, 5, 6]), rows)));
+  const head = ["planner", "worst", "problem", "time", "CPU", "clearance, mm", "cost, J", "of the best", "run"];
+  return el("details", { class: "worst" }, el("summary", {}, "Worst cases of each planner"),
+    el("p", { class: "note" }, "Failed: the longest run without a valid path. Of valid runs: slowest, tightest (least clearance, by the check) and dearest (against the best path of any planner). Underlined problems open in 3D."),
+    boxed(`worst cases of ${experiment.name}`, sortable(head, new Set([3, 4, 5, 6, 7]), rows)));
 }
 
 function legend(): HTMLElement {
@@ -138,7 +140,7 @@ function failures(experiment: Experiment): HTMLElement | null {
   if (failed.length === 0) return null;
   const shown = failed.slice(0, 300);
   const word = (status: string, check: string) => status === "solved" ? `solved, ${check}` : statusWords[status] ?? status;
-  const rows = shown.map((run) => el("tr", {}, el("td", {}, linked(experiment, run.problem)), el("td", {}, experiment.planners[run.planner].label),
+  const rows = shown.map((run) => el("tr", {}, el("td", {}, linked(experiment, run)), el("td", {}, experiment.planners[run.planner].label),
     el("td", { class: "bad" }, word(run.status, run.check)), el("td", { class: "why" }, run.explanation ?? ""), el("td", { class: "id" }, run.id)));
   const rest = failed.length > shown.length ? [el("p", { class: "note" }, `${failed.length - shown.length} more are in results.csv.`)] : [];
   return el("details", failed.length <= 12 ? { open: "" } : {}, el("summary", {}, `Runs without a valid path: ${failed.length} of ${experiment.runs.length}`),
