@@ -10,6 +10,7 @@
 #include "apps/console/table.hpp"
 #include "apps/pages/map_page.hpp"
 #include "apps/query/loads.hpp"
+#include "apps/query/option_meanings.hpp"
 #include "apps/query/query.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/maps/map_damage.hpp"
@@ -28,7 +29,11 @@ namespace {
 
 int print_planner_options(const PlanOptions& options, Console& console) {
   const auto planner = make_planner(options.planner, choose_planner_options(options.settings));
-  for (const auto& [key, value] : planner->options()) console.out() << key << ": " << value << '\n';
+  std::size_t width = 0;
+  for (const auto& [key, value] : planner->options()) width = std::max(width, key.size() + value.size());
+  for (const auto& [key, value] : planner->options())
+    console.out() << key << ": " << value << std::string(width - key.size() - value.size() + 2, ' ') << "# "
+                  << option_meaning(options.planner, key) << '\n';
   return exit_done;
 }
 

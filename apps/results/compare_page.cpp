@@ -4,6 +4,7 @@
 #include "apps/console/number_or_null.hpp"
 #include "apps/console/parse.hpp"
 #include "apps/pages/page_template.hpp"
+#include "apps/query/option_meanings.hpp"
 #include "apps/results/compare_files.hpp"
 #include "apps/results/compare_overview.hpp"
 #include "apps/results/compare_resolutions.hpp"
@@ -175,6 +176,11 @@ std::string to_html(const CompareResults& results) {
       {"overview", overview_json(overview(results))},
       {"resolutions", sweeps_json(results)},
       {"experiments", Json::array()}};
+  Json& meanings = page["meanings"] = Json::object();
+  for (const CompareExperiment& experiment : results.experiments)
+    for (const ComparePlanner& who : experiment.planners)
+      for (const auto& [option, value] : who.options)
+        meanings[who.planner][option] = option_meaning(who.planner, option);
   for (const CompareExperiment& experiment : results.experiments)
     if (!experiment.problems.empty()) page["experiments"].push_back(experiment_json(experiment));
   return fill_page_template(compare_template(), title,

@@ -13,9 +13,9 @@ struct BeamOptions {
                                   ///< robot's own
   std::vector<double> step_deg = {};  ///< the same in degrees, 1e-4 to 180, of revolute joints; goes before
                                       ///< `step`
-  int max_steps = 0;                  ///< 1 to 100,000,000; 0: 20 max_j |dq_j| / epsilon_j + 200
-  bool last_segment = true;           ///< append the certified segment to the exact goal
-  bool node_only = false;             ///< check nodes only, as the paper does: paths are then not certified
+  int max_steps = 0;             ///< of the search, 1 to 100,000,000; 0: 20 max_j |dq_j| / epsilon_j + 200
+  bool last_segment = true;      ///< append the certified segment to the exact goal
+  bool node_only = false;        ///< check nodes only, as the paper does: paths are then not certified
   double prismatic_scale = 0.0;  ///< rad per metre in Chong 2008, eq. 10, up to 1e6; 0: see joint_weights
 };
 

@@ -15,7 +15,7 @@ struct BoundaryOptions {
                              ///< dq is null
   double leave_ratio = 0.8;  ///< ends when ||q - q_goal|| < leave_ratio d_lock (section 4), 0.01 to 1; 1:
                              ///< section 3.3
-  BoundarySide side = BoundarySide::upper;
+  BoundarySide side = BoundarySide::upper;  ///< towards which joint limits, upper or lower
 };
 BoundaryOptions read_options(OptionReader& reader, BoundaryOptions initial);
 

@@ -53,12 +53,12 @@ LocalStep local_step(const StepConstraints& constraints, const Eigen::VectorXd& 
 
 /// Options of the constraint method as given; 0 stands for "auto", by the rules in planning/METHODS.md.
 struct ConstraintOptions {
-  double max_step = 0.0;            ///< Delta q_max, weighted units, up to 10
-  double influence_distance = 0.0;  ///< d_i, metres, up to 1e3
-  double security_distance = 0.0;   ///< d_s, metres, up to 1e3
-  double xi = 0.0;                  ///< xi, metres per step, up to 1e3
+  double max_step = 0.0;            ///< Delta q_max: the longest step, weighted units, up to 10
+  double influence_distance = 0.0;  ///< d_i, metres: nearer objects are constraints, up to 1e3
+  double security_distance = 0.0;   ///< d_s, metres: where approach stops, up to 1e3
+  double xi = 0.0;                  ///< xi, metres per step: approach allowed at d_i, up to 1e3
   double prismatic_scale = 0.0;     ///< rad per metre, up to 1e6, see joint_weights
-  int max_steps = 0;                ///< 1 to 100,000,000
+  int max_steps = 0;                ///< of the whole run, 1 to 100,000,000
 };
 class OptionReader;
 ConstraintOptions read_options(OptionReader& reader, ConstraintOptions initial);

@@ -17,7 +17,7 @@ struct RrtConnectFclOptions {
   bool simplify = true;          ///< OMPL's path simplification
   double range = 0.0;            ///< longest edge tried, weighted units, up to 1e3; 0: OMPL's choice
   double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
-  int max_samples = 100000000;   ///< 1 to 100,000,000
+  int max_samples = 100000000;   ///< drawn at most, 1 to 100,000,000
 };
 /// Options of `kpiece_fcl`.
 struct KpieceFclOptions {
@@ -25,14 +25,14 @@ struct KpieceFclOptions {
   bool simplify = true;          ///< OMPL's path simplification
   double range = 0.0;            ///< longest edge tried, weighted units, up to 1e3; 0: OMPL's choice
   double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
-  int max_samples = 100000000;   ///< 1 to 100,000,000
+  int max_samples = 100000000;   ///< drawn at most, 1 to 100,000,000
 };
 /// Options of `prm_fcl`.
 struct PrmFclOptions {
   double resolution = 0.01;      ///< of the space's extent between two looks at an edge, 1e-6 to 1
   bool simplify = true;          ///< OMPL's path simplification
   double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
-  int max_samples = 100000000;   ///< 1 to 100,000,000
+  int max_samples = 100000000;   ///< drawn at most, 1 to 100,000,000
 };
 /// Options of `bitstar_fcl`.
 struct BitStarFclOptions {

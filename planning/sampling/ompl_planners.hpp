@@ -13,20 +13,20 @@ enum class OmplAlgorithm;
 struct RrtConnectOmplOptions {
   double range = 0.0;            ///< longest edge tried, weighted units, up to 1e3; 0: OMPL's choice
   double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
-  int max_samples = 100000000;   ///< 1 to 100,000,000
+  int max_samples = 100000000;   ///< drawn at most, 1 to 100,000,000
   bool simplify = true;          ///< OMPL's path simplification, with certified edges, instead of shortcuts
 };
 /// Options of `est`.
 struct EstOptions {
   double range = 0.0;            ///< longest edge tried, weighted units, up to 1e3; 0: OMPL's choice
   double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
-  int max_samples = 100000000;   ///< 1 to 100,000,000
+  int max_samples = 100000000;   ///< drawn at most, 1 to 100,000,000
   int shortcuts = 100;           ///< tries to shorten the path, 0 to 1,000,000
 };
 /// Options of `prm`.
 struct PrmOptions {
   double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
-  int max_samples = 100000000;   ///< 1 to 100,000,000
+  int max_samples = 100000000;   ///< drawn at most, 1 to 100,000,000
   int shortcuts = 100;           ///< tries to shorten the path, 0 to 1,000,000
 };
 /// Options of `rrtstar`.

@@ -10,7 +10,7 @@ class OptionReader;
 struct RrtConnectOptions {
   double range = 0.0;            ///< longest edge tried, weighted units, up to 1e3; 0: a tenth of the extent
   double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
-  int max_samples = 100000000;   ///< 1 to 100,000,000
+  int max_samples = 100000000;   ///< drawn at most, 1 to 100,000,000
   double guided_share = 0.3;     ///< of the samples that a route for the hand proposes, after the first 50, 0
                                  ///< to 1; 0: none
   int shortcuts = 100;           ///< tries to shorten the path, 0 to 1,000,000

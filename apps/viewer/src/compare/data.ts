@@ -56,7 +56,9 @@ export interface Experiment {
   table: string[][] | null;                 // of teams: a header, then a row for each planner
 }
 
-export interface Page { title: string; subtitle: string; about: string; overview: Overview | null; resolutions: Sweep[]; experiments: Experiment[] }
+export type Meanings = Record<string, Record<string, string>>;   // of options, by planner
+
+export interface Page { title: string; subtitle: string; about: string; overview: Overview | null; resolutions: Sweep[]; meanings: Meanings; experiments: Experiment[] }
 
 export const isValid = (run: Run) => run.status === "solved" && run.check === "valid";
 

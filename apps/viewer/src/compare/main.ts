@@ -33,7 +33,7 @@ page.resolutions.forEach((sweep, i) => {
   byId("contents").append(el("a", { href: `#r${i}` }, page.resolutions.length === 1 ? "Resolution" : `Resolution: ${sweep.experiments.join(", ")}`));
 });
 page.experiments.forEach((experiment, i) => {
-  const made = section(experiment, i);
+  const made = section(experiment, i, page.meanings);
   byId("experiments").append(made.element);
   charts.push(...made.charts);
   byId("contents").append(el("a", { href: `#e${i}` }, experiment.title || experiment.name));

@@ -2,7 +2,7 @@
 
 import { el } from "../dom";
 import { colorOf, plain, type Chart } from "./chart";
-import { isValid, type Experiment, type Figure, type Overview, type Planner, type Run, type Sweep } from "./data";
+import { isValid, type Experiment, type Figure, type Meanings, type Overview, type Planner, type Run, type Sweep } from "./data";
 import { sortable } from "./sortable";
 import { costScatter, profileCharts, resolutionCharts, shareCharts, timeChart, widthCharts } from "./plots";
 
@@ -147,6 +147,15 @@ function failures(experiment: Experiment): HTMLElement | null {
     boxed(`failures of ${experiment.name}`, sortable(["problem", "planner", "answer", "explanation", "run"], new Set(), rows)), ...rest);
 }
 
+/// The options in force, each with what it means.
+function options(experiment: Experiment, meanings: Meanings): HTMLElement | null {
+  const rows = experiment.planners.flatMap((planner) => Object.entries(planner.options).map(([option, value]) => el("tr", {},
+    el("td", {}, planner.label), el("td", {}, option), el("td", {}, value), el("td", { class: "why" }, meanings[planner.planner]?.[option] ?? ""))));
+  if (rows.length === 0) return null;
+  return el("details", {}, el("summary", {}, "Options of the planners"),
+    boxed(`options of ${experiment.name}`, sortable(["planner", "option", "value", "meaning"], new Set(), rows)));
+}
+
 /// Of teams: what the program prints.
 function teamTable(experiment: Experiment, [head, ...rows]: string[][]): HTMLElement {
   const cells = (row: string[]) => row.map((text, i) => i === 0 || i === row.length - 1 ? el("td", {}, text.replaceAll("_", " ")) : el("td", { class: "number" }, text));
@@ -168,7 +177,7 @@ function animations(experiment: Experiment): HTMLElement | null {
 }
 
 /// The section and its charts, which are to be drawn once it is in the document.
-export function section(experiment: Experiment, number: number): { element: HTMLElement; charts: Chart[] } {
+export function section(experiment: Experiment, number: number, meanings: Meanings): { element: HTMLElement; charts: Chart[] } {
   const charts: Chart[] = [], times = timeChart(experiment);
   if (times) charts.push(times);
   if (experiment.plots.includes("share_against_width")) charts.push(...shareCharts(experiment));
@@ -181,6 +190,6 @@ export function section(experiment: Experiment, number: number): { element: HTML
   }
   const parts = [el("h2", {}, experiment.title || experiment.name), el("p", { class: "conditions" }, experiment.conditions),
                  ...(experiment.table ? [teamTable(experiment, experiment.table)] : [table(experiment), legend()]),
-                 animations(experiment), sayings(experiment), el("div", { class: "charts" }, ...figures), pairs(experiment), worst(experiment), failures(experiment)];
+                 animations(experiment), sayings(experiment), el("div", { class: "charts" }, ...figures), pairs(experiment), worst(experiment), failures(experiment), options(experiment, meanings)];
   return { element: el("section", { id: `e${number}` }, ...parts.filter((part) => part !== null)), charts };
 }
