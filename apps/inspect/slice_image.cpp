@@ -91,12 +91,6 @@ void draw_axes(Picture& image, const SliceCanvas& canvas) {
 }
 
 /// Names as people write them.
-std::string spoken(std::string_view name) {
-  std::string text(name);
-  std::replace(text.begin(), text.end(), '_', ' ');
-  return text;
-}
-
 /// Returns where the legend ends.
 int draw_legend(Picture& image, const SliceCanvas& canvas, const std::array<std::size_t, 5>& counts,
                 const SliceLook& look, double step) {
@@ -106,7 +100,7 @@ int draw_legend(Picture& image, const SliceCanvas& canvas, const std::array<std:
     const auto at = std::find(slice_states.begin(), slice_states.end(), state) - slice_states.begin();
     image.fill(x, y - 10, x + 13, y + 3, colour(state));
     image.outline(x, y - 10, x + 13, y + 3, {150, 150, 150});
-    const std::string name = look.shows_difference ? difference_label(state) : spoken(to_string(state));
+    const std::string name = slice_label(state, look.shows_difference);
     image.write(name + "  " + grouped(counts[static_cast<std::size_t>(at)]), x + 20, y + 1);
     y += 22;
   }

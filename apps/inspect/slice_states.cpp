@@ -50,6 +50,16 @@ void require_plane(const MapLeaves& map, const SlicePlane& plane, const std::str
                               significant(bounds.max()[plane.axis]) + " m on that axis");
 }
 
+std::string spoken(std::string_view name) {
+  std::string text(name);
+  std::replace(text.begin(), text.end(), '_', ' ');
+  return text;
+}
+
+std::string slice_label(VoxelState state, bool shows_difference) {
+  return shows_difference ? difference_label(state) : spoken(to_string(state));
+}
+
 std::string difference_label(VoxelState state) {
   switch (state) {
     case VoxelState::conflict:

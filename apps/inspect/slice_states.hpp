@@ -50,6 +50,15 @@ struct SliceFrame {
 };
 SliceFrame slice_frame(const MapLeaves& map, const SlicePlane& plane);
 
+/// "seen_free" as "seen free".
+std::string spoken(std::string_view name);
+
+/// The state as people say it: "seen free"; of a difference, as difference_label.
+std::string slice_label(VoxelState state, bool shows_difference);
+
+/// Which letter, or colour, of slice_text stands for which state, in one line.
+std::string slice_legend(bool colours, bool shows_difference);
+
 /// The plane as text, a line a row: of `columns` characters, or as few as its voxels need. With `colours` of
 /// 24 bits for terminals, each character two pixels one above the other; else # occupied, X conflict, +
 /// painted, . seen free.

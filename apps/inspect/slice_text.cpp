@@ -65,6 +65,20 @@ std::string in_colours(const SlicePixels& pixels) {
 
 }  // namespace
 
+std::string slice_legend(bool colours, bool shows_difference) {
+  std::string text;
+  for (const VoxelState state : slice_states) {
+    const std::string name = slice_label(state, shows_difference);
+    if (!text.empty()) text += "  ";
+    if (colours)
+      text += std::string("\033[38;2;") + terminal_colour(state) + "m\u2588\u2588\033[0m " + name;
+    else
+      text +=
+          (state == VoxelState::unknown ? std::string("blank") : std::string(1, letter(state))) + " " + name;
+  }
+  return text + "\n";
+}
+
 std::string slice_text(const MapLeaves& map, const SlicePlane& plane, int columns, bool colours,
                        bool shows_difference) {
   require_plane(map, plane, "--term");

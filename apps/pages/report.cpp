@@ -203,7 +203,7 @@ std::vector<std::pair<std::string, std::string>> report_figures(const ReplayRepo
 
 std::vector<std::vector<std::string>> plan_table(const ReplayReport& report) {
   std::vector<std::vector<std::string>> rows{
-      {"query", "planner", "status", "steps", "cost J", "time s", "clearance mm", "check"}};
+      {"query", "planner", "status", "steps", "cost J", "time s", "path clearance mm", "check"}};
   for (const ReplayPlan& entry : report.plans) {
     const Plan& plan = entry.plan;
     const bool path = !plan.waypoints().empty();

@@ -214,9 +214,10 @@ void report_motion(const PlannedMotion& planned, std::vector<std::pair<std::stri
       legs += (legs.empty() ? "" : ", ") + std::to_string(leg + 1);
     rows.emplace_back("legs without blends", legs);
   }
-  const std::string clear = significant(planned.validation.min_clearance * 1000.0, 3) + " mm clear";
   rows.emplace_back("motion check",
-                    planned.validation.valid ? "valid, " + clear : "REFUSED: " + planned.validation.fault);
+                    planned.validation.valid ? "valid" : "REFUSED: " + planned.validation.fault);
+  rows.emplace_back("motion clearance", significant(planned.validation.min_clearance * 1000.0, 3) +
+                                            " mm to voxels at least, corners blended");
 }
 
 }  // namespace
@@ -254,8 +255,8 @@ std::vector<std::pair<std::string, std::string>> plan_figures(const Plan& plan) 
     rows.emplace_back("final distance", significant(rest, 3) + " (joint space)");
     report_missed_goals(plan, rows);
     rows.emplace_back("check", plan.validation.valid ? "valid" : "REFUSED: " + plan.validation.first_contact);
-    rows.emplace_back("min. clearance to voxels",
-                      significant(plan.validation.min_clearance * 1000.0, 3) + " mm");
+    rows.emplace_back("path clearance", significant(plan.validation.min_clearance * 1000.0, 3) +
+                                            " mm to voxels at least, along straight edges");
   }
   if (plan.motion) report_motion(*plan.motion, rows);
   if (!plan.motion_caveat.empty()) rows.emplace_back("smooth motion", "none: " + plan.motion_caveat);

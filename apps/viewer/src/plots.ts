@@ -100,7 +100,7 @@ export class Plots {
     if (!plan) return;
     this.scale = TimeScale.of(plan);
     byId("joint-name").textContent = plan.period > 0 ? "Joints" : "Joint profiles";
-    byId("clearance-name").textContent = plan.period > 0 ? "Separation" : "Clearance along the path";
+    byId("clearance-name").textContent = plan.period > 0 ? "Separation along the motion" : "Separation at the waypoints";
     const steps = Array.from({ length: plan.waypoints }, (_, i) => this.scale.x(i));
     if (!byId("joint-card").hidden) this.drawJoints(plan, steps);
     if (!byId("clearance-card").hidden) this.drawClearance(plan, steps);
@@ -158,10 +158,9 @@ export class Plots {
     const known = Array.from(values, (c) => Number.isNaN(c) ? null : c);
     const least = known.reduce<number>((best, c, i) => c !== null && (best < 0 || c < known[best]!) ? i : best, -1);
     const second = this.truth.length > 0 ? this.truth : this.bodies, hasSecond = second.length > 0;
-    const names = this.truth.length > 0 ? ["as robots know it, of all", "true, of what is sensed"] : ["of all: voxels (less padding) and links", "between links alone"];
+    const names = this.truth.length > 0 ? ["as robots know it, of all", "true, of what is sensed"] : ["to voxels, less the padding, and between links", "between links alone"];
     const key = (text: string, color: string) => el("span", { class: "key" }, el("i", { style: `background:${color}` }), text);
-    byId("clearance-keys").hidden = !hasSecond;
-    byId("clearance-keys").replaceChildren(key(names[0], colors.clearance), key(names[1], colors.truth));
+    byId("clearance-keys").replaceChildren(key(names[0], colors.clearance), ...(hasSecond ? [key(names[1], colors.truth)] : []));
     byId("clearance-key").hidden = plan.security <= 0;
     byId("clearance-key").textContent = `┄ d_s ${metres(plan.security)}`;
     const lines = (u: uPlot) => {

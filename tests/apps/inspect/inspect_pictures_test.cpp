@@ -128,6 +128,12 @@ TEST_F(InspectPictures, InTheTerminalAreTheStatesOfThePlane) {
   EXPECT_GT(occupied, 5U);
   EXPECT_NE(run.out.find('#'), std::string::npos);
   EXPECT_NE(slice_text(map, plane, 80, true).find("\033[38;2;"), std::string::npos);
+  EXPECT_TRUE(run.out.ends_with("X conflict  # occupied  + painted  . seen free  blank unknown\n"))
+      << run.out;
+  const std::string colours = slice_legend(true, false);
+  EXPECT_NE(colours.find("\033[38;2;150;138;126m\u2588\u2588\033[0m occupied"), std::string::npos) << colours;
+  const std::string changes = slice_legend(false, true);
+  EXPECT_NE(changes.find("X " + difference_label(VoxelState::conflict)), std::string::npos) << changes;
 }
 
 TEST_F(InspectPictures, RefuseWhatDoesNotGoTogether) {
