@@ -11,9 +11,11 @@ namespace clearway {
 namespace option_meanings_test {
 
 TEST(OptionMeanings, EveryOptionOfEveryPlannerHasOne) {
-  for (const PlannerEntry& entry : planner_table())
-    for (const auto& [option, value] : make_planner(entry.name)->options())
+  for (const PlannerEntry& entry : planner_table()) {
+    const auto planner = make_planner(entry.name);
+    for (const auto& [option, value] : planner->options())
       EXPECT_GT(option_meaning(std::string(entry.name), option).size(), 5U) << entry.name << " " << option;
+  }
   EXPECT_EQ(option_meaning("beam", "no_such_option"), "");
   EXPECT_EQ(option_meaning("external", "width"), "");
 }
