@@ -171,8 +171,8 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
     throw std::invalid_argument(*fusion.damage + "; nothing gets into the map");
   if (fusion.damage) fusion.map.note_damaged_recording(fusion.counts.frames);
   fusion.warnings = frames->warnings();
-  if (const std::string caveat = frames->time_caveat(); !caveat.empty()) fusion.warnings.push_back(caveat);
   if (!fusion.damage) require_content(fusion, recording);
+  if (const std::string caveat = frames->time_caveat(); !caveat.empty()) fusion.warnings.push_back(caveat);
   warn_of_leftovers(fusion);
   return fusion;
 }
