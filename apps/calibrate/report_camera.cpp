@@ -49,6 +49,8 @@ CalibrationReport report_camera(const CalibrateOptions& options, const Setup& se
   const BoardSetup& board = seen_board(setup, images, options.body);
   const ChosenViews chosen = choose_views(images, board);
   CameraCalibrationOptions how;
+  const bool is_fisheye = options.lens == "fisheye";
+  if (is_fisheye) how.lens = LensDistortion::Model::fisheye;
   how.edge_bias = tracking_options(setup).pose.edge_bias;
   const CameraCalibration found =
       calibrate_camera(images.width, images.height, tag_body(board), chosen.views, how);
@@ -70,7 +72,7 @@ CalibrationReport report_camera(const CalibrateOptions& options, const Setup& se
   ErrorsSetup errors = setup.errors;
   errors.camera = {camera.errors.focal, camera.errors.aspect, camera.errors.center, camera.errors.distortion};
   report.blocks = {camera_block({camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy,
-                                 camera.distortion}),
+                                 camera.distortion, is_fisheye ? LensModel::fisheye : LensModel::plumb_bob}),
                    errors_block(errors)};
   report.next = "Put these blocks into the setup of this camera, in place of its `camera` and `errors`.";
   return report;

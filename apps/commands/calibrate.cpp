@@ -49,6 +49,9 @@ CalibrationReport report_of(const CalibrateOptions& options, const Setup& setup,
 }  // namespace
 
 int run_calibrate(const CalibrateOptions& options, Console& console) {
+  if (!options.lens.empty() && options.what != "camera")
+    throw std::invalid_argument("--lens is of `calibrate camera`; the lens that `calibrate " + options.what +
+                                "` sees through stands in the setup");
   const std::filesystem::path file = shipped_file("setups", options.setup);
   require_output(options, file);
   Setup setup = load_setup(file);

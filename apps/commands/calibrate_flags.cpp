@@ -30,6 +30,13 @@ Command add_calibrate(CLI::App& app, Console& console) {
   command->add_option("--body", options->body, "name of the board; default: the one seen most often")
       ->type_name("NAME");
   command
+      ->add_option(
+          "--lens", options->lens,
+          "camera: plumb_bob (k1, k2, p1, p2, k3; the default) or fisheye (k1 to k4 of cv::fisheye); "
+          "rational lenses are read, not calibrated")
+      ->check(CLI::IsMember({"plumb_bob", "fisheye"}))
+      ->type_name("plumb_bob|fisheye");
+  command
       ->add_option("--sensor", options->sensor,
                    "hand-eye: the setup's sensor on `link: tip` that stands for the camera")
       ->type_name("NAME");

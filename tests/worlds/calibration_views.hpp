@@ -41,6 +41,17 @@ inline Camera drawn_camera(std::mt19937& random) {
   return camera;
 }
 
+/// Sees 70 to 105 degrees from its axis in the corners.
+inline Camera drawn_fisheye(std::mt19937& random) {
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  Camera camera = drawn_camera(random);
+  camera.lens = LensDistortion::Model::fisheye;
+  camera.fx = 0.5 * std::hypot(camera.width, camera.height) / (1.5 + 0.3 * unit(random));
+  camera.fy = camera.fx * (1.0 + 0.01 * unit(random));
+  camera.distortion = {0.03 * unit(random), 0.03 * unit(random), 0.02 * unit(random), 0.005 * unit(random)};
+  return camera;
+}
+
 /// `stated` with errors of the size that it states.
 inline TagBody true_body(const TagBody& stated, std::mt19937& random) {
   std::normal_distribution<double> normal;
@@ -72,6 +83,34 @@ inline std::vector<TagDetection> look_at_body(const Camera& camera, const TagBod
     if (is_inside) seen.push_back(tag);
   }
   return noisy_detections(camera, seen, noise, random);
+}
+
+/// Views all over a fisheye's image.
+inline DrawnViews draw_fisheye_views(unsigned seed, std::size_t count, const ViewsLook& look = {}) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  DrawnViews drawn;
+  drawn.camera = drawn_fisheye(random);
+  drawn.noise = 0.15 + 0.1 * unit(random);
+  drawn.stated_board = board("calibration", 0, 4, 5, 0.024, 0.034);
+  drawn.stated_board.errors = {0.0, 0.003, 0.0001, 0.002};
+  drawn.true_board = true_body(drawn.stated_board, random);
+  while (drawn.views.size() < count) {
+    const Eigen::Vector2d middle(0.5 * drawn.camera.width * (1.0 + look.spread * unit(random)),
+                                 0.5 * drawn.camera.height * (1.0 + look.spread * unit(random)));
+    const auto ray = drawn.camera.undistort(middle);
+    if (!ray) continue;
+    const double distance = 0.2 + 0.05 * unit(random);
+    const Eigen::Isometry3d ahead = tag_before_camera(distance, look.tilt * std::abs(unit(random)),
+                                                      M_PI * unit(random), M_PI * unit(random), 0.0, 0.0);
+    const Eigen::Isometry3d pose =
+        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), ray->homogeneous()) * ahead;
+    const auto tags = look_at_body(drawn.camera, drawn.true_board, pose, drawn.noise, random);
+    if (tags.size() < 4) continue;
+    drawn.views.push_back({"view " + std::to_string(drawn.views.size()), tags});
+    drawn.true_poses.push_back(pose);
+  }
+  return drawn;
 }
 
 inline DrawnViews draw_views(unsigned seed, std::size_t count, const ViewsLook& look = {}) {

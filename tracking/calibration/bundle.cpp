@@ -60,6 +60,23 @@ void note_residuals(const BundleProblem& problem, const BundleState& state, cons
 
 }  // namespace
 
+Eigen::Matrix<double, 2, 5> seen_by_coefficients(const Camera& camera, const Eigen::Vector2d& ray) {
+  const double x = ray.x(), y = ray.y(), r2 = ray.squaredNorm();
+  Eigen::Matrix<double, 2, 5> by = Eigen::Matrix<double, 2, 5>::Zero();
+  if (camera.lens == LensDistortion::Model::fisheye) {
+    const double r = std::sqrt(r2), angle = std::atan(r);
+    if (r < 1e-9) return by;
+    double power = angle * angle * angle;
+    for (int i = 0; i < 4; ++i, power *= angle * angle) by.col(i) = power / r * ray;
+    return by;
+  }
+  const auto& k = camera.distortion;
+  const double below = 1.0 + r2 * (k[5] + r2 * (k[6] + r2 * k[7]));
+  by << x * r2 / below, x * r2 * r2 / below, 2.0 * x * y, r2 + 2.0 * x * x, x * r2 * r2 * r2 / below,  //
+      y * r2 / below, y * r2 * r2 / below, r2 + 2.0 * y * y, 2.0 * x * y, y * r2 * r2 * r2 / below;
+  return by;
+}
+
 std::array<double, kCameraUnknowns> camera_priors(const Camera& camera) {
   // What shifts the image's farthest corner by `distortion` pixels; see Camera::shift_by_errors.
   const double x = std::max(camera.cx, camera.width - camera.cx) / camera.fx;
@@ -69,6 +86,16 @@ std::array<double, kCameraUnknowns> camera_priors(const Camera& camera) {
   const double px =
       camera.errors.distortion.value_or(is_given ? 0.5 : 0.005 * std::hypot(camera.width, camera.height));
   const CameraErrors& e = camera.errors;
+  if (camera.lens == LensDistortion::Model::fisheye)  // r is an angle there
+    return {e.focal,
+            e.aspect,
+            e.center,
+            e.center,
+            px / (f * std::pow(r, 3)),
+            px / (f * std::pow(r, 5)),
+            px / (f * std::pow(r, 7)),
+            px / (f * std::pow(r, 9)),
+            0.0};
   return {e.focal,
           e.aspect,
           e.center,

@@ -17,7 +17,8 @@ struct BoardView {
   Eigen::Isometry3d camera_from_board = Eigen::Isometry3d::Identity();
 };
 
-/// log f (fx and fy together), log(fx / fy), cx, cy, k1, k2, p1, p2, k3; pixels where a length.
+/// log f (fx and fy together), log(fx / fy), cx, cy, k1, k2, p1, p2, k3; pixels where a length. Of a rational
+/// lens k4, k5, k6 stay as they are; of a fisheye the last five are k1, k2, k3, k4 and one that stays 0.
 constexpr int kCameraUnknowns = 9;
 /// Of each tag: log size, place in the board (metres), turn about the tag's axes (radians).
 constexpr int kTagUnknowns = 7;
@@ -44,6 +45,10 @@ struct BundleFit {
   Eigen::MatrixXd covariance;  ///< of the camera's unknowns, then each tag's; 0 for what is known exactly
   std::vector<std::vector<double>> tag_squares;  ///< whitened squares of each tag of each view; 8 expected
 };
+
+/// The derivative of a distorted normalised point by the last five unknowns, for a rational or fisheye lens.
+/// @param ray (x/z, y/z), in sight
+Eigen::Matrix<double, 2, 5> seen_by_coefficients(const Camera& camera, const Eigen::Vector2d& ray);
 
 /// Standard deviations of a known camera's unknowns by its `errors`.
 std::array<double, kCameraUnknowns> camera_priors(const Camera& camera);

@@ -28,6 +28,14 @@ Eigen::Vector3d log_of(const Eigen::Matrix3d& turn) {
 /// The derivative of a pixel by the camera's unknowns. @param point in the camera, in sight
 Eigen::MatrixXd pixel_by_camera(const Camera& camera, const Eigen::Vector3d& point) {
   const double x = point.x() / point.z(), y = point.y() / point.z(), r2 = x * x + y * y;
+  if (camera.lens != LensDistortion::Model::plumb_bob) {
+    const Eigen::Vector2d off = *camera.project(point) - Eigen::Vector2d(camera.cx, camera.cy);
+    Eigen::MatrixXd by(2, kCameraUnknowns);
+    by.leftCols<4>() << off.x(), 0.5 * off.x(), 1.0, 0.0, off.y(), -0.5 * off.y(), 0.0, 1.0;
+    by.rightCols<5>() =
+        Eigen::Vector2d(camera.fx, camera.fy).asDiagonal() * seen_by_coefficients(camera, {x, y});
+    return by;
+  }
   const auto& k = camera.distortion;
   const double radial = 1.0 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
   const double xd = x * radial + 2.0 * k[2] * x * y + k[3] * (r2 + 2.0 * x * x);

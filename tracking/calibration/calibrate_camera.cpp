@@ -26,8 +26,8 @@ BundlePriors priors_of(Camera camera, const TagBody& board, bool with_k3) {
   BundlePriors priors;
   camera.errors = {0.5, 0.5, 0.5 * camera.width, 0.5 * std::hypot(camera.width, camera.height)};
   priors.camera = camera_priors(camera);
-  priors.camera.back() = priors.camera[5];
-  if (!with_k3) priors.camera.back() = 0.0;
+  const bool is_fisheye = camera.lens == LensDistortion::Model::fisheye;
+  priors.camera.back() = with_k3 && !is_fisheye ? priors.camera[5] : 0.0;
   const TagErrors& e = board.errors;
   priors.tags.assign(board.tags.size(), {e.size, e.place, e.place, e.place, e.turn, e.turn, e.turn});
   return priors;
@@ -148,8 +148,11 @@ CameraErrors errors_of(const Camera& camera, const Eigen::MatrixXd& covariance) 
       if (!ray || ray->norm() < 1e-3) continue;
       const double x = ray->x(), y = ray->y(), r2 = ray->squaredNorm();
       Eigen::Matrix<double, 2, 5> by;
-      by << x * r2, x * r2 * r2, 2 * x * y, r2 + 2 * x * x, x * r2 * r2 * r2,  //
-          y * r2, y * r2 * r2, r2 + 2 * y * y, 2 * x * y, y * r2 * r2 * r2;
+      if (camera.lens == LensDistortion::Model::fisheye)
+        by = seen_by_coefficients(camera, *ray);
+      else
+        by << x * r2, x * r2 * r2, 2 * x * y, r2 + 2 * x * x, x * r2 * r2 * r2,  //
+            y * r2, y * r2 * r2, r2 + 2 * y * y, 2 * x * y, y * r2 * r2 * r2;
       const double actual = f * f * sandwich(by, left).trace();
       const double stated = unit.shift_by_errors(pixel).squaredNorm();
       if (stated > 1e-4) most = std::max(most, actual / stated);
@@ -182,7 +185,8 @@ struct HeldOut {
       if (!pixel) return;
       const double squared = (*pixel - corner.pixel).squaredNorm();
       squared_px += squared;
-      squared_mm += squared * std::pow(1e3 * at.z() / std::sqrt(camera.fx * camera.fy), 2);
+      const double distance = camera.lens == LensDistortion::Model::fisheye ? at.norm() : at.z();
+      squared_mm += squared * std::pow(1e3 * distance / std::sqrt(camera.fx * camera.fy), 2);
     }
     freedom += static_cast<double>(corners.size()) - 3.0;  // corners, less half the pose's unknowns
   }
@@ -294,12 +298,16 @@ void require_flat(const TagBody& board, const BoardPlane& plane) {
 CameraCalibration calibrate_camera(int width, int height, const TagBody& board, std::vector<BoardView> views,
                                    const CameraCalibrationOptions& options) {
   if (width < 32 || height < 32) throw std::invalid_argument("camera: expected images of 32 pixels or more");
+  if (options.lens == LensDistortion::Model::rational)
+    throw std::invalid_argument("camera: rational lenses are not calibrated, expected plumb_bob or fisheye");
   board.validate();
   const BoardPlane plane = plane_of(board);
   require_flat(board, plane);
   CameraCalibration calibration;
   calibration.camera.width = width;
   calibration.camera.height = height;
+  calibration.camera.lens = options.lens;
+  const bool is_fisheye = options.lens == LensDistortion::Model::fisheye;
   std::erase_if(views, [&](const BoardView& view) { return view.tags.size() < 2; });
   if (views.size() < options.least_views) {
     calibration.refusal = words(views.size(), " images show two tags of the board or more, expected ",
@@ -310,7 +318,10 @@ CameraCalibration calibrate_camera(int width, int height, const TagBody& board, 
   Fitted fitted{{calibration.camera, board, std::move(views)}, {}, {}};
   Bundle& bundle = fitted.bundle;
   calibration.coverage = coverage_of(bundle);
-  if (!find_initial_camera(bundle, plane, false) && !find_initial_camera(bundle, plane, true)) {
+  const bool is_found =
+      is_fisheye ? find_initial_fisheye(bundle, plane)
+                 : find_initial_camera(bundle, plane, false) || find_initial_camera(bundle, plane, true);
+  if (!is_found) {
     calibration.refusal = judge_images(calibration, options);
     return calibration;
   }
@@ -321,7 +332,7 @@ CameraCalibration calibrate_camera(int width, int height, const TagBody& board, 
     calibration.refusal = judge_failure(bundle, plane, calibration, options);
     return calibration;
   }
-  free_k3_where_it_shows(board, options.edge_bias, fitted);
+  if (!is_fisheye) free_k3_where_it_shows(board, options.edge_bias, fitted);
   note_fit(fitted, plane, calibration);
   calibration.refusal = judge(calibration, options);
   if (calibration.refusal.empty()) test_held_out(bundle, board, fitted.priors, options, calibration);

@@ -1,14 +1,26 @@
 #include "tracking/calibration/initial_camera.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <opencv2/calib3d.hpp>
+#include <optional>
 #include <stdexcept>
 
 #include "tracking/dense.hpp"
+#include "tracking/pose_refinement.hpp"
 #include "tracking/tag_pose.hpp"
 
 namespace clearway {
 namespace {
+
+Eigen::Isometry3d isometry_of(const cv::Mat& turn, const cv::Mat& place) {
+  const Eigen::Vector3d by(turn.at<double>(0), turn.at<double>(1), turn.at<double>(2));
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  if (by.norm() > 0.0) pose.linear() = Eigen::AngleAxisd(by.norm(), by.normalized()).toRotationMatrix();
+  pose.translation() = Eigen::Vector3d(place.at<double>(0), place.at<double>(1), place.at<double>(2));
+  return pose;
+}
 
 bool is_plausible(const Camera& camera) {
   try {
@@ -17,6 +29,56 @@ bool is_plausible(const Camera& camera) {
     return false;
   }
   return camera.fx > 0.2 * camera.width && camera.fx < 20.0 * camera.width;
+}
+
+/// The part of a view that a camera sees, with the better of its two poses (IPPE, Collins and Bartoli 2014),
+/// refined, and the mean squared error of its corners; none where that is less than two tags.
+struct PlacedView {
+  BoardView view;
+  double squared_error = 0.0;
+};
+
+std::optional<PlacedView> place(const Camera& camera, const TagBody& board, const BoardPlane& plane,
+                                const BoardView& view) {
+  const Eigen::Isometry3d plane_from_board = plane.board_from_plane.inverse();
+  PlacedView placed{{view.name, {}}};
+  std::vector<CornerMatch> corners;
+  std::vector<cv::Point3d> objects;
+  std::vector<cv::Point2d> rays;
+  for (const TagDetection& tag : view.tags) {
+    const MountedTag& mounted = board.tags.at(tag.id);
+    const auto points = tag_corners(mounted.size);
+    std::vector<Eigen::Vector2d> seen;
+    for (const Eigen::Vector2d& pixel : tag.corners)
+      if (const auto ray = camera.undistort(pixel); ray && ray->norm() < 8.0) seen.push_back(*ray);
+    if (seen.size() < 4) continue;
+    placed.view.tags.push_back(tag);
+    for (std::size_t i = 0; i < 4; ++i) {
+      corners.push_back({mounted.body_from_tag * points[i], tag.corners[i]});
+      const Eigen::Vector3d at = plane_from_board * corners.back().in_body;
+      objects.emplace_back(at.x(), at.y(), 0.0);
+      rays.emplace_back(seen[i].x(), seen[i].y());
+    }
+  }
+  if (placed.view.tags.size() < 2) return std::nullopt;
+  std::vector<cv::Mat> turns, places;
+  try {
+    cv::solvePnPGeneric(objects, rays, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), turns, places, false,
+                        cv::SOLVEPNP_IPPE);
+  } catch (const cv::Exception&) {
+    return std::nullopt;
+  }
+  bool is_placed = false;
+  for (std::size_t i = 0; i < turns.size(); ++i) {
+    const auto pose = refine_pose(camera, corners, isometry_of(turns[i], places[i]) * plane_from_board);
+    if (!pose) continue;
+    const double squared = pose->squared_error / static_cast<double>(corners.size());
+    if (is_placed && !(squared < placed.squared_error)) continue;
+    is_placed = true;
+    placed.squared_error = squared;
+    placed.view.camera_from_board = pose->camera_from_body;
+  }
+  return is_placed ? std::optional(placed) : std::nullopt;
 }
 
 }  // namespace
@@ -84,14 +146,39 @@ bool find_initial_camera(Bundle& bundle, const BoardPlane& plane, bool is_guess)
   camera.cy = matrix.at<double>(1, 2);
   for (int i = 0; i < 4; ++i) camera.distortion[static_cast<std::size_t>(i)] = distortion.at<double>(i);
   for (std::size_t v = 0; v < bundle.views.size(); ++v) {
-    const Eigen::Vector3d by(turns[v].at<double>(0), turns[v].at<double>(1), turns[v].at<double>(2));
-    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-    if (by.norm() > 0.0) pose.linear() = Eigen::AngleAxisd(by.norm(), by.normalized()).toRotationMatrix();
-    pose.translation() =
-        Eigen::Vector3d(places[v].at<double>(0), places[v].at<double>(1), places[v].at<double>(2));
-    bundle.views[v].camera_from_board = pose * plane_from_board;
+    bundle.views[v].camera_from_board = isometry_of(turns[v], places[v]) * plane_from_board;
   }
   return is_plausible(camera);
+}
+
+bool find_initial_fisheye(Bundle& bundle, const BoardPlane& plane) {
+  constexpr int steps = 32;
+  constexpr double narrowest = 0.6, widest = 2.2;  // radians in the corner
+  Camera camera = bundle.camera;
+  camera.lens = LensDistortion::Model::fisheye;
+  camera.distortion = {};
+  camera.cx = 0.5 * (camera.width - 1);
+  camera.cy = 0.5 * (camera.height - 1);
+  const std::vector<BoardView> given = bundle.views;
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i <= steps; ++i) {
+    const double corner = narrowest * std::pow(widest / narrowest, static_cast<double>(i) / steps);
+    camera.fx = camera.fy = std::hypot(camera.cx, camera.cy) / corner;
+    std::vector<BoardView> views;
+    std::vector<double> errors(given.size(), std::numeric_limits<double>::infinity());
+    for (std::size_t v = 0; v < given.size(); ++v)
+      if (const auto placed = place(camera, bundle.board, plane, given[v])) {
+        views.push_back(placed->view);
+        errors[v] = placed->squared_error;
+      }
+    const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
+    std::nth_element(errors.begin(), middle, errors.end());  // images that contradict do not count
+    if (!(*middle < least)) continue;
+    least = *middle;
+    bundle.camera = camera;
+    bundle.views = views;
+  }
+  return std::isfinite(least);
 }
 
 }  // namespace clearway

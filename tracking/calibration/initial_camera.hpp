@@ -18,4 +18,9 @@ BoardPlane plane_of(const TagBody& board);
 /// camera, when `is_guess`. False when it finds none that is plausible.
 bool find_initial_camera(Bundle& bundle, const BoardPlane& plane, bool is_guess);
 
+/// The same of a fisheye: the equidistant one that explains the views best, of focal lengths that show 35 to
+/// 125 degrees in the image's corners. Views and tags that it does not see are left out. False when it sees
+/// less than half of the views.
+bool find_initial_fisheye(Bundle& bundle, const BoardPlane& plane);
+
 }  // namespace clearway

@@ -26,14 +26,15 @@ class CalibratePictures : public testing::Test {
     camera_ = scene::distorted_camera();
   }
 
-  void render(const std::string& name, int count, double tilt) {
+  /// @param nearer how much nearer the board is held, so that a wide lens sees its tags as large
+  void render(const std::string& name, int count, double tilt, double nearer = 1.0) {
     std::mt19937 random(12);
     std::uniform_real_distribution<double> unit(-1.0, 1.0);
     std::filesystem::create_directory(folder_ / name);
     for (int i = 0; i < count; ++i) {
       const Eigen::Isometry3d pose = scene::tag_before_camera(
-          0.42 + 0.06 * unit(random), tilt * std::abs(unit(random)), M_PI * unit(random), M_PI * unit(random),
-          0.09 * unit(random), 0.06 * unit(random));
+          nearer * (0.42 + 0.06 * unit(random)), tilt * std::abs(unit(random)), M_PI * unit(random),
+          M_PI * unit(random), 0.09 * unit(random), 0.06 * unit(random));
       char file[32];
       std::snprintf(file, sizeof file, "%s/%03d.png", name.c_str(), i);
       scene::Look look;
@@ -72,6 +73,19 @@ TEST_F(CalibratePictures, CameraIsFoundWithinItsErrorsAndTheCopyOfTheSetupReadsB
             std::string::npos);  // the same on any threads
 }
 
+TEST_F(CalibratePictures, AFisheyeIsFoundWithinItsErrorsAndTheSetupNamesItsLens) {
+  camera_ = scene::fisheye_camera();
+  render("pictures", 20, 0.7, 0.35);
+  const CommandRun run = run_command({"calibrate", "camera", folder_.file("pictures"), "--board", setup_,
+                                      "--lens", "fisheye", "--out", folder_.file("mine.yaml")});
+  ASSERT_EQ(run.status, exit_done) << run.log << run.out;
+  const clearway::Setup found = load_setup(folder_.file("mine.yaml"));
+  EXPECT_EQ(found.camera->lens, LensModel::fisheye);
+  EXPECT_LT(std::abs(std::log(found.camera->fx / camera_.fx)), 4.0 * *found.errors.camera.focal);
+  EXPECT_LT(std::abs(found.camera->cx - camera_.cx), 4.0 * *found.errors.camera.center + 0.1);
+  EXPECT_LT(*found.errors.camera.focal, 0.005);
+}
+
 TEST_F(CalibratePictures, FrontalPicturesAndBadInputAreRefusedWithTheReasonAndWriteNothing) {
   render("frontal", 10, 0.02);
   const CommandRun frontal = run_command({"calibrate", "camera", folder_.file("frontal"), "--setup", setup_,
@@ -84,6 +98,8 @@ TEST_F(CalibratePictures, FrontalPicturesAndBadInputAreRefusedWithTheReasonAndWr
            {{"camera", folder_.file("frontal"), "--setup", setup_, "--body", "nobody"}, "no board 'nobody'"},
            {{"board", folder_.file("frontal"), "--setup", setup_}, "has the camera"},
            {{"probe", folder_.file("frontal"), "--setup", setup_}, "has the camera"},
+           {{"board", folder_.file("frontal"), "--setup", setup_, "--lens", "fisheye"}, "--lens is of"},
+           {{"camera", folder_.file("frontal"), "--setup", setup_, "--lens", "rational"}, "--lens"},
            {{"lens", folder_.file("frontal"), "--setup", setup_}, "calibrate: "},
            {{"camera", folder_.file("nowhere"), "--setup", setup_}, "nowhere"}}) {
     std::vector<std::string> command{"calibrate"};

@@ -66,6 +66,48 @@ TEST(CalibrateCamera, stated_errors_cover_how_the_image_moves) {
   EXPECT_LE(outside, asked / 100);
 }
 
+TEST(CalibrateCamera, sigmas_cover_the_true_errors_of_drawn_fisheyes) {
+  const int drawn_cameras = trials(8, 50);
+  double joint = 0.0;
+  int outside = 0, asked = 0;
+  for (int seed = 1; seed <= drawn_cameras; ++seed) {
+    const DrawnViews drawn = scene::draw_fisheye_views(static_cast<unsigned>(seed), 20);
+    const Camera& truth = drawn.camera;
+    CameraCalibrationOptions options;
+    options.folds = 2;
+    options.lens = LensDistortion::Model::fisheye;
+    const CameraCalibration found =
+        calibrate_camera(truth.width, truth.height, drawn.stated_board, drawn.views, options);
+    ASSERT_EQ(found.refusal, "") << seed;
+    EXPECT_EQ(found.camera.lens, LensDistortion::Model::fisheye);
+    EXPECT_GE(found.views, 18U);
+    Eigen::Matrix<double, 8, 1> off;
+    off << std::log(found.camera.fx * found.camera.fy / (truth.fx * truth.fy)) / 2.0,
+        std::log(found.camera.fx / found.camera.fy * truth.fy / truth.fx), found.camera.cx - truth.cx,
+        found.camera.cy - truth.cy, 0, 0, 0, 0;
+    for (std::size_t k = 0; k < 4; ++k)
+      off[4 + static_cast<int>(k)] = found.camera.distortion[k] - truth.distortion[k];
+    const Eigen::Matrix<double, 8, 8> covariance = found.covariance.topLeftCorner<8, 8>();
+    joint += off.dot(covariance.ldlt().solve(off));
+    EXPECT_NEAR(found.held_out_px / std::sqrt(2.0), drawn.noise, 0.35 * drawn.noise + 0.08) << seed;
+    for (int i = 0; i < 49; ++i) {  // how the image moves
+      const Eigen::Vector2d pixel(truth.width * (0.08 + 0.14 * (i % 7)),
+                                  truth.height * (0.08 + 0.14 * (i / 7)));
+      const auto ray = truth.undistort(pixel);
+      if (!ray) continue;
+      const auto seen = found.camera.project(ray->homogeneous());
+      ASSERT_TRUE(seen);
+      const auto shifts = found.camera.shift_by_errors(pixel);
+      const Eigen::Matrix2d moves = shifts * shifts.transpose();
+      ++asked;
+      outside += (*seen - pixel).dot(moves.ldlt().solve(*seen - pixel)) > 11.8;  // 3 sigma of two
+    }
+  }
+  EXPECT_LT(joint, chi_square_of_a_thousand(8 * drawn_cameras));
+  EXPECT_GT(joint, 2 * drawn_cameras);  // not many times too careful
+  EXPECT_LE(outside, asked / 100);
+}
+
 TEST(CalibrateCamera, moved_images_and_wrong_tags_are_left_out_and_named) {
   DrawnViews drawn = scene::draw_views(7, 30);
   std::mt19937 random(3);
