@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "mapping/system/plain_text.hpp"
+#include "planning/files/query_record.hpp"
 #include "planning/robot_files/srdf_file.hpp"
 
 namespace clearway {
@@ -13,10 +14,6 @@ namespace {
 
 constexpr std::size_t most_choices = 16;  ///< of one goal
 constexpr int starts_of_variant = 8;      ///< of inverse kinematics, for poses that are not the goal itself
-
-double largest_apart(const Configuration& a, const Configuration& b) {
-  return (a - b).lpNorm<Eigen::Infinity>();
-}
 
 }  // namespace
 
@@ -69,7 +66,7 @@ PoseGoals::Choices PoseGoals::choices_of(std::size_t goal) const {
     }
   }
   const auto is_nearer = [&](const Configuration& a, const Configuration& b) {
-    return largest_apart(a, near) < largest_apart(b, near);
+    return largest_difference(a, near) < largest_difference(b, near);
   };
   std::stable_sort(choices.configurations.begin(), choices.configurations.end(), is_nearer);
   std::stable_sort(blocked.begin(), blocked.end(), is_nearer);

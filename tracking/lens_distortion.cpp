@@ -96,21 +96,9 @@ bool is_positive_to(const std::array<double, N>& polynomial, double t) {
   return is_positive(bernstein_to(polynomial, t), halvings);
 }
 
-// Brown-Conrady: the distorted normalised point, and its derivative by the undistorted one.
-Eigen::Vector2d distort_polynomial(const Coefficients& d, const Eigen::Vector2d& p, Eigen::Matrix2d& by_p) {
-  const double x = p.x(), y = p.y(), s = p.squaredNorm();
-  const double radial = 1.0 + s * (d[0] + s * (d[1] + s * d[4]));
-  const double twice = 2.0 * (d[0] + s * (2.0 * d[1] + s * 3.0 * d[4]));  // d(radial)/dx = twice * x
-  by_p(0, 0) = radial + x * x * twice + 2.0 * d[2] * y + 6.0 * d[3] * x;
-  by_p(0, 1) = x * y * twice + 2.0 * d[2] * x + 2.0 * d[3] * y;
-  by_p(1, 0) = by_p(0, 1);
-  by_p(1, 1) = radial + y * y * twice + 6.0 * d[2] * y + 2.0 * d[3] * x;
-  return {x * radial + 2.0 * d[2] * x * y + d[3] * (s + 2.0 * x * x),
-          y * radial + d[2] * (s + 2.0 * y * y) + 2.0 * d[3] * x * y};
-}
-
-// The same with a denominator (OpenCV, "Camera Calibration and 3D Reconstruction").
-Eigen::Vector2d distort_rational(const Coefficients& d, const Eigen::Vector2d& p, Eigen::Matrix2d& by_p) {
+// Brown-Conrady, of a rational lens over a denominator (OpenCV, "Camera Calibration and 3D Reconstruction"):
+// the distorted normalised point, and its derivative by the undistorted one.
+Eigen::Vector2d distort_radial(const Coefficients& d, const Eigen::Vector2d& p, Eigen::Matrix2d& by_p) {
   const double x = p.x(), y = p.y(), s = p.squaredNorm();
   const double above = 1.0 + s * (d[0] + s * (d[1] + s * d[4]));
   const double below = 1.0 + s * (d[5] + s * (d[6] + s * d[7]));
@@ -195,9 +183,8 @@ Eigen::Vector2d LensDistortion::bend_angle(const Eigen::Vector2d& ray, Eigen::Ma
 }
 
 Eigen::Vector2d LensDistortion::bend(const Eigen::Vector2d& ray, Eigen::Matrix2d& by_ray) const {
-  if (model_ == Model::plumb_bob) return distort_polynomial(coefficients_, ray, by_ray);
-  if (model_ == Model::rational) return distort_rational(coefficients_, ray, by_ray);
-  return bend_angle(ray, by_ray);
+  if (model_ == Model::fisheye) return bend_angle(ray, by_ray);
+  return distort_radial(coefficients_, ray, by_ray);
 }
 
 std::optional<Eigen::Vector2d> LensDistortion::distort(const Eigen::Vector2d& ray,

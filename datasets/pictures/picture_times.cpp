@@ -207,6 +207,14 @@ bool are_clock(const std::vector<fs::path>& files) {
           std::any_of(times->begin(), times->end(), [](double time) { return time != std::floor(time); }));
 }
 
+std::vector<std::pair<std::string, double>> in_seconds(const std::vector<std::string>& files,
+                                                       std::vector<double> times) {
+  make_seconds(times);
+  std::vector<std::pair<std::string, double>> pairs;
+  for (std::size_t i = 0; i < files.size(); ++i) pairs.emplace_back(files[i], times[i]);
+  return pairs;
+}
+
 std::vector<TimedFile> together(const std::vector<fs::path>& files, const std::vector<double>& times) {
   std::vector<TimedFile> timed;
   for (std::size_t i = 0; i < files.size(); ++i) timed.push_back({files[i], times[i]});
@@ -261,10 +269,7 @@ std::vector<std::pair<std::string, double>> parse_file_times(const std::string& 
     files.push_back(fs::path(first ? fields[1] : fields[0]).filename().string());
     times.push_back(first ? *first : *second);
   }
-  make_seconds(times);
-  std::vector<std::pair<std::string, double>> pairs;
-  for (std::size_t i = 0; i < files.size(); ++i) pairs.emplace_back(files[i], times[i]);
-  return pairs;
+  return in_seconds(files, times);
 }
 
 std::vector<std::pair<std::string, double>> parse_associations(const std::string& text,
@@ -287,10 +292,7 @@ std::vector<std::pair<std::string, double>> parse_associations(const std::string
       times.push_back(*time);
     }
   }
-  make_seconds(times);
-  std::vector<std::pair<std::string, double>> pairs;
-  for (std::size_t i = 0; i < files.size(); ++i) pairs.emplace_back(files[i], times[i]);
-  return pairs;
+  return in_seconds(files, times);
 }
 
 std::optional<double> time_in_name(const std::string& stem) {

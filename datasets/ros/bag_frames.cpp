@@ -48,6 +48,12 @@ BagFrames::BagFrames(MessageBag& bag, const SourceOptions& options) : bag_(bag),
       throw std::runtime_error("topic " + quote(name) + " has no camera that can be used" +
                                (left_out_.contains(name) ? ": " + left_out_.at(name).first : ""));
   }
+  if (!options.bag.depth.empty()) depth_rays_ = depth_rays(depth_camera());
+}
+
+const CameraIntrinsics& BagFrames::depth_camera() const {
+  if (!options_.bag.depth_camera_info.empty()) return cameras_.at(options_.bag.depth_camera_info);
+  return (options_.depth.camera ? options_.depth.camera : options_.camera).value();
 }
 
 void BagFrames::learn() {
@@ -117,9 +123,7 @@ std::optional<Frame> BagFrames::frame_of(const BagMessage& message) const {
     else
       unpacked.image = read_image(in);
     header = unpacked.image.header;
-    const auto& given = options_.depth.camera ? options_.depth.camera : options_.camera;
-    frame.content = depth_cloud(
-        unpacked.image, bag.depth_camera_info.empty() ? given.value() : cameras_.at(bag.depth_camera_info));
+    frame.content = depth_cloud(unpacked.image, depth_camera(), depth_rays_);
     message_from_sensor = optical_from_sensor();
   } else if (topic.name == bag.images) {
     ImageFrame picture;

@@ -29,6 +29,7 @@ class BagFrames {
     std::string first;
   };
   void learn();
+  const CameraIntrinsics& depth_camera() const;
   std::optional<Frame> frame_of(const BagMessage& message) const;
   /// Whether neither the setup nor transforms say where some sensor of points is.
   bool takes_sensors_to_stand() const;
@@ -39,6 +40,7 @@ class BagFrames {
   const SourceOptions& options_;
   TransformTree transforms_;
   std::map<std::string, CameraIntrinsics> cameras_;  ///< of the camera_info topic
+  std::vector<Eigen::Vector2d> depth_rays_;          ///< of the depth camera, where there is one
   std::map<std::string, Missing> left_out_;          ///< of the topic
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
@@ -160,7 +161,25 @@ Eigen::Isometry3d optical_from_sensor() {
   return result;
 }
 
-CloudFrame depth_cloud(const RosImage& image, const CameraIntrinsics& camera) {
+std::vector<Eigen::Vector2d> depth_rays(const CameraIntrinsics& camera) {
+  const Lens lens(camera);
+  const Eigen::Vector2d nowhere = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+  std::vector<Eigen::Vector2d> rays;
+  for (int row = 0; row < camera.height; ++row) {
+    for (int column = 0; column < camera.width; ++column) {
+      if (camera.lens == LensModel::plumb_bob) {
+        rays.emplace_back((column - camera.cx) / camera.fx, (row - camera.cy) / camera.fy);
+        continue;
+      }
+      const auto ray = lens.pixel_ray({column, row});
+      rays.push_back(ray ? Eigen::Vector2d(ray->head<2>()) : nowhere);
+    }
+  }
+  return rays;
+}
+
+CloudFrame depth_cloud(const RosImage& image, const CameraIntrinsics& camera,
+                       const std::vector<Eigen::Vector2d>& rays) {
   const bool is_float = image.encoding == "32FC1";
   if (!is_float && image.encoding != "16UC1" && image.encoding != "mono16")
     throw std::runtime_error("its encoding " + quote(image.encoding) +
@@ -171,21 +190,13 @@ CloudFrame depth_cloud(const RosImage& image, const CameraIntrinsics& camera) {
     throw std::runtime_error("it has another size than its camera");
   CloudFrame cloud;
   cloud.kind = "depth";
-  const Lens lens(camera);
   for (std::size_t row = 0; row < image.height; ++row) {
     for (std::size_t column = 0; column < image.width; ++column) {
       const double depth = depth_at(image, row * image.step + column * size, is_float);
-      if (depth == 0.0) continue;
-      double right = (static_cast<double>(column) - camera.cx) / camera.fx,
-             down = (static_cast<double>(row) - camera.cy) / camera.fy;
-      if (camera.lens != LensModel::plumb_bob) {
-        const auto ray = lens.pixel_ray({static_cast<double>(column), static_cast<double>(row)});
-        if (!ray) continue;
-        right = ray->x();
-        down = ray->y();
-      }
-      cloud.points.emplace_back(static_cast<float>(depth), static_cast<float>(-depth * right),
-                                static_cast<float>(-depth * down));
+      const Eigen::Vector2d& ray = rays[row * image.width + column];
+      if (depth == 0.0 || !ray.allFinite()) continue;
+      cloud.points.emplace_back(static_cast<float>(depth), static_cast<float>(-depth * ray.x()),
+                                static_cast<float>(-depth * ray.y()));
     }
   }
   return cloud;

@@ -19,10 +19,16 @@ GrayImage gray_image(const RosImage& image);
 /// PNG and JPEG.
 GrayImage gray_image(const RosCompressedImage& image);
 
+/// Where a depth camera's pixels look, row by row: right and down at a distance of 1 m along the optical
+/// axis. Images of plumb_bob cameras are taken as rectified; rational and fisheye lenses are undone, and what
+/// lies beyond their field is not finite.
+std::vector<Eigen::Vector2d> depth_rays(const CameraIntrinsics& camera);
+
 /// A depth image: 16UC1 (mono16) in millimetres or 32FC1 in metres, along the optical axis; 0 and NaN are no
 /// returns. The points are in the sensor's own axes (x forward), which the optical frame's pose turns into.
-/// Depth images of plumb_bob cameras are taken as rectified; rational and fisheye lenses are undone.
-CloudFrame depth_cloud(const RosImage& image, const CameraIntrinsics& camera);
+/// @param rays of that camera
+CloudFrame depth_cloud(const RosImage& image, const CameraIntrinsics& camera,
+                       const std::vector<Eigen::Vector2d>& rays);
 /// The pose of the axes x forward, y left, z up in the optical ones: z forward, x right, y down.
 Eigen::Isometry3d optical_from_sensor();
 

@@ -12,25 +12,12 @@ using Coefficients = std::array<double, 8>;
 
 constexpr double flattest = M_PI_2 - 1e-6;  // radians: rays (x, y, 1) have no 90 degrees
 
-/// Plumb bob: a point of the ideal image plane z = 1 moved by the lens, and the derivative of that.
-Eigen::Vector2d distort(const Coefficients& d, const Eigen::Vector2d& ideal, Eigen::Matrix2d* derivative) {
-  const double x = ideal.x(), y = ideal.y(), r2 = x * x + y * y;
-  const double radial = 1 + r2 * (d[0] + r2 * (d[1] + r2 * d[4]));
-  if (derivative) {
-    const double slope = d[0] + r2 * (2 * d[1] + r2 * 3 * d[4]);  // d radial / d r2
-    const double mixed = 2 * x * y * slope + 2 * d[2] * x + 2 * d[3] * y;
-    *derivative << radial + 2 * x * x * slope + 2 * d[2] * y + 6 * d[3] * x, mixed, mixed,
-        radial + 2 * y * y * slope + 6 * d[2] * y + 2 * d[3] * x;
-  }
-  return {x * radial + 2 * d[2] * x * y + d[3] * (r2 + 2 * x * x),
-          y * radial + d[2] * (r2 + 2 * y * y) + 2 * d[3] * x * y};
-}
-
-/// 1 / (1 + k4 r2 + k5 r2^2 + k6 r2^3) of the rational model; negative or infinite beyond its pole.
+/// Of the rational model: what divides; 1 for a plumb bob, 0 at a pole.
 double divisor(const Coefficients& d, double r2) { return 1 + r2 * (d[5] + r2 * (d[6] + r2 * d[7])); }
 
-Eigen::Vector2d distort_rational(const Coefficients& d, const Eigen::Vector2d& ideal,
-                                 Eigen::Matrix2d* derivative) {
+/// Plumb bob and rational: a point of the ideal image plane z = 1 moved by the lens, and the derivative of
+/// that.
+Eigen::Vector2d distort(const Coefficients& d, const Eigen::Vector2d& ideal, Eigen::Matrix2d* derivative) {
   const double x = ideal.x(), y = ideal.y(), r2 = x * x + y * y;
   const double below = divisor(d, r2);
   const double radial = (1 + r2 * (d[0] + r2 * (d[1] + r2 * d[4]))) / below;
@@ -141,17 +128,13 @@ Lens::Lens(const CameraIntrinsics& camera) : camera_(camera), widest_(widest_of(
 
 std::optional<Eigen::Vector2d> Lens::project(const Eigen::Vector3d& point) const {
   const Eigen::Vector2d ideal = point.head<2>() / point.z();
-  Eigen::Vector2d seen;
-  if (camera_.lens == LensModel::plumb_bob) {
+  const double radius = ideal.norm(), angle = std::atan(radius);
+  if (camera_.lens != LensModel::plumb_bob && !(angle <= widest_)) return std::nullopt;
+  Eigen::Vector2d seen = ideal;
+  if (camera_.lens != LensModel::fisheye)
     seen = distort(camera_.distortion, ideal, nullptr);
-  } else {
-    const double radius = ideal.norm(), angle = std::atan(radius);
-    if (!(angle <= widest_)) return std::nullopt;
-    if (camera_.lens == LensModel::rational)
-      seen = distort_rational(camera_.distortion, ideal, nullptr);
-    else
-      seen = radius > 0 ? Eigen::Vector2d(bent_angle(camera_.distortion, angle) / radius * ideal) : ideal;
-  }
+  else if (radius > 0)
+    seen *= bent_angle(camera_.distortion, angle) / radius;
   return Eigen::Vector2d(camera_.fx * seen.x() + camera_.cx, camera_.fy * seen.y() + camera_.cy);
 }
 
@@ -203,7 +186,7 @@ std::optional<Eigen::Vector3d> Lens::ray_of_rational(const Eigen::Vector2d& seen
   double best_error = INFINITY;
   for (int step = 0; step < 30; ++step) {
     Eigen::Matrix2d derivative;
-    const Eigen::Vector2d error = distort_rational(camera_.distortion, ideal, &derivative) - seen;
+    const Eigen::Vector2d error = distort(camera_.distortion, ideal, &derivative) - seen;
     if (!(error.norm() < best_error) || !(derivative.determinant() > 0)) break;
     best = ideal;
     best_error = error.norm();

@@ -80,7 +80,8 @@ TEST(SensorFrames, DepthImagesOfAFisheyeLieOnTheRaysThatOpenCvFinds) {
   image.step = 128;
   image.encoding = "16UC1";
   image.data = data;
-  const CloudFrame cloud = depth_cloud(image, intrinsics_of(info));
+  const CameraIntrinsics camera = intrinsics_of(info);
+  const CloudFrame cloud = depth_cloud(image, camera, depth_rays(camera));
   ASSERT_EQ(cloud.points.size(), rays.size());
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const double depth = 0.5 + 0.001 * pixels[i].y;
