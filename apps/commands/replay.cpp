@@ -1,10 +1,10 @@
 #include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <memory>
 #include <ostream>
 #include <stdexcept>
 
+#include "apps/commands/replay_queries.hpp"
 #include "apps/console/commands.hpp"
 #include "apps/console/named_places.hpp"
 #include "apps/console/shipped_file.hpp"
@@ -14,20 +14,12 @@
 #include "apps/inspect/map_folder.hpp"
 #include "apps/overlay/replay_pictures.hpp"
 #include "apps/pages/report.hpp"
-#include "apps/query/loads.hpp"
-#include "apps/query/query.hpp"
 #include "apps/teach/session_folder.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/plain_text.hpp"
-#include "planning/files/query_record.hpp"
-#include "planning/plan_and_check.hpp"
-#include "planning/plan_pick.hpp"
 #include "planning/planned_motion.hpp"
 #include "planning/planner_table.hpp"
-#include "planning/pose_goals.hpp"
-#include "planning/robot_files/srdf_file.hpp"
-#include "planning/space/part_policies.hpp"
 
 namespace clearway {
 
@@ -38,244 +30,6 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
-
-RobotChoice robot_choice(const RobotSetup& robot) {
-  RobotChoice choice;
-  choice.robot = robot.name;
-  choice.scale = robot.scale;
-  return choice;
-}
-
-Configuration configuration(const std::vector<double>& values) {
-  return Eigen::Map<const Configuration>(values.data(), static_cast<Eigen::Index>(values.size()));
-}
-
-std::vector<Configuration> configurations(const std::vector<std::vector<double>>& list) {
-  std::vector<Configuration> result;
-  for (const auto& values : list) result.push_back(configuration(values));
-  return result;
-}
-
-std::vector<std::string> policy_texts(const QuerySetup& query) {
-  std::vector<std::string> texts;
-  for (const auto& [part, policy] : query.policies)
-    texts.push_back(part == "default" ? policy : part + "=" + policy);
-  return texts;
-}
-
-void require_size(const std::vector<double>& q, const Robot& robot, const QuerySetup& query,
-                  const char* field) {
-  if (q.size() == robot.dof()) return;
-  throw std::invalid_argument("setup, query '" + query.name + "', field '" + field + "': got " +
-                              std::to_string(q.size()) + " values, expected " + std::to_string(robot.dof()) +
-                              " (robot '" + robot.name + "')");
-}
-
-/// A query's name becomes the name of its plans' files.
-void require_file_name(const std::string& name) {
-  const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
-    return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
-  });
-  if (!name.empty() && plain && name.front() != '.') return;
-  throw std::invalid_argument("setup, query '" + name +
-                              "', field 'name': expected letters, digits, '_', '-' and '.' only");
-}
-
-/// All queries of the setup, each with each of its planners, on one map.
-class QueryRunner {
- public:
-  /// @param folder where the map and the plans are saved
-  QueryRunner(const ReplayOptions& options, const std::filesystem::path& folder, const Fusion& fusion,
-              const Snapshot& map)
-      : options_(options),
-        folder_(folder),
-        setup_(fusion.setup),
-        map_(map),
-        robot_(choose_robot(robot_choice(*setup_.robot))) {
-    robot_.map_from_base = setup_.robot->map_from_base;
-    for (const QuerySetup& query : setup_.queries) {
-      require_file_name(query.name);
-      require_tip(query);
-      loads_.push_back(loads_of(query));
-      picks_.push_back(pick_of(query));
-      const std::vector<LegLoad> riding = riding_of(loads_.size() - 1);
-      const Robot loaded = with_all_loads(robot_, riding);
-      choose_policies(policy_texts(query), loaded);
-      require_seen_within(query, riding);
-      require_parts(query.allow_outside, loaded, "setup, query '" + query.name + "', field 'allow_outside'");
-      require_size(query.start, robot_, query, "start");
-      for (const auto& goal : query.goals) require_size(goal, robot_, query, "goals");
-      for (const std::string& planner : planners(query))
-        make_planner(planner, planner_options(query, planner));
-    }
-  }
-
-  /// Plans on the map that was saved in the folder, and records there what was asked.
-  std::vector<ReplayPlan> run(Console& console) {
-    const std::string digest = map_sha256(folder_);
-    std::vector<ReplayPlan> plans;
-    QueryRecord record{digest, {}};
-    for (std::size_t i = 0; i < setup_.queries.size(); ++i) {
-      const QuerySetup& query = setup_.queries[i];
-      const auto [own, of_loads] = policies_of(query, riding_of(i));
-      spaces_.push_back(std::make_unique<ConfigurationSpace>(
-          robot_, map_, own,
-          SpaceOptions{.padding = query.padding.value_or(robot_.position_accuracy),
-                       .seen_within = seen_within(query)}));
-      goals_.push_back(goals_of(query, *spaces_.back()));
-      record.queries.push_back(terms_of(query, *spaces_.back(), goals_.back()));
-      record.queries.back().loads = loads_[i];
-      record.queries.back().pick = picks_[i];
-      record.queries.back().policies = loaded_policies(*spaces_.back(), riding_of(i), of_loads);
-    }
-    save_file(folder_ / "queries.json", to_json(record));
-    for (std::size_t i = 0; i < setup_.queries.size(); ++i) {
-      const QuerySetup& query = setup_.queries[i];
-      const Configuration start = configuration(query.start);
-      for (const std::string& planner : planners(query)) {
-        console.log("planning '" + query.name + "' with " + planner);
-        const PlanQuery asked{.space = *spaces_[i],
-                              .start = start,
-                              .goals = goals_[i],
-                              .planner = make_planner(planner, planner_options(query, planner)),
-                              .seed = options_.seed,
-                              .time_limit = options_.time_limit,
-                              .loads = loads_[i],
-                              .load_policies = policies_of(query, riding_of(i)).second,
-                              .payload = setup_.robot->payload,
-                              .gravity = setup_.robot->gravity,
-                              .survey = SurveyDemands{.allow_outside = query.allow_outside},
-                              .robot_name = setup_.robot->name,
-                              .map_file = "map.ot",
-                              .map_digest = digest,
-                              .name = query.name};
-        Plan plan = picks_[i] ? plan_pick(asked, *picks_[i]) : plan_and_check(asked);
-        const auto begin = Clock::now();
-        give_motion(*spaces_[i], plan);
-        motion_s_ += seconds_since(begin);
-        const std::filesystem::path file =
-            std::filesystem::path("plans") / (query.name + "-" + planner + ".json");
-        save_file(folder_ / file, to_json(plan));
-        plans.push_back({query.name, std::move(plan), start, file, spaces_[i].get()});
-      }
-    }
-    return plans;
-  }
-
-  /// Wall time of giving the plans their motions.
-  double motion_seconds() const { return motion_s_; }
-
- private:
-  static std::vector<LegLoad> loads_of(const QuerySetup& query) try {
-    std::vector<LegLoad> loads;
-    for (const LoadSetup& load : query.loads) {
-      loads.push_back(leg_load(load));
-      for (const int leg : load.legs)
-        if (const std::size_t legs = query.goals.size() + query.goal_poses.size();
-            leg > static_cast<int>(legs))
-          throw std::invalid_argument("load '" + load.name + "': leg " + std::to_string(leg) +
-                                      ", expected legs from 1 to " + std::to_string(legs));
-    }
-    return loads;
-  } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument("setup, query '" + query.name + "': " + error.what());
-  }
-
-  std::optional<Pick> pick_of(const QuerySetup& query) const try {
-    if (!query.pick) return std::nullopt;
-    const Pick pick = stated_pick(*query.pick, *query.pick->map_from_place, robot_);
-    require_sound(pick, map_.resolution(), query.padding.value_or(robot_.position_accuracy));
-    return pick;
-  } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument("setup, query '" + query.name + "': " + error.what());
-  }
-
-  /// The loads of a query, or what it picks.
-  std::vector<LegLoad> riding_of(std::size_t query) const {
-    return picks_[query] ? std::vector<LegLoad>{{picks_[query]->object, {}}} : loads_[query];
-  }
-
-  /// Of the robot's own parts, and of its loads.
-  std::pair<Policies, std::map<std::string, Policy>> policies_of(const QuerySetup& query,
-                                                                 const std::vector<LegLoad>& loads) const {
-    return parted_policies(choose_policies(policy_texts(query), with_all_loads(robot_, loads)), loads);
-  }
-
-  void require_tip(const QuerySetup& query) const try {
-    if (!query.tip.empty()) with_tip(robot_, link_of_tip(robot_, query.tip));
-  } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument("setup, query '" + query.name + "', field 'tip': " + error.what());
-  }
-
-  /// Of goals that are poses the best configurations, which are the same for all planners.
-  static std::vector<Configuration> goals_of(const QuerySetup& query, const ConfigurationSpace& space) {
-    if (query.goal_poses.empty()) return configurations(query.goals);
-    std::vector<NamedGoalPose> poses;
-    for (const GoalPoseSetup& goal : query.goal_poses)
-      poses.push_back(
-          {{goal.map_from_tip, goal.position_tolerance, goal.turn_tolerance, goal.free_axis},
-           "setup, query '" + query.name + "', goal_poses[" + std::to_string(poses.size()) + "]"});
-    return PoseGoals(space, query.tip, poses, configuration(query.start)).goals();
-  }
-
-  QueryTerms terms_of(const QuerySetup& query, const ConfigurationSpace& space,
-                      const std::vector<Configuration>& goals) const {
-    return {.name = query.name,
-            .robot = setup_.robot->name,
-            .scale = robot_.scale,
-            .map_from_base = robot_.map_from_base,
-            .policies = space.policies(),
-            .padding = space.options().padding,
-            .seen_within = space.options().seen_within,
-            .allow_outside = query.allow_outside,
-            .start = configuration(query.start),
-            .goals = goals,
-            .payload = setup_.robot->payload,
-            .gravity = setup_.robot->gravity};
-  }
-
-  std::vector<std::string> planners(const QuerySetup& query) const {
-    if (!options_.planners.empty()) return options_.planners;
-    return query.planners.empty() ? std::vector<std::string>{"beam", "boundary"} : query.planners;
-  }
-
-  double seen_within(const QuerySetup& query) const {
-    return options_.seen_within.value_or(query.seen_within);
-  }
-
-  void require_seen_within(const QuerySetup& query, const std::vector<LegLoad>& loads) const {
-    try {
-      const Policies policies = policies_of(query, loads).first;
-      clearway::require_seen_within(seen_within(query), map_, part_policies(robot_, map_, policies));
-    } catch (const std::invalid_argument& error) {
-      throw std::invalid_argument("setup, query '" + query.name + "': " + error.what());
-    }
-  }
-
-  static PlannerOptions planner_options(const QuerySetup& query, const std::string& planner) {
-    PlannerOptions options;
-    for (const auto& [key, value] : query.options) {
-      const std::size_t dot = key.find('.');
-      if (dot == std::string::npos) {
-        options[key] = value;
-      } else if (key.substr(0, dot) == planner) {
-        options[key.substr(dot + 1)] = value;
-      }
-    }
-    return options;
-  }
-
-  const ReplayOptions& options_;
-  const std::filesystem::path folder_;
-  const Setup& setup_;
-  const Snapshot& map_;
-  Robot robot_;
-  std::vector<std::vector<LegLoad>> loads_;  ///< of each query
-  std::vector<std::optional<Pick>> picks_;   ///< the same
-  std::vector<std::unique_ptr<ConfigurationSpace>> spaces_;
-  std::vector<std::vector<Configuration>> goals_;
-  double motion_s_ = 0.0;
-};
 
 /// The map, the robot and the plans behind what the fusion saw.
 void finish_record(const ReplayReport& report, ReplayRecord& record) {
