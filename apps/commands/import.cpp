@@ -63,7 +63,7 @@ ForeignSet read_scenes(const ImportOptions& options, const RobotRequest& request
     if (is_text)
       set.worlds.push_back(read_scene_text(text, file, set.left_out));
     else if (is_request)
-      set.problems.push_back(read_motion_request(text, file, set.left_out));
+      set.problems.push_back(read_motion_request(text, file, context, set.left_out));
     else
       set.worlds.push_back(read_planning_scene(text, file, context, set.left_out));
     (is_request ? set.problems.back().folder : set.worlds.back().folder) = file.parent_path();
@@ -75,16 +75,16 @@ ForeignSet read_scenes(const ImportOptions& options, const RobotRequest& request
 
 void report(const ImportOptions& options, const ImportOutcome& outcome, Console& console) {
   if (console.json) {
-    const nlohmann::ordered_json json = {{"worlds", outcome.worlds},
-                                         {"problems", outcome.problems},
-                                         {"experiments", outcome.experiments},
-                                         {"suite", outcome.suite.string()},
-                                         {"left_out", outcome.left_out}};
+    const nlohmann::ordered_json json = {
+        {"worlds", outcome.worlds}, {"problems", outcome.problems},    {"experiments", outcome.experiments},
+        {"poses", outcome.poses},   {"suite", outcome.suite.string()}, {"left_out", outcome.left_out}};
     console.out() << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
     return;
   }
+  const std::string note =
+      outcome.poses == 0 ? "" : ", " + std::to_string(outcome.poses) + " of them to a pose, as joint values";
   print_rows(console.out(), {{"worlds", std::to_string(outcome.worlds)},
-                             {"problems", std::to_string(outcome.problems)},
+                             {"problems", std::to_string(outcome.problems) + note},
                              {"left out", std::to_string(outcome.left_out.size())}});
   for (const std::string& what : outcome.left_out) console.out() << "    " << plain(what) << '\n';
   console.out() << "  "

@@ -6,11 +6,17 @@
 #include <set>
 #include <stdexcept>
 
+#include "apps/problem_sets/attached_loads.hpp"
+#include "apps/problem_sets/file_words.hpp"
+#include "apps/problem_sets/goal_choice.hpp"
+#include "apps/problem_sets/own_names.hpp"
 #include "apps/problem_sets/solid_cells.hpp"
+#include "apps/suites/suite_stages.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/nearest_name.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "planning/files/load_json.hpp"
 #include "planning/robot_files/srdf_file.hpp"
 
 namespace clearway {
@@ -18,31 +24,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-/// Letters, digits and ._-= of a name, at most 60; others become _.
-std::string file_word(const std::string& name) {
-  std::string word;
-  for (const char c : name.substr(0, 60)) {
-    const bool is_plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-                          c == '.' || c == '_' || c == '-' || c == '=';
-    word += is_plain ? c : '_';
-  }
-  return word.empty() || word.front() == '.' ? "_" + word : word;
-}
-
-/// A word for each name, each once: a second one of the same letters gets a number.
-class Words {
- public:
-  std::string of(const std::string& name) {
-    std::string word = file_word(name);
-    for (int number = 2; !taken_.insert(word).second; ++number)
-      word = file_word(name) + "-" + std::to_string(number);
-    return word;
-  }
-
- private:
-  std::set<std::string> taken_;
-};
 
 /// What moves in an experiment, and with it where the rest stands.
 struct Motion {
@@ -53,10 +34,12 @@ struct Motion {
   }
 };
 
+/// A problem whose robot is known; its goal is chosen when its map is there.
 struct ReadyProblem {
-  std::string name;
-  std::size_t world = 0;
-  std::vector<double> start, goal;
+  std::size_t index = 0;  ///< in the set
+  Motion motion;
+  GoalQuestion question;
+  GoalChoice choice{};
 };
 
 class SuiteWriter {
@@ -73,27 +56,17 @@ class SuiteWriter {
   }
 
   ImportOutcome write() {
-    std::string refusal;  // the first
-    for (const ForeignProblem& problem : set_.problems) {
-      try {
-        add(problem);
-      } catch (const std::invalid_argument& error) {
-        const std::string why = error.what();
-        if (refusal.empty()) refusal = why;
-        outcome_.left_out.push_back(why.starts_with("problem ") ? why : problem.name + ": " + why);
-      }
-    }
-    if (outcome_.problems == 0 && !set_.problems.empty())
-      throw std::invalid_argument(
-          refusal.empty() ? "import: no request has a goal of joint values, expected at least one"
-                          : "import: no problem is for robot " + quote(whole_.name) + ": " + refusal);
+    for (std::size_t i = 0; i < set_.problems.size(); ++i)
+      if (auto ready = or_left_out(i, [&] { return ready_problem(i); })) ready_.push_back(std::move(*ready));
+    require_some();
     fs::create_directories(import_.out / "maps");
     write_maps();
-    if (!experiments_.empty()) write_files();
+    require_some();
+    if (!ready_.empty()) write_files();
     save_file(import_.out / "import.json",
               record().dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
     outcome_.worlds = set_.worlds.size();
-    outcome_.experiments = experiments_.size();
+    outcome_.problems = ready_.size();
     return std::move(outcome_);
   }
 
@@ -108,20 +81,44 @@ class SuiteWriter {
     outcome_.left_out.push_back(problem.name + ": " + why);
   }
 
+  /// What `work` makes of a problem; nothing where it throws, and then the reason is reported.
+  template <typename Work>
+  auto or_left_out(std::size_t problem, const Work& work) -> decltype(work()) {
+    try {
+      return work();
+    } catch (const std::invalid_argument& error) {
+      const std::string why = error.what();
+      if (refusal_.empty()) refusal_ = why;
+      outcome_.left_out.push_back(why.starts_with("problem ") ? why
+                                                              : set_.problems[problem].name + ": " + why);
+      return {};
+    }
+  }
+
+  void require_some() const {
+    if (!ready_.empty() || set_.problems.empty()) return;
+    throw std::invalid_argument(
+        refusal_.empty() ? "import: no request has a goal of joint values or of a pose, expected at least one"
+                         : "import: no problem is for robot " + quote(whole_.name) + ": " + refusal_);
+  }
+
   /// The group that the user names; else the problem's, where the robot's SRDF has it; else the joints that
-  /// the goal names move.
+  /// the first goal names, or that move the link that it places.
   Motion motion_of(const ForeignProblem& problem) const {
     Motion motion{problem.experiment.empty() ? problem.group : problem.experiment, import_.robot.group,
                   import_.robot.fixed};
     if (motion.name.empty()) motion.name = "problems";
-    if (problem.goal.by_joint.empty()) return motion;  // values in the robot's order
-    for (const auto& [joint, value] : problem.goal.by_joint) require_joint(problem, joint);
+    const ForeignGoal& goal = problem.goals.front();
+    if (!goal.joints.values.empty()) return motion;  // in the robot's order
+    for (const auto& [joint, value] : goal.joints.by_joint) require_joint(problem, joint);
     if (motion.group.empty() && srdf_ && srdf_->groups.contains(problem.group)) motion.group = problem.group;
     std::set<std::string> planned;
     if (!motion.group.empty() && srdf_) {
       planned = joints_of_group(whole_, *srdf_, motion.group, whole_.srdf);
     } else {
-      for (const auto& [joint, value] : problem.goal.by_joint) planned.insert(joint);
+      for (const auto& [joint, value] : goal.joints.by_joint) planned.insert(joint);
+      if (goal.pose)
+        for (const std::string& joint : joints_above(whole_, goal.pose->link)) planned.insert(joint);
     }
     for (const Joint& joint : whole_.joints) {
       const auto start = problem.start.by_joint.find(joint.name);
@@ -182,51 +179,49 @@ class SuiteWriter {
     return result;
   }
 
-  /// The robot's joint of that name, or its only one of which the name is the longer form with a prefix, as
-  /// panda_joint1 is of joint1.
-  std::string own_name(const std::string& name) const {
-    std::string found = name;
-    int longer = 0;
-    for (const Joint& joint : whole_.joints) {
-      if (joint.name == name) return name;
-      if (!name.ends_with("_" + joint.name)) continue;
-      found = joint.name;
-      ++longer;
+  std::optional<ReadyProblem> ready_problem(std::size_t index) {
+    ForeignProblem problem = with_names_of(whole_, set_.problems[index]);
+    if (problem.goals.empty()) {
+      leave(problem, "it has no goal of joint values or of a pose");
+      return std::nullopt;
     }
-    return longer == 1 ? found : name;
-  }
-
-  ForeignState with_own_names(const ForeignState& state) const {
-    ForeignState own{{}, state.values};
-    for (const auto& [joint, value] : state.by_joint)
-      if (!own.by_joint.emplace(own_name(joint), value).second)
-        throw std::invalid_argument("joint " + quote(joint) + " and another one both stand for joint " +
-                                    quote(own_name(joint)) + " of robot " + quote(whole_.name) +
-                                    ", expected one name for each");
-    return own;
-  }
-
-  void add(const ForeignProblem& given) {
-    ForeignProblem problem = given;
-    problem.start = with_own_names(given.start);
-    problem.goal = with_own_names(given.goal);
-    if (problem.goal.by_joint.empty() && problem.goal.values.empty())
-      return leave(problem, "it has no goal of joint values");
-    const Motion motion = motion_of(problem);
-    const Robot& robot = robot_of(motion);
-    ReadyProblem ready{problem.name, problem.world, values(robot, problem, problem.start, "start"),
-                       values(robot, problem, problem.goal, "goal")};
-    experiments_[motion].push_back(std::move(ready));
-    ++outcome_.problems;
+    ReadyProblem ready{index, motion_of(problem), {}};
+    const Robot& robot = robot_of(ready.motion);
+    ready.question = {problem.name, configuration(values(robot, problem, problem.start, "start")), {}, {}};
+    for (ForeignGoal& goal : problem.goals)
+      if (!goal.pose) goal.joints.values = values(robot, problem, goal.joints, "goal");
+    ready.question.goals = std::move(problem.goals);
+    AttachedLoads attached = loads_of(problem.attached, robot, ready.question.start);
+    ready.question.loads = std::move(attached.loads);
+    for (const std::string& what : attached.left_out) leave(problem, what);
+    return ready;
   }
 
   void write_maps() {
-    for (const ForeignWorld& world : set_.worlds) {
-      world_words_.push_back(words_.of(world.name));
+    for (std::size_t i = 0; i < set_.worlds.size(); ++i) {
+      world_words_.push_back(words_.of(set_.worlds[i].name));
       cells_.emplace_back();
-      const Snapshot map = map_of_foreign_world(world, import_.resolution, cells_.back());
+      const Snapshot map = map_of_foreign_world(set_.worlds[i], import_.resolution, cells_.back());
       save_map(map, import_.out / "maps" / world_words_.back());
+      std::erase_if(ready_, [&](ReadyProblem& problem) {
+        return set_.problems[problem.index].world == i && !is_goal_chosen(problem, map);
+      });
     }
+  }
+
+  /// A single goal of joint values is the goal, be it free or not; of several, or of a pose, the map says.
+  bool is_goal_chosen(ReadyProblem& problem, const Snapshot& map) {
+    const std::vector<ForeignGoal>& goals = problem.question.goals;
+    if (goals.size() == 1 && !goals.front().pose) {
+      problem.choice.q = configuration(goals.front().joints.values);
+      return true;
+    }
+    const auto choice = or_left_out(problem.index, [&] {
+      return std::optional(choose_goal(problem.question, robot_of(problem.motion), map));
+    });
+    if (choice) problem.choice = *choice;
+    outcome_.poses += choice && goals[choice->goal].pose;
+    return choice.has_value();
   }
 
   /// The robot as the suite names it: a shipped name as it is, a file by its whole path.
@@ -241,21 +236,43 @@ class SuiteWriter {
       suite["worlds"].push_back({{"name", word}, {"map", "maps/" + word}});
     suite["planners"] = Json::array({{{"planner", "rrtconnect"}}});
     fs::create_directories(import_.out / "problems");
-    Words names;
-    for (const auto& [motion, problems] : experiments_) {
+    FileWords names;
+    std::map<Motion, std::vector<const ReadyProblem*>> experiments;
+    for (const ReadyProblem& problem : ready_) experiments[problem.motion].push_back(&problem);
+    for (const auto& [motion, problems] : experiments) {
       const std::string name = names.of(motion.name);
       suite["experiments"].push_back(experiment(name, motion));
       Json list;
-      Words problem_names;
-      for (const ReadyProblem& problem : problems)
-        list["problems"].push_back({{"name", problem_names.of(problem.name)},
-                                    {"world", world_words_[problem.world]},
-                                    {"start", problem.start},
-                                    {"goals", {problem.goal}}});
+      FileWords problem_names;
+      for (const ReadyProblem* problem : problems)
+        list["problems"].push_back(problem_entry(problem_names.of(problem->question.name), *problem));
       save_file(import_.out / "problems" / (name + ".yaml"), lines_of(list));
     }
+    outcome_.experiments = experiments.size();
     outcome_.suite = import_.out / "suite.yaml";
     save_file(outcome_.suite, lines_of(suite));
+  }
+
+  Json problem_entry(const std::string& name, const ReadyProblem& problem) const {
+    Json entry = {{"name", name},
+                  {"world", world_words_[set_.problems[problem.index].world]},
+                  {"start", numbers(problem.question.start)},
+                  {"goals", {numbers(problem.choice.q)}}};
+    for (const LegLoad& load : problem.question.loads) entry["loads"].push_back(json_of(load.load));
+    return entry;
+  }
+
+  static std::vector<double> numbers(const Eigen::VectorXd& values) { return {values.begin(), values.end()}; }
+
+  /// As a load's file has it.
+  static Json json_of(const Load& load) {
+    const Eigen::Vector3d yaw_pitch_roll = load.link_from_load.linear().eulerAngles(2, 1, 0);
+    std::vector<double> pose = numbers(load.link_from_load.translation());
+    for (const int i : {2, 1, 0}) pose.push_back(yaw_pitch_roll[i]);
+    Json json = {{"name", load.name}, {"link", load.link}, {"pose", pose}};
+    if (!load.touches.empty()) json["touches"] = load.touches;
+    json.update(clearway::json_of(load.shape));
+    return json;
   }
 
   Json experiment(const std::string& name, const Motion& motion) const {
@@ -303,7 +320,30 @@ class SuiteWriter {
     for (const ForeignProblem& problem : set_.problems)
       json["problems"].push_back(
           {{"name", problem.name}, {"world", set_.worlds[problem.world].name}, {"group", problem.group}});
+    for (const ReadyProblem& problem : ready_) add_goal(problem, json["problems"][problem.index]);
     json["left_out"] = outcome_.left_out;
+    return json;
+  }
+
+  /// Which goal of several was chosen, and what it was before it was values of joints.
+  static void add_goal(const ReadyProblem& problem, Json& json) {
+    const ForeignGoal& goal = problem.question.goals[problem.choice.goal];
+    if (problem.question.goals.size() > 1)
+      json["goal"] = {{"number", problem.choice.goal + 1}, {"of", problem.question.goals.size()}};
+    if (goal.pose) json["goal"].update(json_of(*goal.pose));
+    if (json.contains("goal")) json["goal"]["free"] = problem.choice.is_free;
+  }
+
+  static Json json_of(const ForeignPose& goal) {
+    const GoalPose& pose = goal.pose;
+    const Eigen::Quaterniond turn(pose.map_from_tip.linear());
+    Json json = {{"link", goal.link},
+                 {"point_m", numbers(goal.point)},
+                 {"position_m", numbers(pose.map_from_tip.translation())},
+                 {"orientation_xyzw", {turn.x(), turn.y(), turn.z(), turn.w()}},
+                 {"position_tolerance_m", pose.position_tolerance},
+                 {"turn_tolerance_rad", pose.turn_tolerance}};
+    if (pose.free_axis) json["free_axis"] = std::string(1, "xyz"[*pose.free_axis]);
     return json;
   }
 
@@ -312,8 +352,9 @@ class SuiteWriter {
   Robot whole_;
   std::optional<Srdf> srdf_;
   std::map<std::pair<std::string, std::map<std::string, double>>, Robot> robots_;
-  std::map<Motion, std::vector<ReadyProblem>> experiments_;
-  Words words_;
+  std::vector<ReadyProblem> ready_;
+  std::string refusal_;  ///< the first reason for which a problem was left out
+  FileWords words_;
   std::vector<std::string> world_words_;
   std::vector<std::vector<std::size_t>> cells_;
   ImportOutcome outcome_;
@@ -343,6 +384,11 @@ void pair_requests(ForeignSet& set) {
     problem.world = found.front();
     const auto& stands = set.worlds[problem.world].joints;
     problem.start.by_joint.insert(stands.begin(), stands.end());  // of what the request does not say
+    for (const ForeignAttached& body : set.worlds[problem.world].attached) {
+      const auto has_name = [&](const ForeignAttached& own) { return own.name == body.name; };
+      if (std::none_of(problem.attached.begin(), problem.attached.end(), has_name))
+        problem.attached.push_back(body);
+    }
   }
 }
 

@@ -19,6 +19,7 @@ struct SuiteImport {
 /// What was written.
 struct ImportOutcome {
   std::size_t worlds = 0, problems = 0, experiments = 0;
+  std::size_t poses = 0;              ///< problems whose goal was a pose
   std::filesystem::path suite;        ///< empty: there are no problems
   std::vector<std::string> left_out;  ///< the set's, and what did not fit the robot
 };
@@ -30,7 +31,8 @@ void pair_requests(ForeignSet& set);
 /// Writes OUT/maps/WORLD for each world, OUT/suite.yaml with OUT/problems/EXPERIMENT.yaml, and
 /// OUT/import.json, which names objects, groups and what was left out. Problems that move other joints, or
 /// hold others elsewhere, make experiments of their own. Joints that a goal does not name stand where the
-/// start has them.
+/// start has them. A goal that is a pose becomes joint values, and of several goals one is chosen: see
+/// choose_goal. What is in the hand becomes loads.
 /// @throws std::invalid_argument when a problem does not fit the robot, std::runtime_error when a file cannot
 /// be written.
 ImportOutcome write_suite(const ForeignSet& set, const SuiteImport& import);

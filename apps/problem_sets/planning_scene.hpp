@@ -22,18 +22,21 @@ struct SceneContext {
 bool is_request_text(const std::string& text, const std::filesystem::path& file);
 
 /// Reads a planning scene as YAML, of ROS messages (moveit_msgs/PlanningScene) or as MotionBenchMaker and
-/// Robowflex write them: world.collision_objects of primitives and meshes. Planes, octomaps, attached bodies,
-/// objects that are not added, objects in frames that are not the map's, pairs of links and objects that may
-/// collide, paddings and scales of links, and the name of another robot are left out, and reported.
+/// Robowflex write them: world.collision_objects of primitives and meshes, and what its robot_state has in
+/// the hand. Planes, octomaps, objects that are not added, objects in frames that are not the map's, pairs of
+/// links and objects that may collide, paddings and scales of links, and the name of another robot are left
+/// out, and reported.
 /// @throws std::invalid_argument in one sentence naming file, line, field and what was expected.
 ForeignWorld read_planning_scene(const std::string& text, const std::filesystem::path& file,
                                  const SceneContext& context, std::vector<std::string>& left_out);
 
-/// Reads a motion request (moveit_msgs/MotionPlanRequest): start_state.joint_state, the joint constraints of
-/// the first goal that has some, group_name. A goal of poses alone, path constraints and further goals are
-/// left out, and reported; without a goal of joints `goal` is empty.
+/// Reads a motion request (moveit_msgs/MotionPlanRequest): start_state with what it has in the hand,
+/// group_name, and of each goal its joint constraints, else the position and orientation constraints of one
+/// link. Such a goal becomes a pose with tolerances that lie within what the constraints allow: of a region
+/// the ball about its middle, of the tolerances about the axes the least, and a free axis for one of pi.
+/// Path constraints and other goals are left out, and reported; without any goal `goals` is empty.
 ForeignProblem read_motion_request(const std::string& text, const std::filesystem::path& file,
-                                   std::vector<std::string>& left_out);
+                                   const SceneContext& context, std::vector<std::string>& left_out);
 
 /// Reads MoveIt's text of a scene (.scene), both of its forms: with and without poses of objects.
 /// @throws std::invalid_argument in one sentence naming file, line and what was expected.
@@ -41,8 +44,8 @@ ForeignWorld read_scene_text(const std::string& text, const std::filesystem::pat
                              std::vector<std::string>& left_out);
 
 /// Reads the JSON of problem sets: problems.NAME[] with lists `sphere`, `cylinder`, `box`, and `start`,
-/// `goals`, `valid`, `index`. One world and problem each; experiments are called NAME. Of several goals the
-/// first counts; problems that say `valid: false` are left out.
+/// `goals`, `valid`, `index`. One world and problem each; experiments are called NAME. Problems that say
+/// `valid: false` are left out.
 /// @throws std::invalid_argument in one sentence naming file, field and what was expected.
 ForeignSet read_problem_json(const std::string& text, const std::filesystem::path& file);
 

@@ -85,14 +85,11 @@ void add_problem(const std::string& experiment, std::size_t number, const JsonFi
     set.left_out.push_back(name + ": it has no goal");
     return;
   }
-  if (goals.size() > 1)
-    set.left_out.push_back(name + ": " + std::to_string(goals.size() - 1) + " of " +
-                           std::to_string(goals.size()) + " goals, the first counts");
   ForeignWorld world{name, {}};
   for (const char* kind : {"sphere", "cylinder", "box"}) add_solids(problem, kind, world);
   ForeignProblem ready{name, experiment, set.worlds.size(), "", {}, {}};
   ready.start.values = values_of(problem.at("start"));
-  ready.goal.values = values_of(goals.front());
+  for (const JsonField& goal : goals) ready.goals.push_back({{{}, values_of(goal)}});
   set.worlds.push_back(std::move(world));
   set.problems.push_back(std::move(ready));
 }

@@ -3,10 +3,12 @@
 #include <Eigen/Geometry>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "planning/geometry/shape.hpp"
+#include "planning/robot/goal_configurations.hpp"
 
 namespace clearway {
 
@@ -15,15 +17,25 @@ struct ForeignSolid {
   std::string object;  ///< its name in the problem set
   std::string kind;    ///< "box", "sphere", "cylinder", "cone", "mesh"
   Shape shape = Shape::sphere(1.0);
-  Eigen::Isometry3d map_from_shape = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d map_from_shape =
+      Eigen::Isometry3d::Identity();       ///< of what is attached: frame_from_shape
   std::vector<Eigen::Vector3d> triangles;  ///< corners of a mesh, three by three; then `shape` says nothing
+};
+
+/// An object that rides on a link from the start on.
+struct ForeignAttached {
+  std::string name, link;
+  std::string frame;  ///< of its pieces' poses: a link, where it is at the start; empty: the map
+  std::vector<std::string> touches;  ///< links, and what else is named, that may touch it
+  std::vector<ForeignSolid> pieces;  ///< none: the file shows no shape of it
 };
 
 struct ForeignWorld {
   std::string name;
   std::vector<ForeignSolid> solids;
-  std::map<std::string, double> joints = {};  ///< where the robot stands, unless a problem says otherwise
-  std::filesystem::path folder = {};          ///< of its file
+  std::map<std::string, double> joints = {};   ///< where the robot stands, unless a problem says otherwise
+  std::vector<ForeignAttached> attached = {};  ///< in the robot's hand, unless a problem says otherwise
+  std::filesystem::path folder = {};           ///< of its file
 };
 
 /// A configuration as a problem set states it: by the joints' names, or in the robot's own order.
@@ -32,11 +44,26 @@ struct ForeignState {
   std::vector<double> values;
 };
 
+/// A link at a pose.
+struct ForeignPose {
+  std::string link;
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< of the link, in its frame: what stands at the pose
+  GoalPose pose;                                    ///< of the link's axes about that point
+};
+
+/// Joint values, or a pose.
+struct ForeignGoal {
+  ForeignState joints;
+  std::optional<ForeignPose> pose{};  ///< then `joints` says nothing
+};
+
 struct ForeignProblem {
   std::string name, experiment;
   std::size_t world = 0;  ///< of the set
   std::string group;      ///< planning group; may be empty
-  ForeignState start, goal;
+  ForeignState start;
+  std::vector<ForeignGoal> goals;  ///< any of them counts, the first before others
+  std::vector<ForeignAttached> attached = {};
   std::filesystem::path folder = {};  ///< of its file
 };
 

@@ -11,15 +11,27 @@ namespace {
 constexpr Bounds sizes{1e-6, 1e3};    ///< metres, as of a robot's bodies
 constexpr Bounds factors{1e-6, 1e6};  ///< of meshes, the same
 
+LoadHull read_hull(const YamlFields& fields) {
+  LoadHull hull;
+  for (const auto& point : fields.lists_of_numbers("hull", within_reach, 3))
+    hull.points.emplace_back(point.data());
+  constexpr std::size_t most = 100'000;
+  if (hull.points.empty() || hull.points.size() > most)
+    fields.fail("hull", "expected 1 to " + std::to_string(most) + " points");
+  return hull;
+}
+
 }  // namespace
 
 LoadShape read_load_shape(const YamlFields& fields, const std::filesystem::path& folder) {
   const int kinds = fields.has("box") + fields.has("cylinder") + fields.has("capsule") +
-                    fields.has("sphere") + fields.has("mesh");
-  if (kinds != 1) fields.fail("name", "expected exactly one of box, cylinder, capsule, sphere and mesh");
+                    fields.has("sphere") + fields.has("mesh") + fields.has("hull");
+  if (kinds != 1)
+    fields.fail("name", "expected exactly one of box, cylinder, capsule, sphere, mesh and hull");
   if (fields.has("box")) return LoadBox{Eigen::Vector3d(fields.numbers("box", sizes, 3).data())};
   if (fields.has("sphere")) return LoadSphere{fields.number("sphere", sizes)};
   if (fields.has("mesh")) return LoadMesh{folder / fields.file("mesh"), fields.number("scale", factors, 1)};
+  if (fields.has("hull")) return read_hull(fields);
   const bool is_capsule = fields.has("capsule");
   const auto size = fields.numbers(is_capsule ? "capsule" : "cylinder", sizes, 2);
   if (is_capsule) return LoadCapsule{size[0], size[1]};

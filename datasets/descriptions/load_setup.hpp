@@ -32,7 +32,11 @@ struct LoadMesh {
   std::filesystem::path file;  ///< .dae, .obj, .ply or .stl; its convex hull counts
   double scale = 1;
 };
-using LoadShape = std::variant<LoadBox, LoadCylinder, LoadCapsule, LoadSphere, LoadMesh>;
+/// The convex hull of points, metres.
+struct LoadHull {
+  std::vector<Eigen::Vector3d> points;  ///< at least one
+};
+using LoadShape = std::variant<LoadBox, LoadCylinder, LoadCapsule, LoadSphere, LoadMesh, LoadHull>;
 
 /// An object that rides on a link of the robot. See datasets/FORMATS.md for the file.
 struct LoadSetup {
@@ -61,7 +65,7 @@ struct PickSetup {
   double margin = 0;                     ///< m
 };
 
-/// One of box, cylinder, capsule, sphere and mesh. @param folder that a mesh's file is relative to
+/// One of box, cylinder, capsule, sphere, mesh and hull. @param folder that a mesh's file is relative to
 /// @throws std::invalid_argument
 LoadShape read_load_shape(const YamlFields& fields, const std::filesystem::path& folder);
 

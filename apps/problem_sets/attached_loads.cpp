@@ -1,0 +1,85 @@
+#include "apps/problem_sets/attached_loads.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "apps/problem_sets/file_words.hpp"
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+std::optional<std::size_t> index_of(const Robot& robot, const std::string& link) {
+  for (std::size_t i = 0; i < robot.links.size(); ++i)
+    if (robot.links[i].name == link) return i;
+  return std::nullopt;
+}
+
+std::set<std::string> names_of(const Robot& robot) {
+  std::set<std::string> names;
+  for (const Link& link : robot.links) names.insert(link.name);
+  for (const Body& body : robot.bodies) names.insert(body.part);
+  return names;
+}
+
+/// Letters, digits, '_', '-' and '.' alone.
+std::string load_name(const std::string& word) {
+  std::string name = word;
+  std::replace(name.begin(), name.end(), '=', '_');
+  return name;
+}
+
+/// A mesh counts as its convex hull.
+Shape solid_shape(const ForeignSolid& piece) {
+  return piece.triangles.empty() ? piece.shape : Shape::convex(piece.triangles);
+}
+
+class LoadMaker {
+ public:
+  LoadMaker(const Robot& robot, const Configuration& start)
+      : robot_(robot), map_from_(forward_kinematics(robot, start)), words_(names_of(robot)) {}
+
+  void add(const ForeignAttached& body) {
+    const auto leave = [&](const std::string& why) {
+      made_.left_out.push_back("attached body " + quote(body.name) + why);
+    };
+    if (body.pieces.empty()) return leave(", of which it shows no shape");
+    const auto link = index_of(robot_, body.link);
+    const auto frame = index_of(robot_, body.frame);
+    if (!body.frame.empty() && body.frame != body.link && !frame)
+      return leave(" in frame " + quote(body.frame) + ", which is no link of the robot");
+    for (const ForeignSolid& piece : body.pieces) {
+      Load load;
+      load.name = words_.of(load_name(body.name));
+      load.link = body.link;
+      load.link_from_load = piece.map_from_shape;
+      if (link && body.frame.empty()) load.link_from_load = map_from_[*link].inverse() * piece.map_from_shape;
+      if (link && frame && frame != link)
+        load.link_from_load = map_from_[*link].inverse() * map_from_[*frame] * piece.map_from_shape;
+      load.shape = solid_shape(piece);
+      for (const std::string& name : std::set<std::string>(body.touches.begin(), body.touches.end()))
+        if (name != body.link && index_of(robot_, name)) load.touches.push_back(name);
+      with_load(robot_, load);  // has it the link?
+      made_.loads.push_back({std::move(load), {}});
+    }
+  }
+
+  AttachedLoads made() { return std::move(made_); }
+
+ private:
+  const Robot& robot_;
+  LinkPoses map_from_;
+  FileWords words_;
+  AttachedLoads made_;
+};
+
+}  // namespace
+
+AttachedLoads loads_of(const std::vector<ForeignAttached>& attached, const Robot& robot,
+                       const Configuration& start) {
+  LoadMaker maker(robot, start);
+  for (const ForeignAttached& body : attached) maker.add(body);
+  return maker.made();
+}
+
+}  // namespace clearway

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/problem_sets/problem_set.hpp"
+#include "planning/robot/kinematics.hpp"
+#include "planning/robot/load.hpp"
+
+namespace clearway {
+
+/// What a robot of a problem set has in the hand: a load for each piece, which rides on all legs.
+struct AttachedLoads {
+  std::vector<LegLoad> loads;
+  std::vector<std::string> left_out;  ///< bodies without shapes, or in a frame that is none
+};
+
+/// @param start of the robot: where frames of links are
+/// @throws std::invalid_argument for a link that the robot does not have, naming the nearest one
+AttachedLoads loads_of(const std::vector<ForeignAttached>& attached, const Robot& robot,
+                       const Configuration& start);
+
+}  // namespace clearway

@@ -1,0 +1,163 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "apps/problem_sets/planning_scene.hpp"
+#include "apps/problem_sets/scene_fields.hpp"
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr Bounds angles{0.0, 1e3};
+constexpr double any_turn = std::numbers::pi - 1e-6;  ///< rad, a tolerance of more than that allows all
+
+/// Half of the least extent of a region: the radius of the ball about its middle that lies in it.
+double inner_radius(const ForeignSolid& region) {
+  const Eigen::AlignedBox3d box = region.shape.bounds(Eigen::Isometry3d::Identity());
+  return 0.5 * box.sizes().minCoeff();
+}
+
+/// The turns that tolerances about the axes of the goal's frame allow, from within: MoveIt bounds each of the
+/// angles of x, then y, then z, or each coordinate of the turn's vector. Turns by an angle of at most the
+/// least of them keep all. Beside a turn about a free axis they do so for z, the last, and for x, the first;
+/// for a vector when they are 2/pi of it, as a half turn about one axis and a little one about another have
+/// pi/2 times the little one in their vector.
+void allow_turns(const Eigen::Array3d& tolerance, bool is_vector, GoalPose& goal) {
+  double least = std::numbers::pi;
+  for (const double about : tolerance)
+    if (about < any_turn)
+      least = std::min(least, is_vector ? about : std::min(about, 0.5 * std::numbers::pi));
+  for (const int axis : {2, 0, 1})
+    if (!goal.free_axis && tolerance[axis] >= any_turn && (is_vector || axis != 1)) goal.free_axis = axis;
+  goal.turn_tolerance = least;
+  if ((tolerance >= any_turn).all()) goal.free_axis.reset();
+  if (goal.free_axis && is_vector) goal.turn_tolerance *= 2.0 / std::numbers::pi;
+}
+
+/// Goals of one request.
+class GoalReader {
+ public:
+  GoalReader(const std::filesystem::path& file, const SceneContext& context,
+             std::vector<std::string>& left_out)
+      : file_(file), context_(context), left_out_(left_out) {}
+
+  void add(const YamlFields& goal, std::vector<ForeignGoal>& goals) const {
+    const auto joints = goal.list_of_maps("joint_constraints");
+    std::vector<const char*> others{"visibility_constraints"};
+    if (!joints.empty())
+      others = {"position_constraints", "orientation_constraints", "visibility_constraints"};
+    for (const char* other : others)
+      if (!goal.list_of_maps(other).empty()) leave(std::string(other) + " of a goal");
+    ForeignGoal read;
+    for (const YamlFields& joint : joints)
+      read.joints.by_joint[joint.text("joint_name")] = joint.number("position", within_reach);
+    if (joints.empty()) read.pose = pose_of(goal);
+    if (!joints.empty() || read.pose) goals.push_back(std::move(read));
+  }
+
+ private:
+  void leave(const std::string& what) const { left_out_.push_back(file_.filename().string() + ": " + what); }
+
+  /// Where the frame of a constraint stands in the map; none, reported: it is none that stands still.
+  const Eigen::Isometry3d* frame_of(const YamlFields& constraint) const {
+    static const Eigen::Isometry3d map = Eigen::Isometry3d::Identity();
+    const std::string frame = ros_frame(constraint);
+    if (frame.empty() || frame == "world") return &map;
+    const auto known = context_.frames.find(frame);
+    if (known != context_.frames.end()) return &known->second;
+    leave("a goal in frame " + quote(frame) + ", which is not the map's");
+    return nullptr;
+  }
+
+  /// None, reported where there is something to report: the goal places no link, or says more than a pose
+  /// does.
+  std::optional<ForeignPose> pose_of(const YamlFields& goal) const {
+    const auto positions = goal.list_of_maps("position_constraints");
+    const auto turns = goal.list_of_maps("orientation_constraints");
+    if (positions.empty()) {
+      if (!turns.empty()) leave("a goal of an orientation alone");
+      return std::nullopt;
+    }
+    ForeignPose pose;
+    pose.link = positions[0].text("link_name");
+    if (positions.size() > 1 || turns.size() > 1 ||
+        (!turns.empty() && turns[0].text("link_name") != pose.link)) {
+      leave("a goal that places several links, or one link twice");
+      return std::nullopt;
+    }
+    if (!set_position(positions[0], pose)) return std::nullopt;
+    pose.pose.turn_tolerance = std::numbers::pi;
+    if (!turns.empty() && !set_turn(turns[0], pose)) return std::nullopt;
+    return pose;
+  }
+
+  bool set_position(const YamlFields& constraint, ForeignPose& pose) const {
+    const Eigen::Isometry3d* map_from_frame = frame_of(constraint);
+    if (map_from_frame == nullptr) return false;
+    pose.point = ros_coordinates(constraint, "target_point_offset", "xyz");
+    if (!constraint.has("constraint_region"))
+      constraint.fail("constraint_region", "expected the region of the goal, with 'primitives'");
+    const YamlFields region = constraint.map("constraint_region");
+    const auto primitives = region.list_of_maps("primitives");
+    if (primitives.empty()) {
+      leave("a goal whose region is no box, sphere or cylinder");
+      return false;
+    }
+    ForeignSolid first;
+    read_primitive(primitives[0], first);
+    const auto places = ros_poses(region, "primitive_poses", primitives.size());
+    pose.pose.map_from_tip.translation() = *map_from_frame * places[0].translation();
+    pose.pose.position_tolerance = first.kind == "cone" ? 0.0 : inner_radius(first);
+    return true;
+  }
+
+  bool set_turn(const YamlFields& constraint, ForeignPose& pose) const {
+    const Eigen::Isometry3d* map_from_frame = frame_of(constraint);
+    if (map_from_frame == nullptr) return false;
+    pose.pose.map_from_tip.linear() =
+        map_from_frame->linear() * ros_pose(constraint, "position", "orientation").linear();
+    Eigen::Array3d tolerance;
+    for (int axis = 0; axis < 3; ++axis)
+      tolerance[axis] =
+          constraint.number("absolute_" + std::string(1, "xyz"[axis]) + "_axis_tolerance", angles, 0.0);
+    const std::string kind = constraint.has("parameterization") ? constraint.text("parameterization") : "0";
+    if (kind != "0" && kind != "1")
+      constraint.fail("parameterization",
+                      "expected 0 (angles of x, y, z) or 1 (the turn's vector), got " + quote(kind));
+    allow_turns(tolerance, kind == "1", pose.pose);
+    return true;
+  }
+
+  const std::filesystem::path& file_;
+  const SceneContext& context_;
+  std::vector<std::string>& left_out_;
+};
+
+}  // namespace
+
+ForeignProblem read_motion_request(const std::string& text, const std::filesystem::path& file,
+                                   const SceneContext& context, std::vector<std::string>& left_out) {
+  const YamlFields request(text, "request " + quote_path(file.string()));
+  ForeignProblem problem;
+  problem.name = file.stem().string();
+  problem.group = request.has("group_name") ? request.text("group_name", "") : "";
+  if (request.has("start_state")) {
+    const YamlFields state = request.map("start_state");
+    require_base_at_origin(state);
+    problem.start.by_joint = ros_joints(state);
+    problem.attached = ros_attached(state, context.packages, file.parent_path());
+  }
+  const GoalReader reader(file, context, left_out);
+  for (const YamlFields& goal : request.list_of_maps("goal_constraints")) reader.add(goal, problem.goals);
+  if (request.has("path_constraints")) {
+    const YamlFields path = request.map("path_constraints");
+    for (const char* kind : {"joint_constraints", "position_constraints", "orientation_constraints"})
+      if (!path.list_of_maps(kind).empty())
+        left_out.push_back(file.filename().string() + ": " + kind + " of the path");
+  }
+  return problem;
+}
+
+}  // namespace clearway

@@ -1,0 +1,177 @@
+#include "apps/problem_sets/scene_fields.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr Bounds sizes{tiny, 1e3};
+
+std::vector<Eigen::Vector3d> mesh_of_file(const YamlFields& mesh, const PackageFolders& packages,
+                                          const std::filesystem::path& folder) {
+  ScaledMesh named;
+  if (mesh.has("dimensions")) {
+    const auto scale = mesh.numbers("dimensions", sizes, 3);
+    named.scale = {scale[0], scale[1], scale[2]};
+  }
+  try {
+    named.file = find_mesh(mesh.file("resource"), folder, packages);
+  } catch (const std::invalid_argument& error) {
+    mesh.fail("resource", error.what());
+  }
+  MeshTriangles triangles = read_mesh_triangles(named);
+  if (!triangles.failure.empty()) mesh.fail("resource", triangles.failure);
+  return std::move(triangles.corners);
+}
+
+/// ROS writes points as maps and triangles as maps of `vertex_indices`, Robowflex both as lists.
+std::vector<Eigen::Vector3d> mesh_inside(const YamlFields& mesh) {
+  std::vector<Eigen::Vector3d> vertices, corners;
+  if (!mesh.is_list("vertices") || !mesh.is_list("triangles"))
+    mesh.fail("vertices", "expected a mesh of 'resource', or of lists 'vertices' and 'triangles'");
+  for (const auto& at : mesh.rows("vertices", {-1e3, 1e3}, 3, {"x", "y", "z"}))
+    vertices.emplace_back(at[0], at[1], at[2]);
+  if (vertices.empty()) mesh.fail("vertices", "expected at least one");
+  const Bounds indices{0, static_cast<double>(vertices.size()) - 1};
+  for (const auto& triangle : mesh.rows("triangles", indices, 3, {"vertex_indices"}))
+    for (const double index : triangle) {
+      if (index != std::floor(index)) mesh.fail("triangles", "expected whole numbers");
+      corners.push_back(vertices[static_cast<std::size_t>(index)]);
+    }
+  if (corners.empty()) mesh.fail("triangles", "expected at least one");
+  return corners;
+}
+
+}  // namespace
+
+Eigen::VectorXd ros_coordinates(const YamlFields& fields, const std::string& key, const std::string& names) {
+  Eigen::VectorXd values = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(names.size()));
+  if (!fields.has(key)) return values;
+  if (fields.is_list(key)) {
+    const std::vector<double> list = fields.numbers(key, within_reach, names.size());
+    return Eigen::Map<const Eigen::VectorXd>(list.data(), static_cast<Eigen::Index>(list.size()));
+  }
+  const YamlFields map = fields.map(key);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    values[static_cast<Eigen::Index>(i)] = map.number(std::string(1, names[i]), within_reach, 0.0);
+  return values;
+}
+
+Eigen::Isometry3d ros_pose(const YamlFields& fields, const std::string& position,
+                           const std::string& orientation) {
+  const Eigen::Vector3d at = ros_coordinates(fields, position, "xyz");
+  const Eigen::Vector4d turn = ros_coordinates(fields, orientation, "xyzw");
+  try {
+    return pose_of_quaternion(at, turn);
+  } catch (const std::invalid_argument& error) {
+    fields.fail(orientation, error.what());
+  }
+}
+
+std::string ros_frame(const YamlFields& fields) {
+  if (!fields.has("header")) return "";
+  const YamlFields header = fields.map("header");
+  std::string frame = header.has("frame_id") ? header.text("frame_id", "") : "";
+  if (frame.starts_with('/')) frame.erase(0, 1);
+  return frame;
+}
+
+void require_base_at_origin(const YamlFields& state) {
+  if (!state.has("multi_dof_joint_state")) return;
+  for (const YamlFields& pose : state.map("multi_dof_joint_state").list_of_maps("transforms"))
+    if (!ros_pose(pose, "translation", "rotation").isApprox(Eigen::Isometry3d::Identity(), 1e-9))
+      pose.fail("translation", "expected the robot's base at the map's origin, as the robot stands there");
+}
+
+std::map<std::string, double> ros_joints(const YamlFields& state) {
+  std::map<std::string, double> values;
+  if (!state.has("joint_state")) return values;
+  const YamlFields joints = state.map("joint_state");
+  const auto names = joints.texts("name");
+  const auto positions = joints.numbers("position", within_reach);
+  if (names.size() != positions.size())
+    joints.fail("position", "expected " + std::to_string(names.size()) + " numbers, one for each name, got " +
+                                std::to_string(positions.size()));
+  for (std::size_t i = 0; i < names.size(); ++i) values[names[i]] = positions[i];
+  return values;
+}
+
+void read_primitive(const YamlFields& primitive, ForeignSolid& solid) {
+  const std::string type = primitive.text("type");
+  const auto dimensions = [&](std::size_t count) { return primitive.numbers("dimensions", sizes, count); };
+  if (type == "1" || type == "box") {
+    const auto d = dimensions(3);
+    solid.kind = "box";
+    solid.shape = Shape::box({d[0], d[1], d[2]});
+  } else if (type == "2" || type == "sphere") {
+    solid.kind = "sphere";
+    solid.shape = Shape::sphere(dimensions(1)[0]);
+  } else if (type == "3" || type == "cylinder") {
+    const auto d = dimensions(2);
+    solid.kind = "cylinder";
+    solid.shape = Shape::cylinder(d[1], d[0]);
+  } else if (type == "4" || type == "cone") {
+    const auto d = dimensions(2);
+    solid.kind = "cone";
+    solid.shape = cone_shape(d[1], d[0]);
+  } else {
+    primitive.fail("type", "expected box, sphere, cylinder or cone (1 to 4), got " + quote(type));
+  }
+}
+
+std::vector<Eigen::Isometry3d> ros_poses(const YamlFields& fields, const std::string& key,
+                                         std::size_t count) {
+  std::vector<Eigen::Isometry3d> result;
+  for (const YamlFields& pose : fields.list_of_maps(key)) result.push_back(ros_pose(pose));
+  if (result.empty() && count == 1) result.push_back(Eigen::Isometry3d::Identity());
+  if (result.size() != count)
+    fields.fail(key, "expected " + std::to_string(count) + " poses, one for each piece, got " +
+                         std::to_string(result.size()));
+  return result;
+}
+
+std::vector<ForeignSolid> ros_solids(const YamlFields& object, const std::string& name,
+                                     const Eigen::Isometry3d& frame_from_object,
+                                     const PackageFolders& packages, const std::filesystem::path& folder) {
+  std::vector<ForeignSolid> solids;
+  const auto add = [&](const Eigen::Isometry3d& object_from_shape) -> ForeignSolid& {
+    ForeignSolid& solid = solids.emplace_back();
+    solid.object = name;
+    solid.map_from_shape = frame_from_object * object_from_shape;
+    return solid;
+  };
+  const auto primitives = object.list_of_maps("primitives");
+  const auto places = ros_poses(object, "primitive_poses", primitives.size());
+  for (std::size_t i = 0; i < primitives.size(); ++i) read_primitive(primitives[i], add(places[i]));
+  const auto meshes = object.list_of_maps("meshes");
+  const auto places_of_meshes = ros_poses(object, "mesh_poses", meshes.size());
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    ForeignSolid& solid = add(places_of_meshes[i]);
+    solid.kind = "mesh";
+    solid.triangles =
+        meshes[i].has("resource") ? mesh_of_file(meshes[i], packages, folder) : mesh_inside(meshes[i]);
+  }
+  return solids;
+}
+
+std::vector<ForeignAttached> ros_attached(const YamlFields& state, const PackageFolders& packages,
+                                          const std::filesystem::path& folder) {
+  std::vector<ForeignAttached> bodies;
+  for (const YamlFields& entry : state.list_of_maps("attached_collision_objects")) {
+    ForeignAttached& body = bodies.emplace_back();
+    if (!entry.has("object")) entry.fail("object", "expected the object that is attached");
+    const YamlFields object = entry.map("object");
+    body.name = object.text("id");
+    body.link = entry.text("link_name", "");
+    body.touches = entry.texts("touch_links");
+    body.frame = ros_frame(object);
+    const auto pose = object.has("pose") ? ros_pose(object.map("pose")) : Eigen::Isometry3d::Identity();
+    body.pieces = ros_solids(object, body.name, pose, packages, folder);
+  }
+  return bodies;
+}
+
+}  // namespace clearway

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "apps/problem_sets/planning_scene.hpp"
+#include "datasets/descriptions/yaml_fields.hpp"
+
+namespace clearway {
+
+// What messages of ROS, as YAML, have in common. Vectors and quaternions are lists or maps of x, y, z, w.
+
+/// [x, y, z] or {x: …, y: …, z: …}; a coordinate that is left out is 0. @param names "xyz" or "xyzw"
+Eigen::VectorXd ros_coordinates(const YamlFields& fields, const std::string& key, const std::string& names);
+
+/// A pose of a position and an orientation; transforms call them translation and rotation.
+Eigen::Isometry3d ros_pose(const YamlFields& fields, const std::string& position = "position",
+                           const std::string& orientation = "orientation");
+
+/// header.frame_id without a leading slash; empty when it is left out.
+std::string ros_frame(const YamlFields& fields);
+
+/// Joint values of a moveit_msgs/RobotState.
+std::map<std::string, double> ros_joints(const YamlFields& state);
+
+/// @throws std::invalid_argument when a moveit_msgs/RobotState moves the robot's base.
+void require_base_at_origin(const YamlFields& state);
+
+/// shape_msgs/SolidPrimitive: box x, y, z; sphere radius; cylinder and cone height, radius.
+void read_primitive(const YamlFields& primitive, ForeignSolid& solid);
+
+/// Poses under `key`, one for each of `count` pieces; a single piece may have none.
+std::vector<Eigen::Isometry3d> ros_poses(const YamlFields& fields, const std::string& key, std::size_t count);
+
+/// Primitives and meshes of a moveit_msgs/CollisionObject. @param frame_from_object the object's own pose
+/// included @param folder that files of meshes are relative to
+std::vector<ForeignSolid> ros_solids(const YamlFields& object, const std::string& name,
+                                     const Eigen::Isometry3d& frame_from_object,
+                                     const PackageFolders& packages, const std::filesystem::path& folder);
+
+/// attached_collision_objects of a moveit_msgs/RobotState; those without shapes have no pieces.
+std::vector<ForeignAttached> ros_attached(const YamlFields& state, const PackageFolders& packages,
+                                          const std::filesystem::path& folder);
+
+}  // namespace clearway

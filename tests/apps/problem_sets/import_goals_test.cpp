@@ -1,0 +1,199 @@
+// `clearway import` of goals of poses, of several goals and of what is in the hand.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "datasets/descriptions/suite.hpp"
+#include "planning/robot/kinematics.hpp"
+#include "planning/robot_files/load_robot.hpp"
+#include "tests/apps/problem_sets/import_fixture.hpp"
+
+namespace clearway {
+namespace import_test {
+
+const std::string panda_names =
+    "[panda_joint1, panda_joint2, panda_joint3, panda_joint4, panda_joint5, panda_joint6, panda_joint7]";
+const std::string panda_start = "start_state: {joint_state: {name: " + panda_names +
+                                ", position: [0, -0.3, 0, -2.2, 0, 2.0, 0.785]}}\ngroup_name: panda_arm\n";
+
+/// `compare` of what was imported: its first planner's row.
+Json compared(const TemporaryFolder& folder) {
+  const CommandRun run =
+      run_command({"compare", folder.file("out/suite.yaml"), "--out", folder.file("results"), "--json"});
+  EXPECT_EQ(run.status, exit_done) << run.log;
+  return Json::parse(run.out)["experiments"][0]["planners"][0];
+}
+
+/// A cup held upright may turn about its axis; where the straight pose is, a post stands in the way of the
+/// arm, so that the free configuration is one turned or another branch.
+TEST_F(Import, AGoalOfAPoseBecomesTheFreeConfigurationNearestToTheStart) {
+  robot_ = "panda";
+  resolution_ = "0.05";
+  const Robot panda = load_robot("panda");
+  const std::string scene = folder_.write(
+      "scene0001.yaml",
+      "world: {collision_objects: [{id: post, primitives: [{type: box, dimensions: [0.1, 0.1, 1]}], "
+      "primitive_poses: [{position: [0.7, 0.5, 0.5]}]}]}");
+  const std::string request = folder_.write(
+      "request0001.yaml",
+      panda_start +
+          "goal_constraints:\n"
+          "  - position_constraints:\n"
+          "      - link_name: panda_hand\n        target_point_offset: {z: 0.1}\n"
+          "        constraint_region:\n          primitives: [{type: 2, dimensions: [0.01]}]\n"
+          "          primitive_poses: [{position: {x: 0.4, y: -0.3, z: 0.4}}]\n"
+          "    orientation_constraints:\n"
+          "      - {link_name: panda_hand, orientation: {x: 1}, absolute_x_axis_tolerance: 0.05,\n"
+          "         absolute_y_axis_tolerance: 0.05, absolute_z_axis_tolerance: 6.28}\n");
+  const CommandRun run = import("mbm", {scene, request}, {"--json"});
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  const Json said = Json::parse(run.out);
+  EXPECT_EQ(said["poses"], 1);
+  EXPECT_EQ(said["left_out"], Json::array());
+
+  const Suite suite = load_suite(folder_ / "out/suite.yaml");
+  const std::vector<double> goal = suite.experiments[0].problems[0].goals[0];
+  const auto link = std::find_if(panda.links.begin(), panda.links.end(),
+                                 [](const Link& known) { return known.name == "hand"; });
+  ASSERT_NE(link, panda.links.end());
+  Configuration q = Configuration::Zero(static_cast<Eigen::Index>(panda.dof()));
+  for (std::size_t j = 0; j < goal.size(); ++j) q[static_cast<Eigen::Index>(j)] = goal[j];
+  const Eigen::Isometry3d hand =
+      forward_kinematics(panda, q)[static_cast<std::size_t>(link - panda.links.begin())];
+  EXPECT_LE((hand * Eigen::Vector3d(0, 0, 0.1) - Eigen::Vector3d(0.4, -0.3, 0.4)).norm(), 0.01 + 1e-5);
+  EXPECT_GE(-hand.linear()(2, 2), std::cos(0.05) - 1e-5);  // its z axis points down
+  const Json entry = Json::parse(read_file(folder_.file("out/import.json")))["problems"][0]["goal"];
+  EXPECT_EQ(entry["link"], "hand");
+  EXPECT_EQ(entry["free"], true);
+  EXPECT_EQ(entry["free_axis"], "z");
+  EXPECT_EQ(compared(folder_)["valid"], 1);
+}
+
+TEST_F(Import, APoseOutOfReachOrOfALinkThatIsNoneLeavesTheProblemOut) {
+  robot_ = "panda";
+  const std::string scene = folder_.write("scene.yaml", "world: {collision_objects: []}");
+  const auto request = [&](const std::string& link, double x) {
+    return folder_.write("request.yaml",
+                         panda_start + "goal_constraints: [{position_constraints: [{link_name: " + link +
+                             ", constraint_region: {primitives: [{type: sphere, dimensions: [0.01]}], "
+                             "primitive_poses: [{position: [" +
+                             std::to_string(x) + ", 0, 0.5]}]}}]}]");
+  };
+  const CommandRun far = import("mbm", {scene, request("panda_hand", 3.0)});
+  EXPECT_EQ(far.status, exit_bad_input);
+  EXPECT_NE(far.log.find("problem 'request': its goal: no configuration of robot 'panda'"), std::string::npos)
+      << far.log;
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
+  const CommandRun wrong = import("mbm", {scene, request("panda_hnd", 0.5)});
+  EXPECT_EQ(wrong.status, exit_bad_input);
+  EXPECT_NE(wrong.log.find("has no link 'panda_hnd', did you mean"), std::string::npos) << wrong.log;
+  const CommandRun near = import("mbm", {scene, request("panda_hand", 0.5)});
+  EXPECT_EQ(near.status, exit_done) << near.log;
+  EXPECT_NE(near.out.find("1, 1 of them to a pose, as joint values"), std::string::npos) << near.out;
+}
+
+/// The arm in its plane, reaching to x = 0.8 at zero; a ball stands where its second link would be at +0.5.
+TEST_F(Import, OfSeveralGoalsTheFirstThatIsFreeIsChosen) {
+  const std::string scene = folder_.write(
+      "scene.yaml",
+      "world: {collision_objects: [{id: ball, primitives: [{type: sphere, dimensions: [0.05]}], "
+      "primitive_poses: [{position: [0.527, 0.288, 0]}]}]}");
+  const auto goal = [](double shoulder) {
+    return "{joint_constraints: [{joint_name: shoulder, position: " + std::to_string(shoulder) +
+           "}, {joint_name: elbow, position: 0}]}";
+  };
+  const std::string request =
+      folder_.write("request.yaml",
+                    "start_state: {joint_state: {name: [shoulder, elbow, grip], position: [-1, 0, 0]}}\n"
+                    "goal_constraints: [" +
+                        goal(0.5) + ", " + goal(-0.5) + ", " + goal(-0.7) + "]");
+  const CommandRun run = import("mbm", {scene, request}, {"--json"});
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  EXPECT_EQ(Json::parse(run.out)["left_out"], Json::array());
+  EXPECT_EQ(load_suite(folder_ / "out/suite.yaml").experiments[0].problems[0].goals,
+            (std::vector<std::vector<double>>{{-0.5, 0.0}}));
+  EXPECT_EQ(Json::parse(read_file(folder_.file("out/import.json")))["problems"][0]["goal"],
+            (Json{{"number", 2}, {"of", 3}, {"free", true}}));
+
+  std::filesystem::remove_all(folder_ / "out");
+  const std::string sets =
+      folder_.write("sets.json",
+                    "{\"problems\": {\"a\": [{\"start\": [-1, 0, 0], \"goals\": [[0.5, 0, 0], [-0.5, 0, 0]], "
+                    "\"sphere\": [{\"position\": [0.527, 0.288, 0], \"radius\": 0.05}]}]}}");
+  ASSERT_EQ(import("json", {sets}).status, exit_done);
+  EXPECT_EQ(load_suite(folder_ / "out/suite.yaml").experiments[0].problems[0].goals,
+            (std::vector<std::vector<double>>{{-0.5, 0.0, 0.0}}));
+}
+
+/// A rod in the hand reaches 0.4 m beyond it and meets what the arm alone does not.
+TEST_F(Import, WhatIsInTheHandIsALoadThatCountsForTheGoalAndThePath) {
+  resolution_ = "0.02";
+  const std::string scene = folder_.write(
+      "scene.yaml",
+      "robot_state:\n  joint_state: {name: [shoulder, elbow, grip], position: [-1, 0, 0]}\n"
+      "  attached_collision_objects:\n"
+      "    - link_name: lower\n      touch_links: [finger]\n      object: {id: rod}\n"
+      "allowed_collision_matrix: {entry_names: [rod, upper], entry_values: [[false, true], [true, false]]}\n"
+      "world:\n  collision_objects:\n"
+      "    - id: ball\n      primitives: [{type: sphere, dimensions: [0.04]}]\n"
+      "      primitive_poses: [{position: [1.15, 0.05, 0]}]\n"
+      "    - id: rod\n      primitives: [{type: box, dimensions: [0.4, 0.02, 0.02]}]\n"
+      "      primitive_poses: [{position: [0.5403, -0.8415, 0], orientation: [0, 0, -0.479426, "
+      "0.877583]}]\n");
+  const std::string request = folder_.write(
+      "request.yaml",
+      "goal_constraints: [{joint_constraints: [{joint_name: shoulder, position: 0.04}, {joint_name: elbow, "
+      "position: 0}]}, {joint_constraints: [{joint_name: shoulder, position: -0.4}, {joint_name: elbow, "
+      "position: 0.2}]}]");
+  const CommandRun run = import("mbm", {scene, request}, {"--json"});
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  EXPECT_EQ(Json::parse(run.out)["left_out"], Json::array());
+  EXPECT_EQ(map("scene").state({0.5403, -0.8415, 0.0}), VoxelState::unknown);  // it left the world
+  const SuiteProblem problem = load_suite(folder_ / "out/suite.yaml").experiments[0].problems[0];
+  ASSERT_EQ(problem.loads.size(), 1U);
+  EXPECT_EQ(problem.loads[0].name, "rod");
+  EXPECT_EQ(problem.loads[0].touches, (std::vector<std::string>{"finger", "upper"}));
+  EXPECT_TRUE(
+      problem.loads[0].link_from_load.isApprox(Eigen::Isometry3d(Eigen::Translation3d(0.6, 0, 0)), 1e-4))
+      << problem.loads[0].link_from_load.matrix();
+  EXPECT_EQ(problem.goals, (std::vector<std::vector<double>>{{-0.4, 0.2}}));  // the first meets the ball
+  EXPECT_EQ(compared(folder_)["valid"], 1);
+}
+
+/// A request's own hand counts before the scene's, and shapes of all kinds are read by `compare`.
+TEST_F(Import, ShapesOfAllKindsInTheHandAreReadBack) {
+  const std::string scene = folder_.write(
+      "scene.yaml",
+      "robot_state: {attached_collision_objects: [{link_name: lower, object: {id: thing, primitives: [{type: "
+      "sphere, dimensions: [5]}]}}]}\nworld: {collision_objects: []}");
+  const std::string request = folder_.write(
+      "request.yaml",
+      "start_state:\n  joint_state: {name: [shoulder, elbow, grip], position: [-1, 0, 0]}\n"
+      "  attached_collision_objects:\n    - link_name: lower\n      touch_links: [finger]\n      object:\n"
+      "        id: thing\n        header: {frame_id: lower}\n        pose: {position: [0.4, 0, 0]}\n"
+      "        primitives:\n"
+      "          - {type: box, dimensions: [0.02, 0.03, 0.04]}\n"
+      "          - {type: sphere, dimensions: [0.02]}\n"
+      "          - {type: cylinder, dimensions: [0.05, 0.01]}\n"
+      "          - {type: cone, dimensions: [0.05, 0.01]}\n"
+      "        primitive_poses: [{}, {position: [0, 0, 0.05]}, {position: [0, 0.05, 0]}, {}]\n"
+      "        meshes: [{vertices: [[0, 0, 0], [0.02, 0, 0], [0, 0.02, 0]], triangles: [[0, 1, 2]]}]\n"
+      "goal_constraints: [{joint_constraints: [{joint_name: shoulder, position: 0.4}, {joint_name: elbow, "
+      "position: 0}]}]");
+  const CommandRun run = import("mbm", {scene, request});
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  const SuiteProblem problem = load_suite(folder_ / "out/suite.yaml").experiments[0].problems[0];
+  std::vector<std::string> names;
+  for (const LoadSetup& load : problem.loads) names.push_back(load.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"thing", "thing-2", "thing-3", "thing-4", "thing-5"}));
+  EXPECT_EQ(std::get<LoadBox>(problem.loads[0].shape).edges, Eigen::Vector3d(0.02, 0.03, 0.04));
+  EXPECT_EQ(std::get<LoadSphere>(problem.loads[1].shape).radius, 0.02);
+  EXPECT_EQ(std::get<LoadCylinder>(problem.loads[2].shape).length, 0.05);
+  EXPECT_EQ(std::get<LoadHull>(problem.loads[3].shape).points.size(), 65U);
+  EXPECT_EQ(std::get<LoadHull>(problem.loads[4].shape).points.size(), 3U);
+  EXPECT_EQ(compared(folder_)["valid"], 1);
+}
+
+}  // namespace import_test
+}  // namespace clearway
