@@ -27,6 +27,7 @@
 #include "mapping/files/map_digest.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
+#include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/planner_table.hpp"
 
@@ -174,6 +175,7 @@ void require_apart_from(const RecordedSession& recorded, const TeachCommand& com
 int run_teach(const TeachCommand& command, Console& console) {
   RecordedSession recorded = session_of(command);
   const fs::path file = events_file(command);
+  const InputKeeper keeper(recorded.inputs, {recorded.source, command.source, file});
   std::vector<TeachEvent> events = file.empty() ? std::vector<TeachEvent>{} : load_teach_events(file);
   ChosenSetup setup = setup_of(recorded);
   for (const TeachEvent& event : events)
@@ -223,7 +225,7 @@ int run_teach(const TeachCommand& command, Console& console) {
   if (screen) report_times(screen->times(), console);
   const fs::path source = recorded.source;
   if (is_live) recorded.source = options.frames_file;
-  save_session(recorded, folder.path() / "session");
+  save_session(recorded, keeper.kept(), folder.path() / "session");
   save_session_events(session.events(), folder.path() / "session");
 
   ReplayReport report;

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "mapping/files/map_digest.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/input_file.hpp"
@@ -42,6 +43,42 @@ void take_source(const fs::path& from, const fs::path& to) {
   }
 }
 
+/// files/001/camera.yaml for the first of them: names of our own, which end as the files' do.
+Json save_inputs(const std::map<std::string, std::string>& inputs, const fs::path& folder) {
+  Json list = Json::array();
+  for (const auto& [name, bytes] : inputs) {
+    std::string number = std::to_string(list.size() + 1);
+    number.insert(0, number.size() < 3 ? 3 - number.size() : 0, '0');
+    std::string last = fs::path(name).filename().string();
+    if (last.size() > 100) last.erase(0, last.size() - 100);  // the end says what kind of file it is
+    const fs::path kept = fs::path("files") / number / last;
+    fs::create_directories((folder / kept).parent_path());
+    save_file(folder / kept, bytes);
+    list.push_back({{"of", name}, {"file", kept.string()}, {"sha256", sha256(bytes)}});
+  }
+  return list;
+}
+
+/// A path in the session's folder. @throws std::invalid_argument for one that leads out of it
+fs::path inner_path(const JsonField& field) {
+  const fs::path path = field.text();
+  if (path.is_absolute() || path.lexically_normal().string().starts_with(".."))
+    field.refuse("a file in this folder");
+  return path;
+}
+
+std::map<std::string, fs::path> load_inputs(const JsonField& field, const fs::path& folder) {
+  std::map<std::string, fs::path> inputs;
+  for (const JsonField& entry : field.items()) {
+    const fs::path kept = inner_path(entry.at("file"));
+    if (sha256(read_input(folder / kept, "file of a session", 1U << 27U)) != entry.at("sha256").text())
+      throw std::invalid_argument("session " + quote_path(folder.string()) + ": its file " +
+                                  quote_path(kept.string()) + " is not the one that it was made from");
+    inputs[entry.at("of").text()] = folder / kept;
+  }
+  return inputs;
+}
+
 }  // namespace
 
 bool is_session_folder(const fs::path& folder) {
@@ -49,7 +86,8 @@ bool is_session_folder(const fs::path& folder) {
   return fs::is_regular_file(folder / "session.json", error);
 }
 
-void save_session(const RecordedSession& session, const fs::path& folder) {
+void save_session(const RecordedSession& session, const std::map<std::string, std::string>& inputs,
+                  const fs::path& folder) {
   const fs::path source = fs::path("source") / fs::weakly_canonical(session.source).filename();
   if (!fs::exists(folder / source)) take_source(session.source, folder / source);
   const fs::path kept = folder / source;
@@ -60,7 +98,8 @@ void save_session(const RecordedSession& session, const fs::path& folder) {
                   {"resolution", session.resolution},
                   {"integration", session.integration},
                   {"seed", session.seed},
-                  {"time_limit", session.time_limit}};
+                  {"time_limit", session.time_limit},
+                  {"files", save_inputs(inputs, folder)}};
   save_file(folder / "session.json", json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
   if (!session.setup_text.empty()) save_file(folder / "setup.yaml", session.setup_text);
 }
@@ -80,9 +119,7 @@ RecordedSession load_session(const fs::path& folder) {
   const JsonField field(json, "session " + quote_path(file.string()));
   if (field.at("format").text() != format) field.at("format").refuse("'" + std::string(format) + "'");
   RecordedSession session;
-  const fs::path source = field.at("source").text();
-  if (source.is_absolute() || source.lexically_normal().string().starts_with(".."))
-    field.at("source").refuse("a file in this folder");
+  const fs::path source = inner_path(field.at("source"));
   session.source = folder / source;
   const std::string digest = field.at("sha256").text();
   if (!digest.empty() && map_sha256(session.source) != digest)
@@ -98,6 +135,7 @@ RecordedSession load_session(const fs::path& folder) {
   session.seed = field.at("seed").count();
   session.time_limit = field.at("time_limit").number();
   if (!(session.time_limit > 0.0)) field.at("time_limit").refuse("seconds, more than 0");
+  if (field.has("files")) session.inputs = load_inputs(field.at("files"), folder);
   if (!session.setup_file.empty()) session.setup_text = read_text(folder / "setup.yaml", "setup");
   return session;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,15 +21,19 @@ struct RecordedSession {
   std::string integration{};  ///< empty: the setup's
   std::uint64_t seed = 1;
   double time_limit = 60.0;  ///< s
+  /// Once loaded, where its copies of the files lie that it read beside its source: camera, robots, loads, …
+  std::map<std::string, std::filesystem::path> inputs{};
 };
 
 /// Whether a folder holds a recorded session.
 bool is_session_folder(const std::filesystem::path& folder);
 
-/// Writes session.json and setup.yaml, and takes the source into the folder: as a hard link where the disk
-/// allows it, else as a copy. A camera's frames have to be there already.
+/// Writes session.json, setup.yaml and `inputs`, what was read besides (InputKeeper::kept), and takes the
+/// source into the folder: as a hard link where the disk allows it, else as a copy. A camera's frames have to
+/// be there already.
 /// @throws std::runtime_error naming the file that cannot be written
-void save_session(const RecordedSession& session, const std::filesystem::path& folder);
+void save_session(const RecordedSession& session, const std::map<std::string, std::string>& inputs,
+                  const std::filesystem::path& folder);
 
 /// events.jsonl: what was done or refused, but for what came too late, in order.
 void save_session_events(const std::vector<TaughtEvent>& events, const std::filesystem::path& folder);

@@ -4,14 +4,20 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
+#include <iterator>
+#include <mutex>
 #include <stdexcept>
 
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
+
+namespace fs = std::filesystem;
 
 std::string kind(mode_t mode) {
   if (S_ISDIR(mode)) return "it is a folder";
@@ -20,13 +26,102 @@ std::string kind(mode_t mode) {
   return "it is a device";
 }
 
+constexpr std::size_t largest_kept = 100U << 20U;
+
+std::string bytes_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// As a path is asked for, but for dots and doubled slashes.
+std::string key_of(const fs::path& file) { return file.lexically_normal().string(); }
+
 }  // namespace
+
+struct InputKeeper::Store {
+  static inline std::mutex mutex;  ///< of all that follows
+  static inline Store* current = nullptr;
+
+  bool is_apart(const fs::path& file) const {
+    std::error_code error;
+    const std::string place = fs::weakly_canonical(file, error).string();
+    return std::any_of(apart.begin(), apart.end(), [&](const std::string& folder) {
+      return place == folder || place.starts_with(folder + "/");
+    });
+  }
+
+  void keep(const std::string& key, const fs::path& place) {
+    std::error_code error;
+    if (kept.contains(key) || !fs::is_regular_file(place, error) || is_apart(key)) return;
+    if (fs::file_size(place, error) <= largest_kept && !error) kept[key] = bytes_of(place);
+  }
+
+  std::map<std::string, fs::path> given;
+  std::map<std::string, std::string> kept;
+  std::vector<std::string> apart;
+};
+
+InputKeeper::InputKeeper(std::map<std::string, fs::path> given, const std::vector<fs::path>& apart)
+    : store_(std::make_unique<Store>()) {
+  store_->given = std::move(given);
+  for (const fs::path& place : apart) {
+    std::error_code error;
+    if (!place.empty()) store_->apart.push_back(fs::weakly_canonical(place, error).string());
+  }
+  const std::lock_guard lock(Store::mutex);
+  if (Store::current != nullptr) throw std::logic_error("inputs are kept already");
+  Store::current = store_.get();
+}
+
+InputKeeper::~InputKeeper() {
+  const std::lock_guard lock(Store::mutex);
+  Store::current = nullptr;
+}
+
+std::map<std::string, std::string> InputKeeper::kept() const {
+  const std::lock_guard lock(Store::mutex);
+  return store_->kept;
+}
+
+fs::path input_place(const fs::path& file) {
+  const std::lock_guard lock(InputKeeper::Store::mutex);
+  InputKeeper::Store* store = InputKeeper::Store::current;
+  if (store == nullptr) return file;
+  const std::string key = key_of(file);
+  const auto given = store->given.find(key);
+  fs::path place = given == store->given.end() ? file : given->second;
+  store->keep(key, place);
+  return place;
+}
+
+bool is_input_there(const fs::path& file) {
+  std::error_code error;
+  if (fs::is_regular_file(file, error)) return true;
+  const std::lock_guard lock(InputKeeper::Store::mutex);
+  const InputKeeper::Store* store = InputKeeper::Store::current;
+  return store != nullptr && store->given.contains(key_of(file));
+}
+
+std::string kept_answer(const std::string& question, const std::function<std::string()>& ask) {
+  std::unique_lock lock(InputKeeper::Store::mutex);
+  InputKeeper::Store* store = InputKeeper::Store::current;
+  if (store == nullptr) {
+    lock.unlock();
+    return ask();
+  }
+  if (const auto given = store->given.find(question); given != store->given.end())
+    return store->kept[question] = bytes_of(given->second);
+  lock.unlock();
+  const std::string answer = ask();
+  lock.lock();
+  return store->kept[question] = answer;
+}
 
 InputFile::InputFile(const std::filesystem::path& file, const std::string& what)
     : name_(what + " " + quote_path(file.string())),
       // A pipe without a writer would keep a plain open() waiting; which file it is, is only certain once
       // open.
-      descriptor_(::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC)) {
+      descriptor_(::open(input_place(file).c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC)) {
   if (!descriptor_.is_open()) refuse(errno == ENXIO ? "it is not a regular file" : std::strerror(errno));
   struct stat status {};
   if (::fstat(descriptor(), &status) != 0) refuse(std::strerror(errno));

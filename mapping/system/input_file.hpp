@@ -2,11 +2,50 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "mapping/system/file_descriptor.hpp"
 
 namespace clearway {
+
+/// While one exists, what InputFile, input_place and kept_answer are asked for is kept, and what is `given`
+/// is read in place of what the disk or a program has: so that what was read can be read again when it is
+/// gone or another. One at a time in a process; safe from several threads.
+class InputKeeper {
+ public:
+  /// @param given files to read by the path, or question, that is asked for
+  /// @param apart files and folders of which nothing is kept
+  /// @throws std::logic_error when there is one already
+  explicit InputKeeper(std::map<std::string, std::filesystem::path> given = {},
+                       const std::vector<std::filesystem::path>& apart = {});
+  ~InputKeeper();
+  InputKeeper(const InputKeeper&) = delete;
+  InputKeeper& operator=(const InputKeeper&) = delete;
+
+  /// Contents by path, answers by question. Files of more than 100 MB are left out.
+  std::map<std::string, std::string> kept() const;
+
+ private:
+  struct Store;
+  friend std::filesystem::path input_place(const std::filesystem::path&);
+  friend bool is_input_there(const std::filesystem::path&);
+  friend std::string kept_answer(const std::string&, const std::function<std::string()>&);
+  std::unique_ptr<Store> store_;
+};
+
+/// Where a file is to be opened by who does not read it through InputFile: there, or where the InputKeeper
+/// was given it.
+std::filesystem::path input_place(const std::filesystem::path& file);
+
+/// Whether it is a regular file, on the disk or given to the InputKeeper.
+bool is_input_there(const std::filesystem::path& file);
+
+/// What `ask` answers, or what the InputKeeper was given for the question.
+std::string kept_answer(const std::string& question, const std::function<std::string()>& ask);
 
 /// A regular file, open for reading. Anything else (a folder, pipe, socket or device, which could keep the
 /// program waiting for ever) is refused without waiting for it.

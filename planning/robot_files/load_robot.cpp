@@ -73,7 +73,7 @@ fs::path srdf_of(const RobotRequest& request, const RobotSettings& settings, con
   if (!request.srdf.empty()) return request.srdf;
   if (!settings.srdf.empty()) return settings_file.parent_path() / settings.srdf;
   const fs::path beside = beside_urdf(urdf, ".srdf");
-  return fs::is_regular_file(beside) ? beside : fs::path();
+  return is_input_there(beside) ? beside : fs::path();
 }
 
 /// Where a joint stands that nobody fixes: in the state "default", else at 0 within its limits.
@@ -208,7 +208,7 @@ Robot load_robot(const RobotRequest& request) {
   const bool is_urdf = is_urdf_name(file);
   const fs::path settings_file = is_urdf ? beside_urdf(file, ".yaml") : file;
   RobotSettings settings;
-  if (!is_urdf || fs::is_regular_file(settings_file)) settings = read_robot_settings(settings_file);
+  if (!is_urdf || is_input_there(settings_file)) settings = read_robot_settings(settings_file);
   const fs::path urdf = urdf_of(file, settings);
 
   Robot robot = read_urdf(urdf, request.packages, xacro_arguments(request, settings, file, urdf));

@@ -145,9 +145,10 @@ std::vector<MeshHull> read_mesh_hulls(const std::vector<ScaledMesh>& meshes) {
   std::vector<MeshHull> hulls(meshes.size());
   std::vector<ScaledMesh> usable;
   for (std::size_t i = 0; i < meshes.size(); ++i) {
-    const std::string reason = refusal(meshes[i].file);
+    const ScaledMesh placed{input_place(meshes[i].file), meshes[i].scale};
+    const std::string reason = refusal(placed.file);
     if (reason.empty())
-      usable.push_back(meshes[i]);
+      usable.push_back(placed);
     else
       hulls[i].failure = meshes[i].file.string() + ": " + reason;
   }
@@ -173,14 +174,15 @@ std::vector<MeshHull> read_mesh_hulls(const std::vector<ScaledMesh>& meshes) {
 
 MeshTriangles read_mesh_triangles(const ScaledMesh& mesh) {
   constexpr std::size_t most_triangles = 2'000'000, bytes_of_one = 3 * sizeof(Eigen::Vector3d);
-  if (const std::string reason = refusal(mesh.file); !reason.empty())
+  const fs::path place = input_place(mesh.file);
+  if (const std::string reason = refusal(place); !reason.empty())
     return {{}, mesh.file.string() + ": " + reason};
   std::error_code error;
-  const std::size_t size = fs::file_size(mesh.file, error);
+  const std::size_t size = fs::file_size(place, error);
   const ChildOutcome read = run_in_child(
       [&]() -> std::string {
         try {
-          const auto corners = triangles_of_mesh(mesh.file, extension_of(mesh.file).substr(1), mesh.scale);
+          const auto corners = triangles_of_mesh(place, extension_of(place).substr(1), mesh.scale);
           if (corners.size() > 3 * most_triangles) return "Fit has more than 2,000,000 triangles";
           std::string bytes(1 + corners.size() * sizeof(corners[0]), 'R');
           if (!corners.empty()) std::memcpy(bytes.data() + 1, corners.front().data(), bytes.size() - 1);
@@ -220,14 +222,15 @@ std::filesystem::path find_mesh(const std::string& name, const std::filesystem::
   fs::path rest;
   for (auto part = std::next(inside.begin()); part != inside.end(); ++part) rest /= *part;
   if (const auto known = packages.find(package); known != packages.end()) {
-    std::error_code error;
-    if (!rest.empty() && fs::is_regular_file(known->second / rest, error)) return known->second / rest;
+    if (!rest.empty() && is_input_there(known->second / rest)) return known->second / rest;
     throw std::invalid_argument("mesh " + quote(name) + " was not found in " +
                                 quote_path(known->second.string()) + ", the folder given for package " +
                                 quote(package));
   }
   const fs::path whole = whole_path(folder);
-  if (fs::path found = in_packages(whole, package, rest); !rest.empty() && !found.empty()) return found;
+  const std::string found = kept_answer(name + " from " + whole.string(),
+                                        [&] { return in_packages(whole, package, rest).string(); });
+  if (!rest.empty() && !found.empty()) return found;
   throw std::invalid_argument("mesh " + quote(name) + " was not found in any folder above " +
                               quote_path(whole.string()) +
                               ", nor in ROS_PACKAGE_PATH or AMENT_PREFIX_PATH: --package " +

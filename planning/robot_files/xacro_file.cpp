@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "mapping/system/child_process.hpp"
+#include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -59,6 +60,26 @@ std::string run_xacro(std::vector<std::string> words, std::size_t largest) {
   return std::string(1, static_cast<char>(WIFEXITED(status) ? WEXITSTATUS(status) : 1)) + text;
 }
 
+std::string answer_of_xacro(const std::vector<std::string>& words, const std::filesystem::path& file,
+                            std::size_t largest) {
+  const ChildOutcome run =
+      run_in_child([&] { return run_xacro(words, largest); },
+                   {.memory = std::size_t{1} << 30U, .output = largest + 1, .seconds = 20});
+  if (!run.finished || run.parts.empty() || run.parts.front().empty())
+    throw std::invalid_argument(file.string() + ": xacro could not expand it: " + run.failure);
+  const std::string& answer = run.parts.front();
+  if (answer.front() == no_such_program)
+    throw std::invalid_argument(file.string() +
+                                ": the program 'xacro' is not installed, expected it or a .urdf that it made "
+                                "(xacro FILE NAME:=VALUE > robot.urdf)");
+  if (answer.front() != 0)
+    throw std::invalid_argument(file.string() +
+                                ": xacro could not expand it, expected a xacro file whose includes are "
+                                "found and whose arguments --xacro NAME:=VALUE or the settings' xacro: "
+                                "give");
+  return answer.substr(1);
+}
+
 }  // namespace
 
 bool is_xacro_name(const std::string& name) {
@@ -77,22 +98,9 @@ std::string expanded_xacro(const std::filesystem::path& file, std::size_t larges
                                   ": expected a name of letters, digits and underscores");
     words.push_back(name + ":=" + value);
   }
-  const ChildOutcome run =
-      run_in_child([&] { return run_xacro(words, largest); },
-                   {.memory = std::size_t{1} << 30U, .output = largest + 1, .seconds = 20});
-  if (!run.finished || run.parts.empty() || run.parts.front().empty())
-    throw std::invalid_argument(file.string() + ": xacro could not expand it: " + run.failure);
-  const std::string& answer = run.parts.front();
-  if (answer.front() == no_such_program)
-    throw std::invalid_argument(file.string() +
-                                ": the program 'xacro' is not installed, expected it or a .urdf that it made "
-                                "(xacro FILE NAME:=VALUE > robot.urdf)");
-  if (answer.front() != 0)
-    throw std::invalid_argument(file.string() +
-                                ": xacro could not expand it, expected a xacro file whose includes are "
-                                "found and whose arguments --xacro NAME:=VALUE or the settings' xacro: "
-                                "give");
-  return answer.substr(1);
+  std::string question;
+  for (const std::string& word : words) question += (question.empty() ? "" : " ") + word;
+  return kept_answer(question, [&] { return answer_of_xacro(words, file, largest); });
 }
 
 }  // namespace clearway

@@ -15,7 +15,7 @@ TEST(SessionFolder, AScanThatIsALinkToNothingIsDamageInTheSessionToo) {
   std::filesystem::create_symlink("gone", folder / "scans/2.pcd");
   RecordedSession session;
   session.source = folder / "scans";
-  save_session(session, folder / "session");
+  save_session(session, {}, folder / "session");
   const auto kept = open_frames(load_session(folder / "session").source, {});
   int scans = 0;
   while (kept->next()) ++scans;
