@@ -219,5 +219,28 @@ TEST(CheckLegs, PlacesALoadThatIsTurnedWhereItIsStatedToRide) {
   EXPECT_GT(nearest, 8 * loads / 10);
 }
 
+/// A disc that slides along a voxel's face at a distance that no step resolves: neither free nor blocked, on
+/// whichever leg it is.
+TEST(CheckLegs, SaysWhichLegsAreUndecided) {
+  const Robot disc = load_robot("point");
+  const Snapshot map = VoxelScene{0.05, {box_of(1.01, 1.01, -0.04, 1.04, 1.04, 0.04)}, {}, {}}.snapshot();
+  const auto at = [](double x, double y) { return Configuration(Eigen::Vector2d(x, y)); };
+  const double grazing = 1.0 - 0.2 - 1e-9;
+  const std::vector<Configuration> clear{at(0.0, 1.0), at(0.5, 1.0)},
+      along{at(0.5, 1.0), at(grazing, 1.0), at(grazing, 1.04)}, into{at(0.5, 1.0), at(0.9, 1.0)};
+  const auto verdict = [&](const std::vector<Configuration>& first,
+                           const std::vector<Configuration>& second) {
+    return check_legs({{disc, map, first}, {disc, map, second}}, {{"base", Policy::not_occupied}}, 0.0);
+  };
+  EXPECT_TRUE(verdict(clear, clear).valid);
+  EXPECT_FALSE(verdict(clear, clear).undecided);
+  for (const PathVerdict& grazed : {verdict(clear, along), verdict(along, clear)}) {
+    EXPECT_FALSE(grazed.valid);
+    EXPECT_TRUE(grazed.undecided) << grazed.first_contact;
+  }
+  EXPECT_FALSE(verdict(clear, into).valid);
+  EXPECT_FALSE(verdict(clear, into).undecided);
+}
+
 }  // namespace check_legs_test
 }  // namespace clearway
