@@ -8,9 +8,21 @@
 
 namespace clearway {
 
-TeachScreen::TeachScreen(const std::string& title) {
+namespace {
+
+TeachDisplay window_of(const std::string& title) {
+  const auto window = std::make_shared<TeachWindow>(title);
+  return {[window](const cv::Mat& picture) { window->show(picture); },
+          [window] { return window->key(1); }};  // which also lets the window draw itself
+}
+
+}  // namespace
+
+TeachScreen::TeachScreen(const std::string& title) : TeachScreen([title] { return window_of(title); }) {}
+
+TeachScreen::TeachScreen(const std::function<TeachDisplay()>& open) {
   ::setenv("QT_LOGGING_RULES", "*=false", 0);  // HighGUI's parts log nothing
-  worker_ = std::jthread([this, title] { run(title); });
+  worker_ = std::jthread([this, open] { run(open); });
   std::unique_lock lock(guard_);
   wake_.wait(lock, [this] { return is_open_ || !failure_.empty(); });
   if (!failure_.empty()) throw std::runtime_error(failure_);
@@ -45,10 +57,10 @@ ScreenTimes TeachScreen::times() const {
   return times_;
 }
 
-void TeachScreen::run(const std::string& title) {
-  std::optional<TeachWindow> window;
+void TeachScreen::run(const std::function<TeachDisplay()>& open) {
+  TeachDisplay display;
   try {
-    window.emplace(title);
+    display = open();
   } catch (const std::exception& error) {
     const std::lock_guard lock(guard_);
     failure_ = error.what();
@@ -63,8 +75,8 @@ void TeachScreen::run(const std::string& title) {
     wake_.wait_for(lock, std::chrono::milliseconds(10), [this] { return next_ || is_ending_; });
     std::optional<TeachView> view = std::exchange(next_, std::nullopt);
     lock.unlock();
-    if (view) window->show(painter.draw(*view));
-    const int key = window->key(1);  // also lets the window draw itself
+    if (view) display.show(painter.draw(*view));
+    const int key = display.key();
     lock.lock();
     if (view)
       times_.latencies.push_back(

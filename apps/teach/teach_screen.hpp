@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
 #include <thread>
@@ -19,12 +20,20 @@ struct ScreenTimes {
   std::size_t dropped = 0;  ///< views that were replaced by newer ones before they were drawn
 };
 
+/// Where pictures are shown and keys come from.
+struct TeachDisplay {
+  std::function<void(const cv::Mat&)> show;
+  std::function<int()> key;  ///< pressed within the next millisecond; below 0: none
+};
+
 /// Shows the newest view in a window, by a thread of its own, and collects the keys pressed there. What
 /// cannot be drawn in time is left out: a session never waits for its picture.
 class TeachScreen {
  public:
   /// @throws std::runtime_error when no window can be opened
   explicit TeachScreen(const std::string& title);
+  /// Elsewhere than in a window. @param open called once, by the thread that will show @throws what it throws
+  explicit TeachScreen(const std::function<TeachDisplay()>& open);
   ~TeachScreen();
   TeachScreen(const TeachScreen&) = delete;
   TeachScreen& operator=(const TeachScreen&) = delete;
@@ -35,7 +44,7 @@ class TeachScreen {
   ScreenTimes times() const;
 
  private:
-  void run(const std::string& title);
+  void run(const std::function<TeachDisplay()>& open);
 
   mutable std::mutex guard_;  ///< of what follows
   std::condition_variable wake_;
