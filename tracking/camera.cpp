@@ -71,7 +71,6 @@ void require_distortion(const Camera& camera) {
                  : "coefficients that map at least the middle of the image one to one (k1 named)");
 }
 
-constexpr double kKnownDistortion = 0.5;     // pixels
 constexpr double kUnknownDistortion = 0.01;  // of half the diagonal
 
 }  // namespace

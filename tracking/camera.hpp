@@ -7,6 +7,9 @@
 
 namespace clearway {
 
+/// What a calibrated distortion leaves in an image's corner, pixels: one standard deviation.
+constexpr double kKnownDistortion = 0.5;
+
 /// What a calibration does not know of its camera: one standard deviation each.
 struct CameraErrors {
   double focal = 0.003;              ///< relative, of fx and fy together

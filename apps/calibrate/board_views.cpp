@@ -82,11 +82,12 @@ SearchedImages search_images(const std::filesystem::path& source, const Setup& s
 }
 
 Camera known_camera(const Setup& setup, const SearchedImages& images) {
-  const auto intrinsics = setup.camera ? setup.camera : images.intrinsics;
+  auto intrinsics = setup.camera ? setup.camera : images.intrinsics;
   if (!intrinsics)
     throw std::invalid_argument(
         "neither setup nor source has the camera: expected `camera` in the setup (see "
         "clearway calibrate camera)");
+  if (images.intrinsics) intrinsics->is_rectified = images.intrinsics->is_rectified;
   const Camera camera = tracking_camera(*intrinsics, setup.errors.camera);
   camera.validate();
   if (camera.width != images.width || camera.height != images.height)

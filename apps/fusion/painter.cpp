@@ -35,7 +35,8 @@ Camera tracking_camera(const CameraIntrinsics& intrinsics, const CameraErrorsSet
   override(camera.errors.focal, errors.focal);
   override(camera.errors.aspect, errors.aspect);
   override(camera.errors.center, errors.center);
-  camera.errors.distortion = errors.distortion;
+  if (intrinsics.is_rectified) camera.errors.distortion = kKnownDistortion;  // of the lens that was undone
+  if (errors.distortion) camera.errors.distortion = errors.distortion;
   return camera;
 }
 
@@ -53,7 +54,9 @@ Camera camera_of(const Setup& setup, const ImageFrame& image) {
   if (!setup.camera && image.intrinsics.width == 0)
     throw std::invalid_argument(
         "the recording does not have the camera of its images: expected `camera` in the setup");
-  return tracking_camera(setup.camera ? *setup.camera : image.intrinsics, setup.errors.camera);
+  CameraIntrinsics camera = setup.camera ? *setup.camera : image.intrinsics;
+  camera.is_rectified = image.intrinsics.is_rectified;
+  return tracking_camera(camera, setup.errors.camera);
 }
 
 TrackingOptions tracking_options(const Setup& setup) {

@@ -121,6 +121,8 @@ BagTopics read_bag(const YamlFields& fields) {
   for (const auto& [key, name] : names)
     if (fields.has(key)) *name = fields.text(key);
   if (bag.fixed_frame.starts_with('/')) bag.fixed_frame.erase(0, 1);  // as of frames in messages
+  if (fields.has("rectified")) bag.rectified = fields.boolean("rectified");
+  if (fields.has("depth_rectified")) bag.depth_rectified = fields.boolean("depth_rectified");
   bag.clouds = fields.texts("clouds");
   bag.scans = fields.texts("scans");
   fields.finish();

@@ -43,17 +43,28 @@ double time_of(const RosHeader& header, double recorded) {
 
 BagFrames::BagFrames(MessageBag& bag, const SourceOptions& options) : bag_(bag), options_(options) {
   learn();
-  for (const std::string& name : {options.bag.camera_info, options.bag.depth_camera_info}) {
-    if (!name.empty() && !cameras_.contains(name))
-      throw std::runtime_error("topic " + quote(name) + " has no camera that can be used" +
-                               (left_out_.contains(name) ? ": " + left_out_.at(name).first : ""));
-  }
-  if (!options.bag.depth.empty()) depth_rays_ = depth_rays(depth_camera());
+  const auto require = [&](const std::string& topic, std::optional<RosCamera>& camera,
+                           const std::optional<CameraIntrinsics>& of_setup, bool is_rectified) {
+    if (!camera && !topic.empty())
+      throw std::runtime_error("topic " + quote(topic) + " has no camera that can be used" +
+                               (left_out_.contains(topic) ? ": " + left_out_.at(topic).first : ""));
+    if (camera || !of_setup) return;
+    camera = RosCamera{*of_setup};
+    camera->intrinsics.is_rectified = is_rectified;
+  };
+  require(options.bag.camera_info, camera_, options.camera, are_images_rectified(options.bag));
+  require(options.bag.depth_camera_info, depth_camera_,
+          options.depth.camera ? options.depth.camera : options.camera, is_depth_rectified(options.bag));
+  if (!options.bag.depth.empty()) depth_rays_ = depth_rays(depth_camera_.value().intrinsics);
 }
 
-const CameraIntrinsics& BagFrames::depth_camera() const {
-  if (!options_.bag.depth_camera_info.empty()) return cameras_.at(options_.bag.depth_camera_info);
-  return (options_.depth.camera ? options_.depth.camera : options_.camera).value();
+void BagFrames::learn_camera(const std::string& topic, const RosCameraInfo& info) {
+  const BagTopics& bag = options_.bag;
+  const auto camera_of = [&](bool is_rectified) {
+    return is_rectified ? rectified_camera(info) : raw_camera(info);
+  };
+  if (topic == bag.camera_info && !camera_) camera_ = camera_of(are_images_rectified(bag));
+  if (topic == bag.depth_camera_info && !depth_camera_) depth_camera_ = camera_of(is_depth_rectified(bag));
 }
 
 void BagFrames::learn() {
@@ -70,8 +81,8 @@ void BagFrames::learn() {
       WireReader in(message.bytes, *topic.wire);
       if (is_transforms(topic)) {
         add_transforms(topic, in, transforms_);
-      } else if (!cameras_.contains(topic.name)) {
-        cameras_.emplace(topic.name, intrinsics_of(read_camera_info(in)));
+      } else {
+        learn_camera(topic.name, read_camera_info(in));
       }
     } catch (const std::runtime_error& error) {
       Missing& missing = left_out_[topic.name];
@@ -123,8 +134,10 @@ std::optional<Frame> BagFrames::frame_of(const BagMessage& message) const {
     else
       unpacked.image = read_image(in);
     header = unpacked.image.header;
-    frame.content = depth_cloud(unpacked.image, depth_camera(), depth_rays_);
+    CloudFrame cloud = depth_cloud(unpacked.image, depth_camera_->intrinsics, depth_rays_);
     message_from_sensor = optical_from_sensor();
+    message_from_sensor.prerotate(depth_camera_->frame_from_camera);
+    frame.content = std::move(cloud);
   } else if (topic.name == bag.images) {
     ImageFrame picture;
     if (topic.type == "sensor_msgs/CompressedImage") {
@@ -136,7 +149,8 @@ std::optional<Frame> BagFrames::frame_of(const BagMessage& message) const {
       header = image.header;
       picture.image = gray_image(image);
     }
-    picture.intrinsics = bag.camera_info.empty() ? *options_.camera : cameras_.at(bag.camera_info);
+    picture.intrinsics = camera_->intrinsics;
+    message_from_sensor.linear() = camera_->frame_from_camera;
     frame.content = std::move(picture);
   } else if (topic.type == "sensor_msgs/PointCloud2") {
     const RosPointCloud cloud = read_point_cloud(in);
@@ -196,6 +210,14 @@ std::vector<std::string> BagFrames::left_out() const {
     clauses.push_back("holds " + std::to_string(transforms_.left_out()) +
                       " transforms that are no turns, or give a frame another parent");
   return clauses;
+}
+
+bool are_images_rectified(const BagTopics& bag) {
+  return bag.rectified.value_or(is_named_rectified(bag.images));
+}
+
+bool is_depth_rectified(const BagTopics& bag) {
+  return bag.depth_rectified.value_or(is_named_rectified(bag.depth));
 }
 
 std::vector<BagFrame> frames_of(MessageBag& bag) {

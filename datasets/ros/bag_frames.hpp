@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "datasets/ros/message_bag.hpp"
+#include "datasets/ros/ros_camera.hpp"
 #include "datasets/ros/transform_tree.hpp"
 #include "datasets/sources/frame_source.hpp"
 
@@ -29,7 +30,7 @@ class BagFrames {
     std::string first;
   };
   void learn();
-  const CameraIntrinsics& depth_camera() const;
+  void learn_camera(const std::string& topic, const RosCameraInfo& info);
   std::optional<Frame> frame_of(const BagMessage& message) const;
   /// Whether neither the setup nor transforms say where some sensor of points is.
   bool takes_sensors_to_stand() const;
@@ -39,10 +40,15 @@ class BagFrames {
   MessageBag& bag_;
   const SourceOptions& options_;
   TransformTree transforms_;
-  std::map<std::string, CameraIntrinsics> cameras_;  ///< of the camera_info topic
-  std::vector<Eigen::Vector2d> depth_rays_;          ///< of the depth camera, where there is one
-  std::map<std::string, Missing> left_out_;          ///< of the topic
+  std::optional<RosCamera> camera_, depth_camera_;  ///< where images or depth have one
+  std::vector<Eigen::Vector2d> depth_rays_;         ///< of the depth camera
+  std::map<std::string, Missing> left_out_;         ///< of the topic
 };
+
+/// Whether the images of the bag, or its depth images, are rectified: as the options say, else as the topic's
+/// name does.
+bool are_images_rectified(const BagTopics& bag);
+bool is_depth_rectified(const BagTopics& bag);
 
 /// The frames that the transforms of a bag join; leaves out damaged ones.
 std::vector<BagFrame> frames_of(MessageBag& bag);

@@ -11,6 +11,7 @@
 #include "datasets/ros/wire_writer.hpp"
 #include "datasets/sources/decoding_child.hpp"
 #include "datasets/sources/frame_bytes.hpp"
+#include "datasets/sources/lens.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -236,6 +237,22 @@ void require_topic(const std::filesystem::path& file, const std::vector<BagTopic
         sentence(file, "encodes" + named + ", in another way than CDR and ROS 1, which are known here"));
 }
 
+/// Refuses a camera of the setup that would undo the distortion of rectified images once more.
+/// @param kind of the keys in 'source: bag:'
+void refuse_distortion(const std::filesystem::path& file, const std::string& topic,
+                       const std::optional<CameraIntrinsics>& camera, const std::string& kind) {
+  if (!camera) return;
+  const auto lens = coefficients_of(*camera);
+  const bool is_bent = camera->lens == LensModel::fisheye ||
+                       std::any_of(lens.begin(), lens.end(), [](double value) { return value != 0.0; });
+  if (!is_bent) return;
+  throw std::invalid_argument(sentence(
+      file, "has rectified images in topic " + quote(topic) + ", by its name or '" + kind +
+                "rectified', and the setup's camera has a distortion; expected the rectified camera "
+                "without it, '" +
+                kind + "camera_info' in place of it, or '" + kind + "rectified: false' in 'source: bag:'"));
+}
+
 /// Refuses what the options name and the bag does not have.
 void require_topics(const std::filesystem::path& file, const std::vector<BagTopic>& topics,
                     const SourceOptions& options) {
@@ -264,6 +281,11 @@ void require_topics(const std::filesystem::path& file, const std::vector<BagTopi
         sentence(file, "needs the camera of topic " + quote(bag.depth) +
                            ": expected 'depth_camera_info' in 'source: bag:', or 'camera' of 'depth' "
                            "in 'source:', in the setup"));
+  if (!bag.images.empty() && are_images_rectified(bag))
+    refuse_distortion(file, bag.images, options.camera, "");
+  if (!bag.depth.empty() && bag.depth_camera_info.empty() && is_depth_rectified(bag))
+    refuse_distortion(file, bag.depth, options.depth.camera ? options.depth.camera : options.camera,
+                      "depth_");
 }
 
 /// What the child says of one topic or frame.

@@ -66,6 +66,9 @@ RosCameraInfo read_camera_info(WireReader& in) {
   info.k = read_array<9>(in);
   info.r = read_array<9>(in);
   info.p = read_array<12>(in);
+  for (std::uint32_t* number :
+       {&info.binning_x, &info.binning_y, &info.roi_x, &info.roi_y, &info.roi_height, &info.roi_width})
+    *number = in.number<std::uint32_t>();
   return info;
 }
 

@@ -24,6 +24,8 @@ struct RosHeader {
   std::string frame;
 };
 
+constexpr std::uint32_t most_image_side = 20'000;  ///< pixels
+
 struct RosImage {
   RosHeader header;
   std::uint32_t height = 0, width = 0, step = 0;  ///< step: bytes of a row
@@ -42,11 +44,13 @@ RosCompressedImage read_compressed_image(WireReader& in);
 
 struct RosCameraInfo {
   RosHeader header;
-  std::uint32_t height = 0, width = 0;
+  std::uint32_t height = 0, width = 0;  ///< of the whole sensor, as are k and p
   std::string distortion_model;
   std::vector<double> d;
   std::array<double, 9> k{}, r{};
   std::array<double, 12> p{};
+  std::uint32_t binning_x = 0, binning_y = 0;  ///< pixels of the sensor in one of the image; 0: 1
+  std::uint32_t roi_x = 0, roi_y = 0, roi_height = 0, roi_width = 0;  ///< read out; 0 x 0: all
 };
 RosCameraInfo read_camera_info(WireReader& in);
 

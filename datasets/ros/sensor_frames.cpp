@@ -3,22 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <map>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
 #include "datasets/pictures/picture_file.hpp"
-#include "datasets/sources/lens.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
 
-constexpr std::uint32_t most_side = 20'000;
-
 void require_rows(const RosImage& image, std::size_t pixel_bytes) {
-  if (image.width == 0 || image.height == 0 || image.width > most_side || image.height > most_side)
+  if (image.width == 0 || image.height == 0 || image.width > most_image_side ||
+      image.height > most_image_side)
     throw std::runtime_error("its sides are " + std::to_string(image.width) + " x " +
                              std::to_string(image.height) + ", expected 1 to 20000 pixels each");
   if (image.step < image.width * pixel_bytes || image.data.size() / image.step < image.height)
@@ -101,38 +98,6 @@ const RosPointField& field_of(const RosPointCloud& cloud, const std::string& nam
 
 }  // namespace
 
-CameraIntrinsics intrinsics_of(const RosCameraInfo& info) {
-  if (info.width == 0 || info.height == 0 || info.width > most_side || info.height > most_side)
-    throw std::runtime_error("its sides are not 1 to 20000 pixels each");
-  const bool is_sound =
-      std::all_of(info.k.begin(), info.k.end(), [](double x) { return std::isfinite(x); }) &&
-      std::all_of(info.d.begin(), info.d.end(), [](double x) { return std::isfinite(x); });
-  if (!is_sound || info.k[0] <= 0.0 || info.k[4] <= 0.0) throw std::runtime_error("it is not calibrated");
-  CameraIntrinsics camera{static_cast<int>(info.width),
-                          static_cast<int>(info.height),
-                          info.k[0],
-                          info.k[4],
-                          info.k[2],
-                          info.k[5]};
-  const auto lens = lens_named(info.distortion_model);
-  if (lens == LensModel::fisheye && info.d.size() < 4)
-    throw std::runtime_error("its distortion " + quote(info.distortion_model) + " has " +
-                             std::to_string(info.d.size()) + " numbers, expected k1, k2, k3, k4");
-  const bool is_zero = lens != LensModel::fisheye &&
-                       std::all_of(info.d.begin(), info.d.end(), [](double x) { return x == 0.0; });
-  if (is_zero) return camera;
-  if (!lens)
-    throw std::runtime_error("its distortion " + quote(info.distortion_model) +
-                             " is not known here, expected " + known_lenses);
-  try {
-    set_lens(camera, *lens, info.d);
-  } catch (const std::runtime_error& error) {
-    throw std::runtime_error("its distortion does not fit " + quote(info.distortion_model) + ": " +
-                             error.what());
-  }
-  return camera;
-}
-
 GrayImage gray_image(const RosImage& image) {
   if (image.encoding == "mono16") return upper_bytes(image);
   const auto encoding = encodings().find(image.encoding);
@@ -159,23 +124,6 @@ Eigen::Isometry3d optical_from_sensor() {
   Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
   result.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
   return result;
-}
-
-std::vector<Eigen::Vector2d> depth_rays(const CameraIntrinsics& camera) {
-  const Lens lens(camera);
-  const Eigen::Vector2d nowhere = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
-  std::vector<Eigen::Vector2d> rays;
-  for (int row = 0; row < camera.height; ++row) {
-    for (int column = 0; column < camera.width; ++column) {
-      if (camera.lens == LensModel::plumb_bob) {
-        rays.emplace_back((column - camera.cx) / camera.fx, (row - camera.cy) / camera.fy);
-        continue;
-      }
-      const auto ray = lens.pixel_ray({column, row});
-      rays.push_back(ray ? Eigen::Vector2d(ray->head<2>()) : nowhere);
-    }
-  }
-  return rays;
 }
 
 CloudFrame depth_cloud(const RosImage& image, const CameraIntrinsics& camera,

@@ -10,23 +10,14 @@
 
 namespace clearway {
 
-/// Of camera_info with the distortion models plumb_bob, rational_polynomial, equidistant (fisheye), and of
-/// any other whose numbers are all 0.
-CameraIntrinsics intrinsics_of(const RosCameraInfo& info);
-
 /// mono8, mono16, rgb8, bgr8, rgba8, bgra8, 8UC1, 8UC3, yuv422 (UYVY), yuv422_yuy2, and bayer_*8 as grey.
 GrayImage gray_image(const RosImage& image);
 /// PNG and JPEG.
 GrayImage gray_image(const RosCompressedImage& image);
 
-/// Where a depth camera's pixels look, row by row: right and down at a distance of 1 m along the optical
-/// axis. Images of plumb_bob cameras are taken as rectified; rational and fisheye lenses are undone, and what
-/// lies beyond their field is not finite.
-std::vector<Eigen::Vector2d> depth_rays(const CameraIntrinsics& camera);
-
 /// A depth image: 16UC1 (mono16) in millimetres or 32FC1 in metres, along the optical axis; 0 and NaN are no
 /// returns. The points are in the sensor's own axes (x forward), which the optical frame's pose turns into.
-/// @param rays of that camera
+/// @param rays of that camera (depth_rays)
 CloudFrame depth_cloud(const RosImage& image, const CameraIntrinsics& camera,
                        const std::vector<Eigen::Vector2d>& rays);
 /// The pose of the axes x forward, y left, z up in the optical ones: z forward, x right, y down.

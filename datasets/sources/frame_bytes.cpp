@@ -69,6 +69,7 @@ void write_content(ByteWriter& out, const ImageFrame& frame) {
   out.number(camera.height);
   for (double value : {camera.fx, camera.fy, camera.cx, camera.cy}) out.number(value);
   for (double value : camera.distortion) out.number(value);
+  out.number<uint8_t>(camera.is_rectified ? 1 : 0);
   out.number<uint8_t>(static_cast<uint8_t>(camera.lens));
   out.pose(frame.world_from_sensor);
 }
@@ -99,6 +100,9 @@ ImageFrame read_image(ByteReader& in) {
   camera.height = in.number<int>();
   for (double* value : {&camera.fx, &camera.fy, &camera.cx, &camera.cy}) *value = in.number<double>();
   for (double& value : camera.distortion) value = in.number<double>();
+  const auto is_rectified = in.number<uint8_t>();
+  in.require(is_rectified <= 1);
+  camera.is_rectified = is_rectified == 1;
   const auto lens = in.number<uint8_t>();
   in.require(lens <= static_cast<uint8_t>(LensModel::fisheye));
   camera.lens = static_cast<LensModel>(lens);

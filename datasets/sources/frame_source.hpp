@@ -29,9 +29,10 @@ class FrameSource {
 /// Which topics of a bag of ROS messages become frames. All may be empty, but not at once.
 struct BagTopics {
   std::string images, camera_info;  ///< Image or CompressedImage; its CameraInfo, else the setup's camera
-  std::string depth, depth_camera_info;    ///< Image with depths; its CameraInfo
-  std::vector<std::string> clouds, scans;  ///< PointCloud2, LaserScan
-  std::string fixed_frame;                 ///< poses of sensors are in it, by tf; empty: sensors do not move
+  std::string depth, depth_camera_info;            ///< Image with depths; its CameraInfo
+  std::optional<bool> rectified, depth_rectified;  ///< whether they are; empty: as the topics' names say
+  std::vector<std::string> clouds, scans;          ///< PointCloud2, LaserScan
+  std::string fixed_frame;  ///< poses of sensors are in it, by tf; empty: sensors do not move
 
   bool empty() const { return images.empty() && depth.empty() && clouds.empty() && scans.empty(); }
 };

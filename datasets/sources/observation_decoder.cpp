@@ -38,6 +38,7 @@ CameraIntrinsics intrinsics(const mrpt::img::TCamera& camera) {
                           camera.cx(),
                           camera.cy(),
                           {}};
+  result.is_rectified = camera.cameraName == rectified_camera_name;
   if (camera.distortion == mrpt::img::DistortionModel::kannala_brandt)
     set_lens(result, LensModel::fisheye, std::array{camera.k1(), camera.k2(), camera.k3(), camera.k4()});
   else if (camera.distortion == mrpt::img::DistortionModel::plumb_bob)

@@ -35,9 +35,14 @@ struct CameraIntrinsics {
   double fx = 0, fy = 0, cx = 0, cy = 0;
   std::array<double, 8> distortion{};  ///< as many as the lens has, the rest 0
   LensModel lens = LensModel::plumb_bob;
+  bool is_rectified =
+      false;  ///< pictures were freed of a known distortion: that `distortion` is 0 is measured
 
   bool operator==(const CameraIntrinsics&) const = default;
 };
+
+/// By this name of a camera a rawlog says that its pictures are rectified.
+constexpr const char* rectified_camera_name = "rectified";
 
 /// What a camera saw. The sensor frame is the optical one: x right, y down, z forward.
 struct ImageFrame {

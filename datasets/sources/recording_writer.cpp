@@ -39,6 +39,7 @@ mrpt::img::TCamera mrpt_camera(const CameraIntrinsics& camera) {
   result.ncols = static_cast<uint32_t>(camera.width);
   result.nrows = static_cast<uint32_t>(camera.height);
   result.setIntrinsicParamsFromValues(camera.fx, camera.fy, camera.cx, camera.cy);
+  if (camera.is_rectified) result.cameraName = rectified_camera_name;
   const auto& d = camera.distortion;
   if (camera.lens == LensModel::fisheye) {
     result.setDistortionKannalaBrandt(d[0], d[1], d[2], d[3]);

@@ -62,4 +62,13 @@ void write_ros1_bag(const std::filesystem::path& bag, const std::filesystem::pat
   ::close(file);
 }
 
+void write_ros1_bag(const std::filesystem::path& bag, const std::vector<BagRecord>& records) {
+  rosbag::Bag out(bag.string(), rosbag::bagmode::Write);
+  for (const BagRecord& record : records) {
+    const auto* const first = reinterpret_cast<const std::uint8_t*>(record.bytes.data());
+    out.write(record.topic, ros::Time(record.time), RawMessage{record.type, {first, record.bytes.size()}});
+  }
+  out.close();
+}
+
 }  // namespace clearway::worlds

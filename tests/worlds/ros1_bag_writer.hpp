@@ -1,10 +1,21 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 namespace clearway::worlds {
 
 /// Writes the messages of an MCAP file in ROS 1's encoding as a ROS 1 bag, by rosbag_storage.
 void write_ros1_bag(const std::filesystem::path& bag, const std::filesystem::path& mcap, bool packed);
+
+/// A message in ROS 1's encoding.
+struct BagRecord {
+  std::string topic, type;
+  double time = 0;
+  std::string bytes;
+};
+/// Writes a ROS 1 bag of messages, by rosbag_storage.
+void write_ros1_bag(const std::filesystem::path& bag, const std::vector<BagRecord>& records);
 
 }  // namespace clearway::worlds

@@ -56,7 +56,7 @@ inline std::vector<Frame> sample_frames() {
           {1000.75, "camera", sample_image(random, 8, 6)}};
 }
 
-/// The picture with a rational and a fisheye lens.
+/// The picture with a rational and a fisheye lens, and rectified.
 inline std::vector<ImageFrame> images_of_other_lenses() {
   std::mt19937 random(8);
   ImageFrame rational = sample_image(random, 8, 6), fisheye = rational;
@@ -64,7 +64,10 @@ inline std::vector<ImageFrame> images_of_other_lenses() {
   rational.intrinsics.lens = LensModel::rational;
   fisheye.intrinsics.distortion = {-0.012, 0.021, -0.017, 0.003};
   fisheye.intrinsics.lens = LensModel::fisheye;
-  return {rational, fisheye};
+  ImageFrame rectified = fisheye;
+  rectified.intrinsics = {8, 6, 600.5, 601.25, 3.5, 2.25, {}};
+  rectified.intrinsics.is_rectified = true;
+  return {rational, fisheye, rectified};
 }
 
 inline std::string bytes_of(const Frame& frame) { return frame_to_bytes({frame, true}); }

@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <opencv2/calib3d.hpp>
 
 #include "datasets/ros/bag_source.hpp"
 #include "datasets/ros/transform_tree.hpp"
 #include "tests/datasets/complaint.hpp"
 #include "tests/worlds/bag_topics.hpp"
+#include "tests/worlds/bags/camera_bag.hpp"
 #include "tests/worlds/ros1_bag_writer.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
@@ -74,7 +76,10 @@ void expect_the_written(const Reading& reading) {
     ASSERT_EQ(depth.points.size(), 11U) << "a pixel of 0 is no return";
     const double z = 1.0 + 0.001 * i;  // of the first pixel
     const Eigen::Vector3d first = depth.world_from_sensor * depth.points[0].cast<double>();
-    const Eigen::Vector3d seen = camera * Eigen::Vector3d(z * (0 - 1.5) / 100, z * (0 - 1) / 110, z);
+    std::vector<cv::Point2d> ray;
+    cv::undistortPoints(std::vector<cv::Point2d>{{0, 0}}, ray, cv::Matx33d(100, 0, 1.5, 0, 110, 1, 0, 0, 1),
+                        std::vector<double>{0.1, -0.2, 0.001, 0.002, 0.03});
+    const Eigen::Vector3d seen = camera * Eigen::Vector3d(z * ray[0].x, z * ray[0].y, z);
     EXPECT_TRUE(first.isApprox(seen, 1e-6)) << first.transpose();
 
     const auto cloud = std::get<CloudFrame>(reading.of("/points").at(static_cast<std::size_t>(i)).content);
@@ -200,6 +205,44 @@ TEST(Bag, SaysWhatItHasWhereATopicIsMissingOrOfAnotherType) {
   EXPECT_NE(camera.find("expected 'camera_info'"), std::string::npos) << camera;
   EXPECT_NE(complaint([&] { list_bag(fs::path(CLEARWAY_SOURCE_DIR) / "README.md"); }).find("MCAP"),
             std::string::npos);
+}
+
+TEST(Bag, RectifiedImagesAndACameraOfTheSetupWithADistortionAreRefused) {
+  const TemporaryFolder folder;
+  worlds::CameraBag bag(folder / "a.mcap");
+  const std::vector<std::uint8_t> pixels(48 * 36);
+  for (const char* topic : {"/image_rect", "/image"}) bag.image(topic, 5, "lens", "mono8", 48, pixels);
+  bag.write();
+  CameraIntrinsics bent{48, 36, 50, 52, 24, 18, {0.1}};
+  const auto refusal = [&](auto change) {
+    SourceOptions options;
+    change(options);
+    return complaint([&] { open_bag(folder / "a.mcap", options); });
+  };
+  const std::string named = refusal([&](SourceOptions& o) {
+    o.bag.images = "/image_rect";
+    o.camera = bent;
+  });
+  EXPECT_NE(named.find("has rectified images in topic '/image_rect', by its name or 'rectified', and the "
+                       "setup's camera has a distortion; expected"),
+            std::string::npos)
+      << named;
+  const std::string depth = refusal([&](SourceOptions& o) {
+    o.bag.depth = "/image";
+    o.bag.depth_rectified = true;
+    o.depth.camera = bent;
+  });
+  EXPECT_NE(depth.find("by its name or 'depth_rectified'"), std::string::npos) << depth;
+  for (const bool is_pinhole : {false, true}) {
+    SourceOptions options;
+    options.bag.images = "/image_rect";
+    if (is_pinhole) bent.distortion = {};
+    if (!is_pinhole) options.bag.rectified = false;
+    options.camera = bent;
+    const Reading reading = read(folder / "a.mcap", options);
+    ASSERT_EQ(reading.frames.size(), 1U);
+    EXPECT_EQ(std::get<ImageFrame>(reading.frames[0].content).intrinsics.is_rectified, is_pinhole);
+  }
 }
 
 TEST(Bag, FramesWithoutAPoseAreLeftOutAndReported) {

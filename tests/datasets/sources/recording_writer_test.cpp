@@ -87,7 +87,7 @@ TEST(RecordingWriter, EveryLensComesBack) {
   write(folder / "a.rawlog", frames);
   RecordingReader reader(folder / "a.rawlog");
   const auto read = read_all(reader);
-  ASSERT_EQ(read.size(), 2U);
+  ASSERT_EQ(read.size(), 3U);
   for (size_t i = 0; i < read.size(); ++i)
     EXPECT_EQ(std::get<ImageFrame>(read[i].content).intrinsics,
               std::get<ImageFrame>(frames[i].content).intrinsics);

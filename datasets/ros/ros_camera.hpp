@@ -1,0 +1,44 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/ros/ros_messages.hpp"
+#include "datasets/sources/recording.hpp"
+
+// Cameras of CameraInfo messages, as sensor_msgs defines them and image_geometry reads them: a raw image
+// follows K and D, a rectified one P alone; R leads from the raw camera's axes to the rectified ones, which
+// are those of the frame that headers name.
+
+namespace clearway {
+
+/// Whether a topic's name says that its images are rectified: its last part begins with "image_rect"
+/// (image_rect, image_rect_color, image_rect_raw, …), possibly before that of a transport
+/// ("image_rect/compressed").
+bool is_named_rectified(const std::string& topic);
+
+/// A camera, and its axes (x right, y down, z forward) in the frame that the headers of its images name.
+struct RosCamera {
+  CameraIntrinsics intrinsics;
+  Eigen::Matrix3d frame_from_camera = Eigen::Matrix3d::Identity();
+};
+
+/// The camera of raw images: K, D and R. The distortion models are plumb_bob, rational_polynomial,
+/// equidistant (fisheye), and any other whose numbers are all 0. As in image_geometry, the region of interest
+/// is taken off the principal point first, then binning divides: size, focal lengths and principal point are
+/// those of the images. @throws std::runtime_error with a clause where the message is no calibration
+RosCamera raw_camera(const RosCameraInfo& info);
+
+/// The camera of rectified images: P, without distortion; D is that of the raw lens and counts for nothing. A
+/// P of which all is 0 is K where the lens has no distortion and R is no turn, and refused elsewhere: nothing
+/// says then what the images follow. P's last column, which places the second camera of a pair in the frame
+/// of the first, is left out, as in depth_image_proc. @throws as raw_camera
+RosCamera rectified_camera(const RosCameraInfo& info);
+
+/// Where a depth camera's pixels look, row by row: right and down at a distance of 1 m along the optical
+/// axis, by its lens. What lies beyond the lens's field, or where its formula folds over, is not finite.
+std::vector<Eigen::Vector2d> depth_rays(const CameraIntrinsics& camera);
+
+}  // namespace clearway

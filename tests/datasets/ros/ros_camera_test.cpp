@@ -1,0 +1,168 @@
+#include "datasets/ros/ros_camera.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/calib3d.hpp>
+
+namespace clearway {
+namespace ros_camera_test {
+
+RosCameraInfo info_of(const std::string& model, const std::vector<double>& d) {
+  RosCameraInfo info;
+  info.width = 64;
+  info.height = 48;
+  info.distortion_model = model;
+  info.d = d;
+  info.k = {20, 0, 31.5, 0, 21, 23.5, 0, 0, 1};
+  return info;
+}
+
+CameraIntrinsics lens_of(const RosCameraInfo& info) { return raw_camera(info).intrinsics; }
+
+std::string refusal_of(const RosCameraInfo& info, RosCamera (*camera)(const RosCameraInfo&) = raw_camera) {
+  try {
+    camera(info);
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(RosCamera, CameraInfoNamesItsLens) {
+  CameraIntrinsics expected{64, 48, 20, 21, 31.5, 23.5, {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8}};
+  expected.lens = LensModel::rational;
+  EXPECT_EQ(lens_of(info_of("rational_polynomial", {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8})), expected);
+  EXPECT_EQ(lens_of(info_of("rational_polynomial",  // as of an OAK-D
+                            {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0, 0, 0, 0, 0, 0})),
+            expected);
+  expected.lens = LensModel::fisheye;
+  expected.distortion = {0.1, 0.2, 0.3, 0.4};
+  for (const char* name : {"equidistant", "fisheye"}) {
+    EXPECT_EQ(lens_of(info_of(name, {0.1, 0.2, 0.3, 0.4})), expected);
+    EXPECT_EQ(lens_of(info_of(name, {0.1, 0.2, 0.3, 0.4, 0})), expected);  // as of a T265
+  }
+  expected.distortion = {};
+  EXPECT_EQ(lens_of(info_of("equidistant", {0, 0, 0, 0})), expected);
+  expected.lens = LensModel::plumb_bob;
+  EXPECT_EQ(lens_of(info_of("", {})), expected);
+  expected.distortion = {0.1, 0.2, 0.3, 0.4, 0.5};
+  EXPECT_EQ(lens_of(info_of("plumb_bob", {0.1, 0.2, 0.3, 0.4, 0.5})), expected);
+  EXPECT_EQ(lens_of(info_of("rational_polynomial", {0.1, 0.2, 0.3, 0.4, 0.5, 0, 0, 0})), expected);
+}
+
+TEST(RosCamera, OtherLensesAreRefusedWithThoseThatAreKnown) {
+  const std::string other = refusal_of(info_of("omni", {0.1}));
+  EXPECT_NE(other.find("'omni' is not known here, expected plumb_bob"), std::string::npos) << other;
+  const std::string few = refusal_of(info_of("equidistant", {}));
+  EXPECT_NE(few.find("has 0 numbers, expected k1, k2, k3, k4"), std::string::npos) << few;
+  const std::string many = refusal_of(info_of("equidistant", {0.1, 0, 0, 0, 0.5}));
+  EXPECT_NE(many.find("does not fit 'equidistant': expected 4 numbers"), std::string::npos) << many;
+  const std::string prism =
+      refusal_of(info_of("rational_polynomial", {0.1, 0, 0, 0, 0.5, 0.1, 0.1, 0.1, 0.01, 0, 0, 0}));
+  EXPECT_NE(prism.find("expected 8 numbers"), std::string::npos) << prism;
+}
+
+TEST(RosCamera, ARectifiedTopicIsKnownByItsName) {
+  for (const char* name : {"image_rect", "/camera/image_rect", "/camera/image_rect_color",
+                           "/a/image_rect_raw", "/depth_registered/image_rect",
+                           "/camera/image_rect/compressed", "/camera/depth/image_rect_raw/compressedDepth"})
+    EXPECT_TRUE(is_named_rectified(name)) << name;
+  for (const char* name : {"/camera/image_raw", "/aligned_depth_to_color/image_raw", "/image_rect/image_raw",
+                           "/camera/image", "/camera/image_color/compressed", "/rect", "/my_image_rect", ""})
+    EXPECT_FALSE(is_named_rectified(name)) << name;
+}
+
+TEST(RosCamera, ARectifiedImageFollowsPAndHasNoDistortion) {
+  RosCameraInfo info = info_of("plumb_bob", {0.1, 0.2, 0.3, 0.4, 0.5});
+  info.p = {18, 0, 30.5, -4, 0, 19, 22.5, 0, 0, 0, 1, 0};
+  info.r = {0.8, 0, 0.6, 0, 1, 0, -0.6, 0, 0.8};
+  CameraIntrinsics expected{64, 48, 18, 19, 30.5, 22.5, {}};
+  expected.is_rectified = true;
+  EXPECT_EQ(rectified_camera(info).intrinsics, expected);
+  EXPECT_TRUE(rectified_camera(info).frame_from_camera.isIdentity()) << "R leads to its axes";
+  const RosCamera raw = raw_camera(info);
+  EXPECT_EQ(raw.intrinsics, (CameraIntrinsics{64, 48, 20, 21, 31.5, 23.5, {0.1, 0.2, 0.3, 0.4, 0.5}}));
+  EXPECT_EQ(raw.frame_from_camera * Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(0.6, 0, 0.8));
+  info.distortion_model = "omni";  // of the raw lens: nobody asks for it
+  EXPECT_EQ(rectified_camera(info).intrinsics, expected);
+}
+
+TEST(RosCamera, BinningAndRegionOfInterestAreThoseOfImageGeometry) {
+  RosCameraInfo info = info_of("plumb_bob", {0.1, 0.2, 0.3, 0.4, 0.5});
+  info.p = {18, 0, 30.5, 0, 0, 19, 22.5, 0, 0, 0, 1, 0};
+  info.binning_x = 2;
+  EXPECT_EQ(raw_camera(info).intrinsics,
+            (CameraIntrinsics{32, 48, 10, 21, 15.75, 23.5, {0.1, 0.2, 0.3, 0.4, 0.5}}));
+  info.binning_y = 3;
+  info.roi_x = 4;
+  info.roi_y = 6;
+  info.roi_width = 40;
+  info.roi_height = 36;
+  EXPECT_EQ(raw_camera(info).intrinsics,
+            (CameraIntrinsics{20, 12, 10, 7, 13.75, 17.5 / 3, {0.1, 0.2, 0.3, 0.4, 0.5}}));
+  CameraIntrinsics rectified{20, 12, 9, 19.0 / 3, 13.25, 5.5, {}};
+  rectified.is_rectified = true;
+  EXPECT_EQ(rectified_camera(info).intrinsics, rectified);
+  info.roi_width = 61;
+  EXPECT_EQ(refusal_of(info), "its region of interest lies beyond its sensor");
+  info.roi_width = 1;
+  EXPECT_EQ(refusal_of(info), "its binning leaves no pixel of its image");
+}
+
+TEST(RosCamera, WithoutPARectifiedImageFollowsKOnlyWhereNothingWasRectified) {
+  CameraIntrinsics expected{64, 48, 20, 21, 31.5, 23.5, {}};
+  expected.is_rectified = true;
+  RosCameraInfo info = info_of("plumb_bob", {0, 0, 0, 0, 0});
+  EXPECT_EQ(rectified_camera(info).intrinsics, expected);
+  const std::string refusal = "its P is all 0, so that nothing says what its rectified images follow";
+  info.r = {0.8, 0, 0.6, 0, 1, 0, -0.6, 0, 0.8};
+  EXPECT_TRUE(refusal_of(info, rectified_camera).starts_with(refusal)) << "it was turned";
+  for (const RosCameraInfo& lens :
+       {info_of("plumb_bob", {0.1}), info_of("equidistant", {0, 0, 0, 0}), info_of("omni", {0.1})})
+    EXPECT_TRUE(refusal_of(lens, rectified_camera).starts_with(refusal)) << lens.distortion_model;
+}
+
+TEST(RosCamera, MatricesThatAreNoneAreRefused) {
+  RosCameraInfo info = info_of("plumb_bob", {});
+  info.r = {2, 0, 0, 0, 1, 0, 0, 0, 1};
+  EXPECT_EQ(refusal_of(info), "its R is not a rotation");
+  info.p = {18, 1, 30.5, 0, 0, 19, 22.5, 0, 0, 0, 1, 0};
+  EXPECT_TRUE(refusal_of(info, rectified_camera).starts_with("its P is not a projection")) << "skewed";
+  info.p = {0, 0, 30.5, 0, 0, 19, 22.5, 0, 0, 0, 1, 0};
+  EXPECT_TRUE(refusal_of(info, rectified_camera).starts_with("its P is not a projection"));
+  info.k[0] = std::nan("");
+  EXPECT_EQ(refusal_of(info), "it is not calibrated");
+}
+
+TEST(RosCamera, DepthRaysOfRawLensesAreThoseThatOpenCvFinds) {
+  for (const RosCameraInfo& info :
+       {info_of("plumb_bob", {-0.18, 0.06, 0.0006, -0.0004, 0.002}),
+        info_of("rational_polynomial", {0.42, -2.1, 0.0005, -0.0003, 1.3, 0.31, -1.9, 1.2})}) {
+    RosCameraInfo sharp = info;
+    sharp.k = {60, 0, 31.5, 0, 61, 23.5, 0, 0, 1};
+    const std::vector<Eigen::Vector2d> rays = depth_rays(raw_camera(sharp).intrinsics);
+    std::vector<cv::Point2d> pixels, expected;
+    for (int row = 0; row < 48; ++row)
+      for (int column = 0; column < 64; ++column) pixels.emplace_back(column, row);
+    cv::undistortPoints(pixels, expected, cv::Matx33d(60, 0, 31.5, 0, 61, 23.5, 0, 0, 1), info.d,
+                        cv::noArray(), cv::noArray(),
+                        {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 200, 1e-12});
+    ASSERT_EQ(rays.size(), expected.size());
+    double bent = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      EXPECT_LT(std::hypot(rays[i].x() - expected[i].x, rays[i].y() - expected[i].y), 1e-7) << i;
+      bent = std::max(bent, std::abs(rays[i].x() - (pixels[i].x - 31.5) / 60));
+    }
+    EXPECT_GT(bent, 1e-3) << "a pinhole would do";
+  }
+}
+
+TEST(RosCamera, APixelWhereALensFoldsOverHasNoRay) {
+  const auto rays = depth_rays(raw_camera(info_of("plumb_bob", {-0.4, 0, 0, 0, 0})).intrinsics);
+  EXPECT_FALSE(rays.front().allFinite()) << "r (1 - 0.4 r^2) is nowhere 1.9";
+  EXPECT_TRUE(rays[24 * 64 + 32].allFinite());
+}
+
+}  // namespace ros_camera_test
+}  // namespace clearway
