@@ -32,6 +32,15 @@ struct Panel {
   Eigen::Isometry3d board_from_panel = Eigen::Isometry3d::Identity();  ///< x right, y up on the sheet, z out
 };
 
+/// A length in metres as the sheets say it: "28 mm".
+std::string in_mm(double length) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text.precision(9);
+  text << 1e3 * length << " mm";
+  return text.str();
+}
+
 void require_fit(double needed, double available, const std::string& option) {
   if (needed <= available) return;
   std::ostringstream text;
@@ -40,12 +49,24 @@ void require_fit(double needed, double available, const std::string& option) {
   throw std::invalid_argument(text.str());
 }
 
-/// A tag whose middle is (right, up) mm from the panel's.
-void add_tag(Sheet& sheet, Board& board, const Panel& panel, int id, double size, double right = 0.0,
-             double up = 0.0) {
-  sheet.tag(id, panel.x + right - 0.5 * size, panel.y - up - 0.5 * size, size);
+/// A tag whose middle is (right, up) mm from the panel's. Its id and size stand above it, outside of its
+/// white ring. @param room from the tag's upper side to where another thing begins, mm
+void add_tag(Sheet& sheet, Board& board, const Panel& panel, int id, double size, double room,
+             double right = 0.0, double up = 0.0) {
+  const double left = panel.x + right - 0.5 * size, top = panel.y - up - 0.5 * size;
+  sheet.tag(id, left, top, size);
   const Eigen::Translation3d shift(1e-3 * right, 1e-3 * up, 0.0);
   board.tags.push_back({id, 1e-3 * size, panel.board_from_panel * shift});
+  const double ring = size / 8.0, letters = std::min(3.0, 0.8 * (room - ring));
+  const Board::Tag& tag = board.tags.back();
+  sheet.words.push_back(
+      {left, top - ring - 0.2 * letters, letters, "id " + std::to_string(tag.id) + ", " + in_mm(tag.size)});
+}
+
+/// What all tags of a sheet have in common.
+std::string told_tags(const Board& board) {
+  return "tag36h11 " + std::to_string(board.tags.front().id) + " to " + std::to_string(board.tags.back().id) +
+         ", black squares of " + in_mm(board.tags.front().size);
 }
 
 /// The lines of a net of squares: folds between two of them, cuts along the others' sides.
@@ -68,9 +89,14 @@ void add_net(Sheet& sheet, const std::vector<Eigen::Vector2d>& middles, double e
 
 Sheet titled(const std::string& name, const std::string& title) {
   Sheet sheet{name, 210.0, 297.0, {}, {}, {}};
-  sheet.words.push_back({kLeft, 12.0, 4.0, "Clearway: " + title});
+  sheet.words.push_back({kLeft, 8.5, 4.0, "Clearway: " + title});
   sheet.ruler(kLeft, 266.0, 150.0);
   return sheet;
+}
+
+/// A line below the title.
+void add_facts(Sheet& sheet, const std::string& facts, int line = 0) {
+  sheet.words.push_back({kLeft, 12.5 + 4.0 * line, 3.0, facts});
 }
 
 Board base_board(const TagBoardsOptions& options, Sheet& sheet) {
@@ -81,8 +107,9 @@ Board base_board(const TagBoardsOptions& options, Sheet& sheet) {
   Board board{"base", "{place: 0.0001, turn: 0.002}", true, {}};
   const Panel panel{105.0, kTop + 0.5 * kPageHeight, Eigen::Isometry3d::Identity()};
   for (int i = 0; i < 6; ++i)
-    add_tag(sheet, board, panel, static_cast<int>(first) + i, options.base_tag, (i % 2 - 0.5) * pitch,
-            (1 - i / 2) * pitch);
+    add_tag(sheet, board, panel, static_cast<int>(first) + i, options.base_tag,
+            0.5 * (pitch - options.base_tag), (i % 2 - 0.5) * pitch, (1 - i / 2) * pitch);
+  add_facts(sheet, told_tags(board) + "; frame: in the middle of them, x right, y up");
   return board;
 }
 
@@ -94,9 +121,17 @@ Eigen::Isometry3d face(const Eigen::Vector3d& right, const Eigen::Vector3d& up,
   return pose;
 }
 
+/// The probe's ball, metres.
+struct Ball {
+  double radius = 0.0, stem = 0.0;  ///< stem: from the cube's lower face to the ball's middle
+};
+Ball ball_of(const TagBoardsOptions& options) { return {1e-3 * options.ball_radius, 1e-3 * options.stem}; }
+
+double cube_edge(const TagBoardsOptions& options) { return std::ceil(options.probe_tag * 1.4); }
+
 // A cross: the top, its four neighbours, and below the lowest of them the face that the stem leaves by.
 Board probe_board(const TagBoardsOptions& options, Sheet& sheet) {
-  const double edge = std::ceil(options.probe_tag * 1.4), half = 0.5e-3 * edge;
+  const double edge = cube_edge(options), half = 0.5e-3 * edge;
   require_fit(3.0 * edge, kPageWidth, "--probe-tag");
   require_fit(4.0 * edge, kPageHeight, "--probe-tag");
   sheet = titled("probe", "probe, a cube: cut along the lines, fold along the dashes, print outside");
@@ -113,14 +148,25 @@ Board probe_board(const TagBoardsOptions& options, Sheet& sheet) {
   const double stem_y = middle_y + 2.0 * edge;
   std::vector<Eigen::Vector2d> net{{middle_x, stem_y}};
   for (const Panel& panel : panels) {
-    add_tag(sheet, board, panel, id++, options.probe_tag);
+    add_tag(sheet, board, panel, id++, options.probe_tag, 0.5 * (edge - options.probe_tag));
     net.emplace_back(panel.x, panel.y);
   }
   add_net(sheet, net, edge);
   sheet.lines.push_back({middle_x - 4.0, stem_y, middle_x + 4.0, stem_y, false});
   sheet.lines.push_back({middle_x, stem_y - 4.0, middle_x, stem_y + 4.0, false});
-  const Sheet::Words stem_words{middle_x - 0.45 * edge, stem_y + 0.4 * edge, 2.5, "stem leaves here"};
-  sheet.words.push_back(stem_words);
+  const Ball ball = ball_of(options);
+  const std::string of_stem[] = {"stem leaves here:", in_mm(ball.stem) + " to the ball's middle",
+                                 "ball radius " + in_mm(ball.radius)};
+  double line = 0.26;  // below the middle, in edges
+  for (const std::string& words : of_stem) {
+    sheet.words.push_back({middle_x - 0.45 * edge, stem_y + line * edge, edge / 16.0, words});
+    line += 0.09;
+  }
+  add_facts(sheet, told_tags(board) + "; cube: edge " + in_mm(2.0 * half));
+  add_facts(sheet,
+            "stem: " + in_mm(ball.stem) + " from the cube's lower face to the ball's middle; ball: radius " +
+                in_mm(ball.radius),
+            1);
   return board;
 }
 
@@ -137,10 +183,12 @@ Board gripper_board(const TagBoardsOptions& options, Sheet& sheet) {
     const Eigen::Vector3d up(0.0, lean, -side * lean);
     const Panel panel{105.0, fold_y - side * 0.5 * edge,
                       face(Eigen::Vector3d::UnitX(), up, side * half * up)};
-    add_tag(sheet, board, panel, side > 0.0 ? 40 : 41, options.gripper_tag);
+    add_tag(sheet, board, panel, side > 0.0 ? 40 : 41, options.gripper_tag,
+            0.5 * (edge - options.gripper_tag));
     net.emplace_back(panel.x, panel.y);
   }
   add_net(sheet, net, edge);
+  add_facts(sheet, told_tags(board) + "; frame: in the middle of the fold, z between the tags");
   return board;
 }
 
@@ -160,9 +208,10 @@ Board calibration_board(const TagBoardsOptions& options, Sheet& sheet) {
       if ((row + column) % 2 == 0)
         sheet.areas.push_back({left + column * square, top + row * square, square, square, true});
       else
-        add_tag(sheet, board, panel, id++, tag, (column - 0.5 * (columns - 1)) * square,
+        add_tag(sheet, board, panel, id++, tag, 0.5 * (square - tag), (column - 0.5 * (columns - 1)) * square,
                 (0.5 * (rows - 1) - row) * square);
     }
+  add_facts(sheet, told_tags(board) + "; squares of " + in_mm(1e-3 * square));
   return board;
 }
 
@@ -204,10 +253,10 @@ TagBoards lay_out_boards(const TagBoardsOptions& options) {
   text << "# Written by `clearway tags print`, as the sheets beside it. Metres; measure the rulers first.\n"
           "boards:\n";
   for (const Board& board : parts) write_board(board, text);
-  const double edge = std::ceil(options.probe_tag * 1.4);
+  const Ball ball = ball_of(options);
   text << "\nprobe:\n  board: probe\n"
-       << "  ball_center: [0, 0, " << -1e-3 * (0.5 * edge + options.stem) << "]\n"
-       << "  ball_radius: " << 1e-3 * options.ball_radius << '\n'
+       << "  ball_center: [0, 0, " << -(0.5e-3 * cube_edge(options) + ball.stem) << "]\n"
+       << "  ball_radius: " << ball.radius << '\n'
        << "  robot_error: 0.001\n  modelling_error: 0.001  # of the ball and its stem\n"
        << "\ngripper:  # for `clearway teach`\n  board: gripper\n"
        << "  tip_deg: [0, 0, -0.1, 180, 0, 0]  # measure it: where the board has the robot's tip\n";

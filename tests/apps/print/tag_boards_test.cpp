@@ -200,6 +200,79 @@ TEST_P(TagBoardsPrint, pdf_and_svg_show_the_same) {
   }
 }
 
+/// The words of an SVG, with where they begin and their size.
+struct Words {
+  double x = 0, y = 0, size = 0;
+  std::string text;
+};
+std::vector<Words> words_of_svg(const std::string& svg) {
+  static const std::regex text(
+      R"re(<text x="([^"]+)" y="([^"]+)" font-size="([^"]+)"[^>]*>([^<]*)</text>)re");
+  std::vector<Words> words;
+  for (std::sregex_iterator i(svg.begin(), svg.end(), text), end; i != end; ++i)
+    words.push_back({std::stod((*i)[1]), std::stod((*i)[2]), std::stod((*i)[3]), (*i)[4]});
+  return words;
+}
+std::set<std::string> texts_of_pdf(const std::string& pdf) {
+  static const std::regex text(R"re(Tm \((([^)\\]|\\.)*)\) Tj)re");
+  std::set<std::string> words;
+  for (std::sregex_iterator i(pdf.begin(), pdf.end(), text), end; i != end; ++i)
+    words.insert(std::regex_replace((*i)[1].str(), std::regex(R"re(\\(.))re"), "$1"));
+  return words;
+}
+/// The millimetres behind some words of a text.
+double mm_in(const std::string& text, const std::string& before, const std::string& after = "") {
+  std::smatch match;
+  const bool is_found = std::regex_search(text, match, std::regex(before + R"re(([0-9.]+) mm)re" + after));
+  return is_found ? std::stod(match[1]) : -1.0;
+}
+
+TEST_P(TagBoardsPrint, each_tag_has_its_id_and_size_above_it_outside_of_its_white_ring) {
+  const TagBoards printed = boards();
+  const auto setup = parse_setup(printed.setup, "printed.yaml");
+  for (const Sheet& sheet : printed.sheets) {
+    const std::string svg = to_svg(sheet);
+    const std::map<int, Seen> seen = seen_on(svg);
+    const std::vector<Words> words = words_of_svg(svg);
+    for (const TagSetup& tag : setup.board(sheet.name)->tags) {
+      const std::string label = "id " + std::to_string(tag.id) + ", ";
+      const auto found =
+          std::find_if(words.begin(), words.end(), [&](const Words& w) { return w.text.starts_with(label); });
+      ASSERT_NE(found, words.end()) << sheet.name << " " << tag.id;
+      EXPECT_NEAR(mm_in(found->text, label), 1000.0 * tag.size, 1e-6);
+      const Eigen::Vector2d& middle = seen.at(tag.id).middle;
+      const double side = 1000.0 * tag.size, above = -middle.y() - 0.5 * side - found->y;
+      EXPECT_GE(above, side / 8.0);
+      EXPECT_LT(above + 0.73 * found->size, 0.2 * side + 0.2) << "nearer to this tag than to the next";
+      EXPECT_NEAR(found->x, middle.x() - 0.5 * side, 0.2);
+      EXPECT_GT(found->size, 1.0);
+    }
+  }
+}
+
+TEST_P(TagBoardsPrint, the_probes_sheet_says_how_to_build_what_the_setup_says) {
+  const TagBoards printed = boards();
+  const auto setup = parse_setup(printed.setup, "printed.yaml");
+  const double half = setup.board("probe")->tags[0].board_from_tag.translation().norm();
+  std::string all;
+  for (const Words& words : words_of_svg(to_svg(printed.sheets[1]))) all += words.text + "\n";
+  EXPECT_NEAR(mm_in(all, "ball: radius "), 1000.0 * setup.probe->ball_radius, 1e-6) << all;
+  EXPECT_NEAR(mm_in(all, "ball radius "), 1000.0 * setup.probe->ball_radius, 1e-6);
+  EXPECT_NEAR(mm_in(all, "cube: edge "), 2000.0 * half, 1e-6);
+  const double stem = -1000.0 * (setup.probe->ball_center.z() + half);
+  EXPECT_NEAR(mm_in(all, "stem: ", " from the cube's lower face to the ball's middle"), stem, 1e-6);
+  EXPECT_NEAR(mm_in(all, "\n", " to the ball's middle"), stem, 1e-6);
+}
+
+TEST_P(TagBoardsPrint, pdf_and_svg_say_the_same) {
+  for (const Sheet& sheet : boards().sheets) {
+    std::set<std::string> svg;
+    for (const Words& words : words_of_svg(to_svg(sheet))) svg.insert(words.text);
+    EXPECT_GE(svg.size(), 5U);
+    EXPECT_EQ(svg, texts_of_pdf(to_pdf(sheet)));
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Scales, TagBoardsPrint, ::testing::Values(1.0, 0.63));
 
 TEST(TagBoards, the_calibration_board_has_black_squares_where_a_charuco_board_has_them) {
