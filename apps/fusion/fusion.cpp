@@ -141,7 +141,8 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
       const auto brush = options.guide != nullptr ? std::optional(options.guide->brush()) : std::nullopt;
       if (painter) tracked = painter->take(*frame, *image, searched->tags, since_start, brush);
       if (tracked && options.observer != nullptr)
-        options.observer->see(tracked->sample, *fixed_board(fusion.setup, "a probe").map_from_board);
+        options.observer->see({tracked->sample, fusion.setup, fixed_board(fusion.setup, "a probe"),
+                               intrinsics_of(fusion.setup, *image)});
       timeline.see(*image, searched->tags, tracked ? &tracked->sample : nullptr, since_start);
       boards.take(*frame, *image, searched->tags, tracked ? &*tracked : nullptr);
       if (options.guide != nullptr)

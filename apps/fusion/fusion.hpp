@@ -52,12 +52,19 @@ struct FusionCounts {
   double read_s = 0.0, track_s = 0.0, paint_s = 0.0, insert_s = 0.0;  ///< time spent
 };
 
+/// What an image says about the probe, and by what.
+struct Sighting {
+  const PaintingSample& sample;
+  const Setup& setup;       ///< its boards and its probe
+  const BoardSetup& base;   ///< that anchors the map frame
+  CameraIntrinsics camera;  ///< the setup's, else the recording's
+};
+
 /// Hears what a fusion sees, in the order of its work.
 class FusionObserver {
  public:
   virtual ~FusionObserver() = default;
-  /// @param map_from_base where the setup fixes the base board
-  virtual void see(const PaintingSample& sample, const Eigen::Isometry3d& map_from_base) = 0;
+  virtual void see(const Sighting& sighting) = 0;
   /// A scan in its place, before anything is taken out of it.
   virtual void see(const Scan& scan) = 0;
 };

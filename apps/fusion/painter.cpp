@@ -50,13 +50,17 @@ TagBody tag_body(const BoardSetup& board) {
   return body;
 }
 
-Camera camera_of(const Setup& setup, const ImageFrame& image) {
+CameraIntrinsics intrinsics_of(const Setup& setup, const ImageFrame& image) {
   if (!setup.camera && image.intrinsics.width == 0)
     throw std::invalid_argument(
         "the recording does not have the camera of its images: expected `camera` in the setup");
   CameraIntrinsics camera = setup.camera ? *setup.camera : image.intrinsics;
   camera.is_rectified = image.intrinsics.is_rectified;
-  return tracking_camera(camera, setup.errors.camera);
+  return camera;
+}
+
+Camera camera_of(const Setup& setup, const ImageFrame& image) {
+  return tracking_camera(intrinsics_of(setup, image), setup.errors.camera);
 }
 
 TrackingOptions tracking_options(const Setup& setup) {

@@ -17,8 +17,10 @@ TagBody tag_body(const BoardSetup& board);
 /// nothing.
 TrackingOptions tracking_options(const Setup& setup);
 
-/// The camera of an image: the setup's, else the recording's.
+/// The camera of an image: the setup's, else the recording's; whether it is rectified, the recording says.
 /// @throws std::invalid_argument when neither has it.
+CameraIntrinsics intrinsics_of(const Setup& setup, const ImageFrame& image);
+/// The same with the errors that the setup states.
 Camera camera_of(const Setup& setup, const ImageFrame& image);
 
 /// Camera, boards, probe and errors for tracking the probe in images like this one. @pre setup.probe

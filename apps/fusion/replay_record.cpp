@@ -15,6 +15,21 @@ std::uint16_t added(McapWriter& mcap, const std::string& name, const RosType& ty
   return mcap.add_topic(name, type.name, type.definition);
 }
 
+/// ROS's covariance of a pose: its small motion belongs to the axes of the parent frame, ours to the pose's.
+Matrix6d in_parent_axes(const UncertainPose& pose) {
+  Matrix6d turn = Matrix6d::Zero();
+  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = pose.pose.linear();
+  return turn * pose.covariance * turn.transpose();
+}
+
+/// The tags of a board by which an image gave its pose.
+void add_tags(const std::string& family, const BoardSetup& board, const std::vector<int>& seen,
+              const Eigen::Isometry3d& map_from_board, std::vector<PlacedFrame>& frames) {
+  for (const TagSetup& tag : board.tags)
+    if (std::find(seen.begin(), seen.end(), tag.id) != seen.end())
+      frames.push_back({family + ":" + std::to_string(tag.id), map_from_board * tag.board_from_tag});
+}
+
 struct Marks {
   std::vector<Eigen::Vector3f> points;
   std::vector<float> numbers;
@@ -25,16 +40,37 @@ struct Marks {
 ReplayRecord::ReplayRecord(const std::filesystem::path& file)
     : mcap_(file),
       transforms_(added(mcap_, "/tf", transforms_type())),
+      camera_pose_(added(mcap_, "/poses/camera", pose_type())),
+      probe_pose_(added(mcap_, "/poses/probe", pose_type())),
+      camera_info_(added(mcap_, "/camera/camera_info", camera_info_type())),
       scans_(added(mcap_, "/scans", point_cloud_type())),
       spheres_(added(mcap_, "/spheres", point_cloud_type())),
       joints_(added(mcap_, "/joint_states", joint_state_type())) {}
 
-void ReplayRecord::see(const PaintingSample& sample, const Eigen::Isometry3d& map_from_base) {
+void ReplayRecord::see(const Sighting& sighting) {
+  const PaintingSample& sample = sighting.sample;
   time_ = std::max(time_, sample.time);
   if (!sample.base) return;
-  std::vector<PlacedFrame> frames{{"camera", map_from_base * sample.base->camera_from_body.pose.inverse()}};
-  if (sample.probe) frames.push_back({"probe", map_from_base * sample.base_from_probe.pose});
+  const Eigen::Isometry3d& map_from_base = *sighting.base.map_from_board;
+  const std::string& family = sighting.setup.detector.family;
+  UncertainPose camera = inverse(sample.base->camera_from_body), probe = sample.base_from_probe;
+  camera.pose = map_from_base * camera.pose;  // the map's frame has no error of its own
+  probe.pose = map_from_base * probe.pose;
+  std::vector<PlacedFrame> frames{{"camera", camera.pose}};
+  add_tags(family, sighting.base, sample.base->tags, map_from_base, frames);
+  if (sample.probe) {
+    frames.push_back({"probe", probe.pose});
+    add_tags(family, *sighting.setup.board(sighting.setup.probe->board), sample.probe->tags, probe.pose,
+             frames);
+  }
   mcap_.write(transforms_, sample.time, encode_transforms(sample.time, map_frame, frames));
+  mcap_.write(camera_info_, sample.time, encode_camera_info(sample.time, "camera", sighting.camera));
+  if (!sample.accepted) return;
+  const auto write_pose = [&](std::uint16_t topic, const UncertainPose& pose) {
+    mcap_.write(topic, sample.time, encode_pose(sample.time, map_frame, pose.pose, in_parent_axes(pose)));
+  };
+  write_pose(camera_pose_, camera);
+  write_pose(probe_pose_, probe);
 }
 
 void ReplayRecord::see(const Scan& scan) {

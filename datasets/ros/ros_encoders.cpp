@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "datasets/ros/wire_writer.hpp"
+#include "datasets/sources/lens.hpp"
 
 namespace clearway {
 namespace {
@@ -35,6 +36,21 @@ WireWriter with_header(double time, const std::string& frame) {
   return out;
 }
 
+void put_pose(const Eigen::Isometry3d& pose, WireWriter& out) {
+  for (int axis = 0; axis < 3; ++axis) out.number(pose.translation()[axis]);
+  const Eigen::Quaterniond rotation(pose.linear());
+  for (int i = 0; i < 4; ++i) out.number(rotation.coeffs()[i]);
+}
+
+/// What CameraInfo calls a lens.
+std::string ros_name(LensModel lens) {
+  if (lens == LensModel::rational) return "rational_polynomial";
+  return lens == LensModel::fisheye ? "equidistant" : "plumb_bob";
+}
+
+const std::string quaternion_part =
+    part("geometry_msgs/Quaternion", "float64 x\nfloat64 y\nfloat64 z\nfloat64 w\n");
+
 void put_texts(const std::vector<std::string>& texts, WireWriter& out) {
   out.length(texts.size());
   for (const std::string& text : texts) out.text(text);
@@ -62,8 +78,29 @@ const RosType& transforms_type() {
           header_parts() +
           part("geometry_msgs/Transform",
                "geometry_msgs/Vector3 translation\ngeometry_msgs/Quaternion rotation\n") +
-          part("geometry_msgs/Vector3", "float64 x\nfloat64 y\nfloat64 z\n") +
-          part("geometry_msgs/Quaternion", "float64 x\nfloat64 y\nfloat64 z\nfloat64 w\n")};
+          part("geometry_msgs/Vector3", "float64 x\nfloat64 y\nfloat64 z\n") + quaternion_part};
+  return type;
+}
+
+const RosType& pose_type() {
+  static const RosType type{
+      "geometry_msgs/msg/PoseWithCovarianceStamped",
+      "std_msgs/Header header\ngeometry_msgs/PoseWithCovariance pose\n" + header_parts() +
+          part("geometry_msgs/PoseWithCovariance", "geometry_msgs/Pose pose\nfloat64[36] covariance\n") +
+          part("geometry_msgs/Pose", "geometry_msgs/Point position\ngeometry_msgs/Quaternion orientation\n") +
+          part("geometry_msgs/Point", "float64 x\nfloat64 y\nfloat64 z\n") + quaternion_part};
+  return type;
+}
+
+const RosType& camera_info_type() {
+  static const RosType type{
+      "sensor_msgs/msg/CameraInfo",
+      "std_msgs/Header header\nuint32 height\nuint32 width\nstring distortion_model\nfloat64[] d\n"
+      "float64[9] k\nfloat64[9] r\nfloat64[12] p\nuint32 binning_x\nuint32 binning_y\n"
+      "sensor_msgs/RegionOfInterest roi\n" +
+          header_parts() +
+          part("sensor_msgs/RegionOfInterest",
+               "uint32 x_offset\nuint32 y_offset\nuint32 height\nuint32 width\nbool do_rectify\n")};
   return type;
 }
 
@@ -123,10 +160,31 @@ std::string encode_transforms(double time, const std::string& parent, std::span<
     put_duration(time, out);
     out.text(parent);
     out.text(frame.name);
-    for (int axis = 0; axis < 3; ++axis) out.number(frame.parent_from_frame.translation()[axis]);
-    const Eigen::Quaterniond rotation(frame.parent_from_frame.linear());
-    for (int i = 0; i < 4; ++i) out.number(rotation.coeffs()[i]);
+    put_pose(frame.parent_from_frame, out);
   }
+  return out.message();
+}
+
+std::string encode_pose(double time, const std::string& frame, const Eigen::Isometry3d& pose,
+                        const Eigen::Matrix<double, 6, 6>& covariance) {
+  WireWriter out = with_header(time, frame);
+  put_pose(pose, out);
+  for (int i = 0; i < 36; ++i) out.number(covariance(i / 6, i % 6));
+  return out.message();
+}
+
+std::string encode_camera_info(double time, const std::string& frame, const CameraIntrinsics& camera) {
+  WireWriter out = with_header(time, frame);
+  out.length(static_cast<std::size_t>(camera.height));
+  out.length(static_cast<std::size_t>(camera.width));
+  out.text(ros_name(camera.lens));
+  out.numbers(coefficients_of(camera));
+  for (const double k : {camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0}) out.number(k);
+  for (int i = 0; i < 9; ++i) out.number(i % 4 == 0 ? 1.0 : 0.0);
+  for (const double p : {camera.fx, 0.0, camera.cx, 0.0, 0.0, camera.fy, camera.cy, 0.0, 0.0, 0.0, 1.0, 0.0})
+    out.number(p);
+  for (int i = 0; i < 6; ++i) out.number(std::uint32_t{0});  // of binning and region of interest: all is read
+  out.number(std::uint8_t{0});
   return out.message();
 }
 

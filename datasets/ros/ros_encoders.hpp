@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "datasets/sources/recording.hpp"
+
 // Messages of ROS 2 in CDR, as McapWriter takes them, and the definitions that stand beside them (ros2msg).
 
 namespace clearway {
@@ -16,6 +18,8 @@ struct RosType {
 };
 const RosType& point_cloud_type();
 const RosType& transforms_type();  ///< tf2_msgs/msg/TFMessage
+const RosType& pose_type();        ///< geometry_msgs/msg/PoseWithCovarianceStamped
+const RosType& camera_info_type();
 const RosType& joint_state_type();
 const RosType& joint_trajectory_type();
 
@@ -29,6 +33,13 @@ struct PlacedFrame {
   Eigen::Isometry3d parent_from_frame = Eigen::Isometry3d::Identity();
 };
 std::string encode_transforms(double time, const std::string& parent, std::span<const PlacedFrame> frames);
+
+/// @param covariance of x, y, z and the turns about the axes x, y, z of `frame`, m and rad
+std::string encode_pose(double time, const std::string& frame, const Eigen::Isometry3d& pose,
+                        const Eigen::Matrix<double, 6, 6>& covariance);
+
+/// R is no turn, and P is K: no rectified image belongs to it.
+std::string encode_camera_info(double time, const std::string& frame, const CameraIntrinsics& camera);
 
 std::string encode_joints(double time, const std::vector<std::string>& names,
                           const Eigen::VectorXd& positions);

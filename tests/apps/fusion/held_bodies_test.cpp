@@ -99,7 +99,7 @@ depth:
 /// Every point of the scans, in its place.
 struct AllPoints : FusionObserver {
   std::vector<std::pair<double, Eigen::Vector3d>> points;  ///< with the scan's time
-  void see(const PaintingSample&, const Eigen::Isometry3d&) override {}
+  void see(const Sighting&) override {}
   void see(const Scan& scan) override {
     for (const Eigen::Vector3f& point : scan.points)
       points.emplace_back(scan.time, scan.map_from_sensor * point.cast<double>());

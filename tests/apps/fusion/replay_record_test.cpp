@@ -3,9 +3,14 @@
 
 #include "apps/fusion/replay_record.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
 
 #include "datasets/ros/bag_source.hpp"
+#include "datasets/ros/ros_camera.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
@@ -20,23 +25,42 @@ Scan scan_of(int index) {
   return scan;
 }
 
-/// A sample that sees base and probe.
+const Setup& setup() {
+  static const Setup parsed = parse_setup(R"(
+camera: {width: 320, height: 240, fx: 330, fy: 331, cx: 158, cy: 121, lens: fisheye, distortion: [0.1, 0.2, 0.3, 0.4]}
+boards:
+  - {name: base, map_from_board: [0, 3, 0, 0, 0, 0], tags: [{id: 7, size: 0.05, pose: [0.1, 0, 0, 0, 0, 0]},
+                                                           {id: 8, size: 0.05, pose: [0.2, 0, 0, 0, 0, 0]}]}
+  - {name: wand, tags: [{id: 9, size: 0.04, pose: [0, 0, 0.3, 0, 0, 0]}]}
+probe: {board: wand, ball_center: [0, 0, -0.1], ball_radius: 0.02}
+)",
+                                          "record");
+  return parsed;
+}
+
+/// A sample that sees tag 7 of the base, and the probe a quarter turn about z.
 PaintingSample sample_at(double time) {
   PaintingSample sample;
   sample.time = time;
+  sample.accepted = time < 30;
   sample.base.emplace();
   sample.base->camera_from_body.pose = Eigen::Translation3d(0, 0, 2) * Eigen::Quaterniond::Identity();
+  sample.base->tags = {7};
   sample.probe.emplace();
-  sample.base_from_probe.pose = Eigen::Translation3d(0.5, 0, 0) * Eigen::Quaterniond::Identity();
+  sample.probe->tags = {9};
+  sample.base_from_probe.pose =
+      Eigen::Translation3d(0.5, 0, 0) * Eigen::AngleAxisd(M_PI_2, Eigen::Vector3d::UnitZ());
+  sample.base_from_probe.covariance.diagonal() << 1, 2, 3, 4, 5, 6;
+  sample.base_from_probe.covariance(0, 4) = sample.base_from_probe.covariance(4, 0) = 0.5;
   return sample;
 }
 
 void write(const std::filesystem::path& file) {
   ReplayRecord record(file);
-  const Eigen::Isometry3d map_from_base(Eigen::Translation3d(0, 3, 0));
   for (int i = 0; i < 30; ++i) {
     record.see(scan_of(i));
-    record.see(sample_at(10.0 + i), map_from_base);
+    const PaintingSample sample = sample_at(10.0 + i);
+    record.see({sample, setup(), setup().boards[0], *setup().camera});
   }
   FreeSpaceMap map({.resolution = 0.05});
   const int volume = map.add_volume("tool", {"hand"});
@@ -86,6 +110,73 @@ TEST(ReplayRecord, HoldsScansSpheresVoxelsPosesAndPlans) {
   ASSERT_EQ(seen.size(), 30U);
   const Eigen::Isometry3d& camera_from_map = std::get<CloudFrame>(seen[7].content).world_from_sensor;
   EXPECT_TRUE(camera_from_map.translation().isApprox(Eigen::Vector3d(0, -3, 2), 1e-12));
+}
+
+/// The messages of a topic.
+std::vector<std::string> messages_of(const std::filesystem::path& file, const std::string& topic) {
+  const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  const auto bag = open_mcap(descriptor, std::filesystem::file_size(file));
+  std::vector<bool> wanted;
+  for (const BagTopic& known : bag->topics()) wanted.push_back(known.name == topic);
+  std::vector<std::string> messages;
+  bag->visit(wanted, [&](const BagMessage& message) {
+    messages.emplace_back(message.bytes.begin(), message.bytes.end());
+    return true;
+  });
+  ::close(descriptor);
+  return messages;
+}
+WireReader reader_of(const std::string& message) {
+  return {{reinterpret_cast<const std::uint8_t*>(message.data()), message.size()}, RosWire::cdr};
+}
+
+TEST(ReplayRecord, HoldsTheTagsByWhichPosesWereFound) {
+  const TemporaryFolder folder;
+  write(folder / "a.mcap");
+  const std::vector<std::string> messages = messages_of(folder / "a.mcap", "/tf");
+  WireReader in = reader_of(messages.at(0));
+  std::map<std::string, Eigen::Vector3d> places;
+  for (const RosTransform& transform : read_transforms(in)) {
+    EXPECT_EQ(transform.header.frame, "map");
+    places[transform.child] = transform.translation;
+  }
+  ASSERT_EQ(places.size(), 4U) << "tag 8 was not used";
+  EXPECT_TRUE(places.at("tag36h11:7").isApprox(Eigen::Vector3d(0.1, 3, 0)));
+  EXPECT_TRUE(places.at("tag36h11:9").isApprox(Eigen::Vector3d(0.5, 3, 0.3)));
+  EXPECT_TRUE(places.at("probe").isApprox(Eigen::Vector3d(0.5, 3, 0)));
+}
+
+TEST(ReplayRecord, HoldsPosesOfAcceptedImagesWithTheirCovarianceInTheAxesOfTheMap) {
+  const TemporaryFolder folder;
+  write(folder / "a.mcap");
+  EXPECT_EQ(messages_of(folder / "a.mcap", "/poses/camera").size(), 20U) << "10 s to 29 s";
+  const std::vector<std::string> messages = messages_of(folder / "a.mcap", "/poses/probe");
+  ASSERT_EQ(messages.size(), 20U);
+  WireReader in = reader_of(messages[1]);
+  EXPECT_EQ(in.number<std::int32_t>(), 11);
+  in.number<std::uint32_t>();
+  EXPECT_EQ(in.text(), "map");
+  for (const double expected : {0.5, 3.0, 0.0, 0.0, 0.0, std::sqrt(0.5), std::sqrt(0.5)})
+    EXPECT_NEAR(in.number<double>(), expected, 1e-12);
+  Matrix6d covariance;
+  for (int i = 0; i < 36; ++i) covariance(i / 6, i % 6) = in.number<double>();
+  Matrix6d expected = Matrix6d::Zero();  // the probe's x is the map's y, its y the map's -x
+  expected.diagonal() << 2, 1, 3, 5, 4, 6;
+  expected(1, 3) = expected(3, 1) = -0.5;
+  EXPECT_TRUE(covariance.isApprox(expected, 1e-12)) << covariance;
+}
+
+TEST(ReplayRecord, HoldsTheCameraAsItIsReadAgain) {
+  const TemporaryFolder folder;
+  write(folder / "a.mcap");
+  const std::vector<std::string> messages = messages_of(folder / "a.mcap", "/camera/camera_info");
+  ASSERT_EQ(messages.size(), 30U);
+  WireReader in = reader_of(messages[3]);
+  const RosCameraInfo info = read_camera_info(in);
+  EXPECT_EQ(info.header.frame, "camera");
+  EXPECT_DOUBLE_EQ(info.header.time, 13.0);
+  EXPECT_EQ(raw_camera(info).intrinsics, *setup().camera);
+  EXPECT_EQ(rectified_camera(info).intrinsics.fy, 331) << "P";
 }
 
 TEST(ReplayRecord, TheSameGivesTheSameBytes) {
