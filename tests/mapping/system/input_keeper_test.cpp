@@ -3,6 +3,7 @@
 
 #include <thread>
 
+#include "mapping/system/child_process.hpp"
 #include "mapping/system/input_file.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
@@ -84,6 +85,22 @@ TEST(InputKeeper, ThreadsMayReadAtTheSameTime) {
     });
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(keeper.kept().size(), 20U);
+}
+
+/// Children are made while other threads read; each reads to its end.
+TEST(InputKeeper, ChildrenReadWhateverThreadsDoWhenTheyAreMade) {
+  const TemporaryFolder folder;
+  for (int i = 0; i < 200; ++i) folder.write(std::to_string(i), std::string(10'000, 'a'));
+  const InputKeeper keeper;
+  const std::jthread reader([&](const std::stop_token& end) {
+    for (int i = 0; !end.stop_requested(); i = (i + 1) % 200) input_place(folder / std::to_string(i));
+  });
+  for (int i = 0; i < 50; ++i) {
+    const ChildOutcome run = run_in_child([&] { return read_input(folder / "7", "file", 100'000); },
+                                          {.memory = 64U << 20U, .output = 100'000, .seconds = 5});
+    ASSERT_TRUE(run.finished) << run.failure;
+    EXPECT_EQ(run.parts.front().size(), 10'000U);
+  }
 }
 
 }  // namespace input_keeper_test
