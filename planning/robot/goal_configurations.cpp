@@ -1,6 +1,7 @@
 #include "planning/robot/goal_configurations.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -32,6 +33,133 @@ Configuration random_start(const Robot& robot, const Configuration& near, std::m
     value = lower + (upper - lower) * random_unit(random);
   }
   return q;
+}
+
+/// Six turning joints of which the axes of the last three meet in a point: where that is, the first three
+/// say, and the last three turn the tip about it (Pieper 1968).
+struct SphericalWrist {
+  std::size_t link = 0;             ///< that the last joint moves
+  Eigen::Vector3d center;           ///< in its frame
+  std::array<std::size_t, 3> bent;  ///< the links that its joints move
+};
+
+/// A joint's axis, in the map.
+struct JointAxis {
+  Eigen::Vector3d point, direction;
+};
+
+double distance_to(const JointAxis& axis, const Eigen::Vector3d& point) {
+  return axis.direction.cross(point - axis.point).norm();
+}
+
+/// Links that move the tip, the last first.
+std::vector<std::size_t> moved_links(const Robot& robot) {
+  std::vector<std::size_t> moved;
+  for (int at = robot.tip_link; at >= 0; at = robot.links[static_cast<std::size_t>(at)].parent)
+    if (robot.links[static_cast<std::size_t>(at)].joint >= 0) moved.push_back(static_cast<std::size_t>(at));
+  return moved;
+}
+
+std::optional<SphericalWrist> spherical_wrist(const Robot& robot, const Configuration& q) {
+  constexpr double near = 1e-6;  // m, and sine of an angle
+  const std::vector<std::size_t> moved = moved_links(robot);
+  const bool is_arm =
+      moved.size() == 6 && robot.dof() == 6 && std::all_of(moved.begin(), moved.end(), [&](std::size_t i) {
+        const Link& link = robot.links[i];
+        return link.multiplier == 1.0 &&
+               robot.joints[static_cast<std::size_t>(link.joint)].kind == JointKind::revolute;
+      });
+  if (!is_arm) return std::nullopt;
+  const LinkPoses poses = forward_kinematics(robot, q);
+  const auto axis_of = [&](std::size_t i) {
+    const Joint& joint = robot.joints[static_cast<std::size_t>(robot.links[i].joint)];
+    return JointAxis{poses[i].translation(), poses[i].linear() * joint.axis};
+  };
+  const JointAxis last = axis_of(moved[0]), middle = axis_of(moved[1]), first = axis_of(moved[2]);
+  const Eigen::Vector3d across = first.direction.cross(middle.direction);
+  if (across.norm() < near || last.direction.cross(middle.direction).norm() < near) return std::nullopt;
+  // The point of the middle axis that is nearest to the first one.
+  const double along =
+      (first.point - middle.point).cross(first.direction).dot(middle.direction.cross(first.direction)) /
+      across.squaredNorm();
+  const Eigen::Vector3d center = middle.point + along * middle.direction;
+  if (distance_to(first, center) > near || distance_to(last, center) > near) return std::nullopt;
+  SphericalWrist wrist;
+  wrist.link = moved[0];
+  wrist.center = poses[moved[0]].inverse() * center;
+  wrist.bent = {moved[2], moved[1], moved[0]};
+  return wrist;
+}
+
+/// rad, by which `from` has to turn about the axis to lie over `to`.
+double turn_about(const Eigen::Vector3d& axis, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  const Eigen::Vector3d u = axis.cross(from), v = axis.cross(to);
+  return std::atan2(axis.dot(u.cross(v)), u.dot(v));
+}
+
+/// The two ways in which the wrist turns the tip to the pose, the first three joints being as they are (Paden
+/// and Kahan's second subproblem: Murray, Li, Sastry 1994, 3.3.2); none where it cannot.
+std::vector<Configuration> turned_wrists(const Robot& robot, const SphericalWrist& wrist,
+                                         const Eigen::Isometry3d& map_from_tip, const Configuration& q) {
+  const LinkPoses poses = forward_kinematics(robot, q);
+  std::array<Eigen::Vector3d, 3> axes;
+  std::array<Eigen::Index, 3> joints{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    joints[k] = robot.links[wrist.bent[k]].joint;
+    axes[k] = poses[wrist.bent[k]].linear() * robot.joints[static_cast<std::size_t>(joints[k])].axis;
+  }
+  const Eigen::Matrix3d turn =
+      map_from_tip.linear() *
+      (poses[static_cast<std::size_t>(robot.tip_link)] * robot.link_from_tip).linear().transpose();
+  const auto& [first, middle, last] = axes;
+  // exp(first a) exp(middle b) last = turn last: `met` is where both turns meet.
+  const Eigen::Vector3d to = turn * last;
+  const double lean = first.dot(middle), least = lean * lean - 1.0;
+  const double along = (lean * middle.dot(last) - first.dot(to)) / least;
+  const double beside = (lean * first.dot(to) - middle.dot(last)) / least;
+  const double square = (1.0 - along * along - beside * beside - 2.0 * along * beside * lean) / -least;
+  if (square < -1e-3) return {};  // what the arm is off may hide that they touch
+  std::vector<Configuration> ways;
+  for (const double side : {1.0, -1.0}) {
+    const Eigen::Vector3d met =
+        along * first + beside * middle + side * std::sqrt(std::max(0.0, square)) * first.cross(middle);
+    const double b = turn_about(middle, last, met), a = turn_about(first, met, to);
+    const Eigen::Matrix3d rest =
+        (Eigen::AngleAxisd(a, first) * Eigen::AngleAxisd(b, middle)).inverse() * turn;
+    const Eigen::Vector3d across = last.unitOrthogonal();
+    Configuration way = q;
+    way[joints[0]] += a;
+    way[joints[1]] += b;
+    way[joints[2]] += turn_about(last, across, rest * across);
+    ways.push_back(std::move(way));
+  }
+  return ways;
+}
+
+/// Configurations that put the middle of the wrist where the pose wants it: of each place of the first three
+/// joints one.
+std::vector<Configuration> reaching_arms(const Robot& robot, const SphericalWrist& wrist,
+                                         const Eigen::Isometry3d& map_from_tip, const Configuration& near,
+                                         int starts, std::mt19937_64& random) {
+  const LinkPoses poses = forward_kinematics(robot, near);
+  const Eigen::Isometry3d tip_from_link =
+      (poses[static_cast<std::size_t>(robot.tip_link)] * robot.link_from_tip).inverse() * poses[wrist.link];
+  Robot to_center = robot;
+  to_center.tip_link = static_cast<int>(wrist.link);
+  to_center.link_from_tip = Eigen::Translation3d(wrist.center);
+  const Eigen::Isometry3d place = map_from_tip * tip_from_link * to_center.link_from_tip;
+  std::vector<Configuration> arms;
+  for (int start = 0; start < starts; ++start) {
+    const auto q = inverse_kinematics(to_center, place, random_start(robot, near, random),
+                                      {.restarts = 0, .position_only = true});
+    const bool is_new = q && std::none_of(arms.begin(), arms.end(), [&](const Configuration& known) {
+                          Configuration apart = *q - known;
+                          for (const std::size_t link : wrist.bent) apart[robot.links[link].joint] = 0.0;
+                          return apart.lpNorm<Eigen::Infinity>() <= same_configuration;
+                        });
+    if (is_new) arms.push_back(*q);
+  }
+  return arms;
 }
 
 constexpr double least_difference = 1e-5;  ///< m and rad, of poses that count as the same
@@ -124,10 +252,18 @@ std::vector<Configuration> goal_configurations(const Robot& robot, const Eigen::
   if (robot.inverse_kinematics == "puma")
     for (const Configuration& q : puma_inverse_kinematics(robot, map_from_tip)) add(q);
   std::mt19937_64 random(seed);
-  const int tries = robot.inverse_kinematics == "puma" ? 0 : starts;
-  for (int start = 0; start <= tries; ++start) {
-    const Configuration from = start == 0 ? near : random_start(robot, near, random);
+  const auto look_from = [&](const Configuration& from) {
     if (const auto q = inverse_kinematics(robot, map_from_tip, from, {.restarts = 0})) add(*q);
+  };
+  look_from(near);
+  const bool is_closed = robot.inverse_kinematics == "puma";
+  const auto wrist = is_closed ? std::nullopt : spherical_wrist(robot, near);
+  if (wrist) {
+    for (const Configuration& arm : reaching_arms(robot, *wrist, map_from_tip, near, starts, random))
+      for (const Configuration& way : turned_wrists(robot, *wrist, map_from_tip, arm))
+        if (const auto q = unwrapped_within_limits(robot, way, near)) look_from(*q);
+  } else if (!is_closed) {
+    for (int start = 0; start < starts; ++start) look_from(random_start(robot, near, random));
   }
   std::stable_sort(found.begin(), found.end(), [&](const Configuration& a, const Configuration& b) {
     return largest_apart(a, near) < largest_apart(b, near);

@@ -32,8 +32,10 @@ bool reaches(const GoalPose& goal, const Eigen::Isometry3d& map_from_tip);
 /// call.
 std::vector<Eigen::Isometry3d> poses_of(const GoalPose& goal, int count = 96);
 
-/// Configurations within limits that put the tip at `map_from_tip`: all branches of a PUMA-like arm, else
-/// those that damped least squares find from `near` and from `starts` seeded random configurations, each once
+/// Configurations within limits that put the tip at `map_from_tip`: all branches of a PUMA-like arm; of six
+/// turning joints with a spherical wrist both ways of the wrist, in closed form, for each place of the first
+/// three joints that damped least squares find; else those that these find; from `near` and from `starts`
+/// seeded random configurations. Each once
 /// (differing by more than 1e-3 in some joint), of joints that turn more than once the turn nearest to
 /// `near`. Nearest to `near` first, by the largest difference of a joint.
 std::vector<Configuration> goal_configurations(const Robot& robot, const Eigen::Isometry3d& map_from_tip,

@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/SVD>
 #include <numbers>
 
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/random_world.hpp"
+#include "tests/worlds/urdf_robots.hpp"
 
 namespace clearway {
 namespace goal_configurations_test {
@@ -56,6 +58,70 @@ TEST(GoalConfigurations, JointsThatTurnTwiceAreTurnedNearToTheGivenOnes) {
     }
   }
   EXPECT_GT(found, 12);
+}
+
+bool holds(const std::vector<Configuration>& found, const Configuration& q) {
+  return std::any_of(found.begin(), found.end(), [&](const Configuration& other) {
+    return (q - other).lpNorm<Eigen::Infinity>() < 1e-3;
+  });
+}
+
+/// A spherical wrist that no setting says: all branches of the closed form.
+TEST(GoalConfigurations, OfASphericalWristAllBranchesAreFound) {
+  const Robot closed = load_robot("puma560");
+  Robot numeric = closed;
+  numeric.inverse_kinematics = "numeric";
+  Random random(3);
+  std::size_t branches = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Eigen::Isometry3d pose = tip_pose(closed, random.configuration(closed));
+    const Configuration near = random.configuration(closed);
+    const auto found = goal_configurations(numeric, pose, near);
+    for (const Configuration& branch : goal_configurations(closed, pose, near)) {
+      EXPECT_TRUE(holds(found, branch)) << i << ": " << branch.transpose();
+      ++branches;
+    }
+  }
+  EXPECT_GT(branches, 240U);
+}
+
+/// Six joints; the last three axes meet at 0.3 m along the forearm, at odd angles, and the tip is aside.
+worlds::UrdfRobot oblique_arm() {
+  using namespace worlds;
+  const std::string limit = urdf_limit(-3.1, 3.1);
+  std::string text = "<link name='base'/>";
+  for (int i = 1; i <= 6; ++i) text += "<link name='l" + std::to_string(i) + "'/>";
+  const std::string part =
+      "<link name='tool'><collision><geometry><sphere radius='0.02'/></geometry></collision></link>";
+  return {"oblique", text + part + urdf_joint("a", "revolute", "base", "l1", "0 0 0.3", "0.1 0 1", limit) +
+                         urdf_joint("b", "revolute", "l1", "l2", "0.05 0.1 0.1", "0 1 0.2", limit) +
+                         urdf_joint("c", "revolute", "l2", "l3", "0.02 0 0.4", "0.3 1 0", limit) +
+                         urdf_joint("d", "revolute", "l3", "l4", "0 0 0.3", "0.3 0.1 1", limit) +
+                         urdf_joint("e", "revolute", "l4", "l5", "0 0 0", "0.2 1 0.1", limit) +
+                         urdf_joint("f", "revolute", "l5", "l6", "0 0 0", "1 0.3 0.6", limit) +
+                         urdf_joint("g", "fixed", "l6", "tool", "0.03 0.02 0.1", "0 0 1", "")};
+}
+
+TEST(GoalConfigurations, AnArmIsFoundWhereItIsHoweverItsWristIsMade) {
+  const worlds::UrdfRobot oblique = oblique_arm();
+  Random random(4);
+  std::size_t several = 0, singular = 0;
+  for (int i = 0; i < 100; ++i) {
+    const Configuration q = random.configuration(oblique.robot()),
+                        near = random.configuration(oblique.robot());
+    const Eigen::Isometry3d pose = tip_pose(oblique.robot(), q);
+    const auto found = goal_configurations(oblique.robot(), pose, near);
+    const LinkPoses links = forward_kinematics(oblique.robot(), q);
+    const auto moves = jacobian(oblique.robot(), links, oblique.robot().tip_link, pose.translation());
+    const bool is_singular = Eigen::JacobiSVD<Eigen::MatrixXd>(moves).singularValues().minCoeff() < 1e-3;
+    singular += is_singular;  // many configurations are there, to 1e-6 m and rad
+    EXPECT_TRUE(is_singular || holds(found, q)) << i << ": " << q.transpose();
+    for (const Configuration& other : found)
+      EXPECT_TRUE(tip_pose(oblique.robot(), other).isApprox(pose, 1e-5));
+    several += found.size() >= 2;
+  }
+  EXPECT_GT(several, 80U);
+  EXPECT_LT(singular, 10U);
 }
 
 TEST(GoalConfigurations, NothingIsFoundOutOfReach) {
