@@ -38,13 +38,25 @@ std::string ascii(std::string_view text) {
   return result;
 }
 
-/// A bar of colours with its ends named, right of the first line. Returns how much room it takes.
-int draw_scale(cv::Mat& picture, double most, int baseline, double scale) {
-  const std::string low = "clearance 0", high = significant(1000.0 * most, 2) + " mm";
-  const int thick = stroke(scale), gap = static_cast<int>(12 * scale), bar = picture.cols / 8;
-  const int high_width = width_of(high, scale, thick), low_width = width_of(low, scale, thick);
-  const int room = low_width + bar + high_width + 5 * gap;
-  if (room > picture.cols / 2) return 0;
+/// A bar of colours with its ends named, right of the first line.
+struct ClearanceScale {
+  ClearanceScale(double most_m, int columns, double scale)
+      : most(most_m), high(significant(1000.0 * most_m, 2) + " mm"), bar(columns / 8) {
+    gap = static_cast<int>(12 * scale);
+    low_width = width_of(low, scale, stroke(scale));
+    room = low_width + bar + width_of(high, scale, stroke(scale)) + 5 * gap;
+    if (most <= 0.0 || room > columns / 2) room = 0;
+  }
+
+  double most;  ///< m
+  std::string low = "clearance 0", high;
+  int bar, gap = 0, low_width = 0;
+  int room = 0;  ///< that it takes, pixels; 0: it is not drawn
+};
+
+void draw_scale(cv::Mat& picture, const ClearanceScale& drawn, int baseline, double scale) {
+  const auto& [most, low, high, bar, gap, low_width, room] = drawn;
+  if (room == 0) return;
   const int left = picture.cols - room + gap, height = static_cast<int>(14 * scale);
   const Colour bright{235, 235, 235};
   draw_text(picture, low, left, baseline, scale, bright);
@@ -54,7 +66,6 @@ int draw_scale(cv::Mat& picture, double most, int baseline, double scale) {
              cv::Scalar(c.blue, c.green, c.red));
   }
   draw_text(picture, high, left + low_width + bar + 2 * gap, baseline, scale, bright);
-  return room;
 }
 
 }  // namespace
@@ -92,6 +103,23 @@ std::string fitting_text(std::string_view text, double scale, int width) {
   return cut(low);
 }
 
+std::vector<std::string> fitting_lines(std::string_view text, double scale, int width, std::size_t most) {
+  std::vector<std::string> lines;
+  std::string rest = ascii(text);
+  const auto fits = [&](const std::string& line) { return width_of(line, scale, stroke(scale)) <= width; };
+  while (lines.size() + 1 < most && !fits(rest)) {
+    std::size_t end = std::string::npos;  // of the longest line that fits, between words
+    for (std::size_t gap = rest.find(' '); gap != std::string::npos && fits(rest.substr(0, gap));
+         gap = rest.find(' ', gap + 1))
+      end = gap;
+    if (end == std::string::npos || end == 0) break;
+    lines.push_back(rest.substr(0, end));
+    rest.erase(0, rest.find_first_not_of(' ', end));
+  }
+  lines.push_back(fitting_text(rest, scale, width));
+  return lines;
+}
+
 void draw_text(cv::Mat& picture, const std::string& text, int x, int y, double scale, Colour colour) {
   const cv::Point at(x, y);
   const int thick = stroke(scale);
@@ -102,24 +130,30 @@ void draw_text(cv::Mat& picture, const std::string& text, int x, int y, double s
 
 void draw_strip(cv::Mat& picture, const Strip& strip) {
   const Colour white{255, 255, 255}, amber{255, 190, 70}, pale{150, 220, 255}, grey{190, 190, 190};
-  std::vector<TextLine> lines;
-  for (const TextLine& line : {TextLine{strip.state, white}, TextLine{strip.refusal, amber},
-                               TextLine{strip.cure, pale}, TextLine{strip.keys, grey}})
-    if (!line.text.empty()) lines.push_back(line);
-  if (lines.empty()) return;
   const double scale = text_scale(picture.rows);
   const int line_height = static_cast<int>(36 * scale), border = static_cast<int>(16 * scale);
+  const int width = picture.cols - 2 * border;
+  const ClearanceScale colours(strip.clearance_m, picture.cols, scale);
+  std::vector<TextLine> lines;
+  const auto add = [&](const std::string& text, Colour colour, int room) {
+    if (text.empty()) return;
+    for (const std::string& line : fitting_lines(text, scale, width - room, 2))
+      lines.push_back({line, colour});
+  };
+  add(strip.state, white, colours.room);  // which is beside it
+  add(strip.refusal, amber, 0);
+  add(strip.cure, pale, 0);
+  add(strip.keys, grey, 0);
+  if (lines.empty()) return;
   const int count = static_cast<int>(lines.size());
   const int height = std::min(picture.rows, count * line_height + border);
   cv::Mat covered = picture.rowRange(picture.rows - height, picture.rows);
   covered.convertTo(covered, -1, 0.22, 6.0);
   for (int i = 0; i < count; ++i) {
     const int baseline = picture.rows - height + (i + 1) * line_height - border / 4;
-    int room = 0;
-    if (i == 0 && strip.clearance_m > 0.0) room = draw_scale(picture, strip.clearance_m, baseline, scale);
     const TextLine& line = lines[static_cast<std::size_t>(i)];
-    draw_text(picture, fitting_text(line.text, scale, picture.cols - 2 * border - room), border, baseline,
-              scale, line.colour);
+    draw_text(picture, line.text, border, baseline, scale, line.colour);
+    if (i == 0) draw_scale(picture, colours, baseline, scale);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "apps/overlay/canvas.hpp"
 
@@ -11,8 +12,8 @@ class Mat;
 
 namespace clearway {
 
-/// The lines at the lower edge of a picture. Empty ones take no room; one that is too long for the picture is
-/// cut and ends in "...".
+/// The lines at the lower edge of a picture. Empty ones take no room; one that is too long for the picture
+/// takes two, and is cut and ends in "..." if these do not do.
 struct Strip {
   std::string state;         ///< what goes on
   std::string refusal;       ///< the last thing refused, and why
@@ -27,6 +28,10 @@ std::string cure_of(std::string_view refusal);
 
 /// The text in the characters that the picture's font has, others as '?', cut to `width` pixels.
 std::string fitting_text(std::string_view text, double scale, int width);
+
+/// The text in lines of at most `width` pixels, broken between words; what the last of `most` lines does not
+/// hold is cut.
+std::vector<std::string> fitting_lines(std::string_view text, double scale, int width, std::size_t most);
 
 /// Text with a dark edge, legible on dark and bright images. @param x, y left end of the baseline, pixels
 void draw_text(cv::Mat& picture, const std::string& text, int x, int y, double scale, Colour colour);

@@ -142,7 +142,9 @@ std::string state_line(const TeachView& view) {
   char time[32];
   std::snprintf(time, sizeof time, "%.1f s", view.since_start);
   std::string line = std::string(time) + ", " + std::string(to_string(view.state));
-  if (!view.volume.empty()) line += ", volume " + view.volume + ", " + std::to_string(view.balls) + " balls";
+  if (!view.volume.empty())
+    line += ", volume " + view.volume + ", " + std::to_string(view.balls) +
+            (view.balls == 1 ? " ball" : " balls");
   if (!view.held.empty()) line += ", holds " + view.held;
   return line;
 }

@@ -28,6 +28,24 @@ TEST(Strip, text_that_fits_stays_and_longer_text_is_cut_to_the_width) {
   EXPECT_EQ(fitting_text(longer, 0.5, 3), "");
 }
 
+TEST(Strip, longer_text_is_broken_between_words_before_it_is_cut) {
+  const std::string text = "Show two tags of the probe and of the fixed board, or keep them in view longer.";
+  for (const int width : {150, 260, 400, 2000})
+    for (const std::size_t most : {1, 2, 9}) {
+      const std::vector<std::string> lines = fitting_lines(text, 0.5, width, most);
+      ASSERT_LE(lines.size(), most);
+      std::string whole;
+      for (const std::string& line : lines) {
+        EXPECT_LE(width_of(line, 0.5), width);
+        whole += (whole.empty() ? "" : " ") + line;
+      }
+      EXPECT_TRUE(whole == text || (most < 9 && whole.ends_with("..."))) << whole;
+      for (std::size_t i = 1; i < lines.size(); ++i)  // no line could have held the next word, too
+        EXPECT_GT(width_of(lines[i - 1] + " " + lines[i].substr(0, lines[i].find(' ')), 0.5), width);
+    }
+  EXPECT_EQ(fitting_lines(std::string(500, 'm'), 0.5, 100, 3).size(), 1U);  // a word that is too long is cut
+}
+
 TEST(Strip, characters_that_the_font_lacks_are_replaced) {
   EXPECT_EQ(fitting_text("a\xc3\xa4\xe2\x80\xa6\n\tb", 0.5, 400), "a??  b");
 }

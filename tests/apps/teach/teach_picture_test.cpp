@@ -87,6 +87,8 @@ TEST(TeachPicture, TheStateIsOneLine) {
   view.balls = 56;
   view.state = TeachState::painting;
   EXPECT_EQ(state_line(view), "12.3 s, painting, volume tool, 56 balls");
+  view.balls = 1;
+  EXPECT_EQ(state_line(view), "12.3 s, painting, volume tool, 1 ball");
 }
 
 }  // namespace teach_picture_test
