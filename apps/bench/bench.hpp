@@ -31,5 +31,6 @@ BenchResult bench_live(const BenchOptions& options);
 BenchResult bench_gate(const BenchOptions& options);
 BenchResult bench_teach(const BenchOptions& options);
 BenchResult bench_overlay(const BenchOptions& options);
+BenchResult bench_sweep(const BenchOptions& options);
 
 }  // namespace clearway::bench

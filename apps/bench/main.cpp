@@ -47,6 +47,7 @@ std::vector<Entry> all_entries() {
        "tags, poses and paint of large images, and their pictures, against Chong 2008's ten a second", 3,
        bench_teach},
       {"overlay", "drawing the live overlay against the time between two pictures", 40, bench_overlay},
+      {"sweep", "what a problem costs `compare`, against its planning, check and motion", 3, bench_sweep},
   };
 }
 
