@@ -142,7 +142,7 @@ ForeignProblem read_motion_request(const std::string& text, const std::filesyste
   const YamlFields request(text, "request " + quote_path(file.string()));
   ForeignProblem problem;
   problem.name = file.stem().string();
-  problem.group = request.has("group_name") ? request.text("group_name", "") : "";
+  problem.group = ros_word(request, "group_name");
   if (request.has("start_state")) {
     const YamlFields state = request.map("start_state");
     require_base_at_origin(state);

@@ -86,7 +86,7 @@ class SceneReader {
   /// MoveIt calls the frame that it places `header`, and the known one that it is placed in `child`; where
   /// only the other one is known, the names mean what tf means by them.
   void read_frame(const YamlFields& entry) {
-    std::string placed = ros_frame(entry), in = entry.text("child_frame_id", "");
+    std::string placed = ros_frame(entry), in = ros_word(entry, "child_frame_id");
     if (in.starts_with('/')) in.erase(0, 1);
     if (!frames_.contains(in)) std::swap(placed, in);
     const auto known = frames_.find(in);
@@ -125,7 +125,7 @@ class SceneReader {
   }
 
   void leave_robot_name() {
-    const std::string name = scene_.text("robot_model_name", "");
+    const std::string name = ros_word(scene_, "robot_model_name");
     if (name.empty() || context_.robot_names.empty() || context_.robot_names.contains(name)) return;
     leave("its robot_model_name, " + quote(name) + ", which is not the robot's name");
   }
@@ -156,8 +156,8 @@ class SceneReader {
   void add_object(const YamlFields& object) {
     const std::string name = object.text("id");
     objects_.insert(name);
-    const std::string operation = object.has("operation") ? object.text("operation") : "0";
-    if (operation != "0" && operation != "add" && operation != "append" && operation != "2")
+    const std::string operation = ros_operation(object);
+    if (operation != "add" && operation != "append")
       return leave("object " + quote(name) + ", which is not added (operation " + quote(operation) + ")");
     const std::string frame = ros_frame(object);
     const auto known = frames_.find(frame);
@@ -166,10 +166,10 @@ class SceneReader {
     const Eigen::Isometry3d map_from_object =
         known->second * (object.has("pose") ? ros_pose(object.map("pose")) : Eigen::Isometry3d::Identity());
     auto solids = ros_solids(object, name, map_from_object, context_.packages, file_.parent_path());
-    std::move(solids.begin(), solids.end(), std::back_inserter(world_.solids));
-    if (!object.has("primitives") && !object.has("meshes") && !object.has("planes"))
-      leave("object " + quote(name) + ", which has neither primitives nor meshes");
     const auto planes = object.list_of_maps("planes");
+    if (solids.empty() && planes.empty())
+      leave("object " + quote(name) + ", which has neither primitives nor meshes");
+    std::move(solids.begin(), solids.end(), std::back_inserter(world_.solids));
     if (!planes.empty()) leave("planes of object " + quote(name));
   }
 

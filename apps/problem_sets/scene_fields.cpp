@@ -1,5 +1,6 @@
 #include "apps/problem_sets/scene_fields.hpp"
 
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -71,10 +72,29 @@ Eigen::Isometry3d ros_pose(const YamlFields& fields, const std::string& position
   }
 }
 
+std::string ros_word(const YamlFields& fields, const std::string& key) {
+  return fields.prose(key, "").empty() ? "" : fields.text(key);
+}
+
+std::string ros_operation(const YamlFields& object) {
+  static const std::array<std::string, 4> known{"add", "remove", "append", "move"};
+  std::string word;
+  if (const auto number = object.control_character("operation"))
+    word = std::to_string(*number);
+  else
+    word = ros_word(object, "operation");
+  for (char& c : word)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  if (word.empty()) return known[0];
+  if (word.size() == 1 && word[0] >= '0' && word[0] <= '3')
+    return known[static_cast<std::size_t>(word[0] - '0')];
+  return word;
+}
+
 std::string ros_frame(const YamlFields& fields) {
   if (!fields.has("header")) return "";
   const YamlFields header = fields.map("header");
-  std::string frame = header.has("frame_id") ? header.text("frame_id", "") : "";
+  std::string frame = ros_word(header, "frame_id");
   if (frame.starts_with('/')) frame.erase(0, 1);
   return frame;
 }

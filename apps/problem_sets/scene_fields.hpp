@@ -20,6 +20,14 @@ Eigen::VectorXd ros_coordinates(const YamlFields& fields, const std::string& key
 Eigen::Isometry3d ros_pose(const YamlFields& fields, const std::string& position = "position",
                            const std::string& orientation = "orientation");
 
+/// A word; empty when it is left out, or written as ROS writes an empty one: ''.
+std::string ros_word(const YamlFields& fields, const std::string& key);
+
+/// What a moveit_msgs/CollisionObject's `operation` asks for: "add", the default, "remove", "append" or
+/// "move", or what else stands there. Written as such a word in letters of any size, as its number from 0, or
+/// as the character of that number.
+std::string ros_operation(const YamlFields& object);
+
 /// header.frame_id without a leading slash; empty when it is left out.
 std::string ros_frame(const YamlFields& fields);
 

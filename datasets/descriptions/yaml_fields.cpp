@@ -179,6 +179,13 @@ bool YamlFields::boolean(const std::string& key) const {
   fail(key, "expected true or false, got " + shown_node(node));
 }
 
+std::optional<int> YamlFields::control_character(const std::string& key) const {
+  const YAML::Node node = find(key);
+  if (!node.IsDefined() || !node.IsScalar() || node.Scalar().size() != 1) return std::nullopt;
+  const int number = static_cast<unsigned char>(node.Scalar().front());
+  return number < 0x20 ? std::optional(number) : std::nullopt;
+}
+
 std::string YamlFields::text(const std::string& key) const {
   const YAML::Node node = required(key);
   if (!node.IsScalar() || node.Scalar().empty())

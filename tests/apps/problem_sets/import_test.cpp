@@ -276,6 +276,49 @@ TEST_F(Import, WhatItDoesNotUnderstandIsNeverTakenForFreeSpaceInSilence) {
   EXPECT_NE(run.log.find("expected the robot's base at the map's origin"), std::string::npos) << run.log;
 }
 
+/// `rostopic echo` writes all fields, empty ones as '', `ros2 topic echo` a byte as its character; words of
+/// an operation are Robowflex's.
+TEST_F(Import, EmptyWordsAndOperationsAreReadAsEachToolWritesThem) {
+  const auto object = [](const std::string& name, const std::string& operation) {
+    return "    - {id: " + name +
+           ", header: {frame_id: ''}, type: {key: '', db: ''}, primitives: [{type: 1, dimensions: "
+           "[0.1, 0.1, 0.1]}], primitive_poses: [{position: {x: 3.0, y: 0.0, z: 0.0}}], meshes: [], "
+           "mesh_poses: [], "
+           "planes: [], operation: " +
+           operation + "}\n";
+  };
+  std::string scene =
+      "robot_model_name: ''\nfixed_frame_transforms: [{header: {frame_id: ''}, child_frame_id: ''}]\n"
+      "world:\n  collision_objects:\n";
+  int count = 0;
+  for (const char* added : {"0", "\"\\0\"", "\"\\x02\"", "2", "add", "Append", "''"})
+    scene += object("in" + std::to_string(count++), added);
+  for (const char* other : {"1", "\"\\x01\"", "remove", "MOVE", "3", "odd"})
+    scene += object("out" + std::to_string(count++), other);
+  scene += "    - {id: none, primitives: [], meshes: [], planes: [], operation: 0}\n";
+  const CommandRun run =
+      import("mbm",
+             {folder_.write("scene.yaml", scene),
+              folder_.write("request.yaml", arm_request + "path_constraints: {name: ''}\nplanner_id: ''\n")},
+             {"--json"});
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  EXPECT_EQ(Json::parse(run.out)["left_out"],
+            (Json{"scene.yaml: object 'out7', which is not added (operation 'remove')",
+                  "scene.yaml: object 'out8', which is not added (operation 'remove')",
+                  "scene.yaml: object 'out9', which is not added (operation 'remove')",
+                  "scene.yaml: object 'out10', which is not added (operation 'move')",
+                  "scene.yaml: object 'out11', which is not added (operation 'move')",
+                  "scene.yaml: object 'out12', which is not added (operation 'odd')",
+                  "scene.yaml: object 'none', which has neither primitives nor meshes"}));
+  const Json record = Json::parse(read_file(folder_.file("out/import.json")));
+  EXPECT_EQ(record["worlds"][0]["objects"].size(), 7U);
+  std::filesystem::remove_all(folder_ / "out");
+  std::string unnamed = arm_request;
+  unnamed.replace(unnamed.find("group_name: arm"), 15, "group_name: ''");
+  EXPECT_EQ(import("mbm", {folder_.file("scene.yaml"), folder_.write("request.yaml", unnamed)}).status,
+            exit_done);
+}
+
 /// Both as ROS writes it and as Robowflex does.
 TEST_F(Import, WhatASceneSaysOfContactsPaddingsAndTheRobotIsSaidToBeLeftOut) {
   const auto left_out_of = [&](const std::string& more) {
