@@ -366,6 +366,25 @@ std::string digits_of(const std::string& name) {
   return last == std::string::npos ? name : name.substr(last + 1);
 }
 
+/// What the world has in the robot's hand, where the problem does not say otherwise.
+void take_attached(const std::vector<ForeignAttached>& bodies, ForeignProblem& problem,
+                   std::vector<std::string>& left_out) {
+  for (const ForeignAttached& body : bodies) {
+    const bool is_detached =
+        std::any_of(problem.detached.begin(), problem.detached.end(), [&](const ForeignDetached& off) {
+          return off.name == body.name || (off.name.empty() && off.link == body.link);
+        });
+    const bool is_replaced = std::any_of(problem.attached.begin(), problem.attached.end(),
+                                         [&](const ForeignAttached& own) { return own.name == body.name; });
+    if (is_detached || is_replaced) continue;
+    if (problem.keeps_attached)
+      problem.attached.push_back(body);
+    else
+      left_out.push_back(problem.name + ": attached body " + quote(body.name) +
+                         " of its scene, as its start_state is no diff and has other bodies, or none");
+  }
+}
+
 }  // namespace
 
 void pair_requests(ForeignSet& set) {
@@ -384,11 +403,7 @@ void pair_requests(ForeignSet& set) {
     problem.world = found.front();
     const auto& stands = set.worlds[problem.world].joints;
     problem.start.by_joint.insert(stands.begin(), stands.end());  // of what the request does not say
-    for (const ForeignAttached& body : set.worlds[problem.world].attached) {
-      const auto has_name = [&](const ForeignAttached& own) { return own.name == body.name; };
-      if (std::none_of(problem.attached.begin(), problem.attached.end(), has_name))
-        problem.attached.push_back(body);
-    }
+    take_attached(set.worlds[problem.world].attached, problem, set.left_out);
   }
 }
 

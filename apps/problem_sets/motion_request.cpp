@@ -41,7 +41,7 @@ class GoalReader {
  public:
   GoalReader(const std::filesystem::path& file, const SceneContext& context,
              std::vector<std::string>& left_out)
-      : file_(file), context_(context), left_out_(left_out) {}
+      : file_(file), frames_(known_frames(context)), left_out_(left_out) {}
 
   void add(const YamlFields& goal, std::vector<ForeignGoal>& goals) const {
     const auto joints = goal.list_of_maps("joint_constraints");
@@ -62,11 +62,9 @@ class GoalReader {
 
   /// Where the frame of a constraint stands in the map; none, reported: it is none that stands still.
   const Eigen::Isometry3d* frame_of(const YamlFields& constraint) const {
-    static const Eigen::Isometry3d map = Eigen::Isometry3d::Identity();
     const std::string frame = ros_frame(constraint);
-    if (frame.empty() || frame == "world") return &map;
-    const auto known = context_.frames.find(frame);
-    if (known != context_.frames.end()) return &known->second;
+    const auto known = frames_.find(frame);
+    if (known != frames_.end()) return &known->second;
     leave("a goal in frame " + quote(frame) + ", which is not the map's");
     return nullptr;
   }
@@ -131,9 +129,20 @@ class GoalReader {
   }
 
   const std::filesystem::path& file_;
-  const SceneContext& context_;
+  const std::map<std::string, Eigen::Isometry3d> frames_;
   std::vector<std::string>& left_out_;
 };
+
+/// A state that is no diff, and says where the robot stands, says all that is in its hand, as MoveIt has it.
+void read_hand(const YamlFields& state, const std::filesystem::path& file, const SceneContext& context,
+               ForeignProblem& problem, std::vector<std::string>& left_out) {
+  RosAttached bodies = ros_attached(state, context.packages, file.parent_path());
+  for (const std::string& what : bodies.left_out) left_out.push_back(file.filename().string() + ": " + what);
+  for (ForeignAttached& body : bodies.added) put_into_map(known_frames(context), body);
+  problem.attached = std::move(bodies.added);
+  problem.detached = std::move(bodies.removed);
+  problem.keeps_attached = problem.start.by_joint.empty() || ros_truth(ros_word(state, "is_diff"));
+}
 
 }  // namespace
 
@@ -147,7 +156,7 @@ ForeignProblem read_motion_request(const std::string& text, const std::filesyste
     const YamlFields state = request.map("start_state");
     require_base_at_origin(state);
     problem.start.by_joint = ros_joints(state);
-    problem.attached = ros_attached(state, context.packages, file.parent_path());
+    read_hand(state, file, context, problem, left_out);
   }
   const GoalReader reader(file, context, left_out);
   for (const YamlFields& goal : request.list_of_maps("goal_constraints")) reader.add(goal, problem.goals);

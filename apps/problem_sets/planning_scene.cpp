@@ -15,8 +15,6 @@ constexpr std::size_t most_objects = 100'000;
 
 std::string called(const std::filesystem::path& file) { return quote_path(file.string()); }
 
-bool is_true(const std::string& word) { return word == "true" || word == "True" || word == "1"; }
-
 /// What moveit_msgs/AllowedCollisionMatrix allows to collide of scene objects and what is none, and of bodies
 /// in the hand and links.
 struct AllowedPairs {
@@ -24,7 +22,7 @@ struct AllowedPairs {
     const auto names = matrix.texts("entry_names");
     const auto rows = matrix.lists_of_texts("entry_values", "enabled");
     const auto allows = [&](std::size_t i, std::size_t k) {
-      return i < rows.size() && k < rows[i].size() && is_true(rows[i][k]);
+      return i < rows.size() && k < rows[i].size() && ros_truth(rows[i][k]);
     };
     std::vector<bool> is_object;
     for (const std::string& name : names) is_object.push_back(objects.contains(name));
@@ -38,7 +36,7 @@ struct AllowedPairs {
       }
     const auto defaults = matrix.texts("default_entry_names"), values = matrix.texts("default_entry_values");
     for (std::size_t i = 0; i < std::min(defaults.size(), values.size()); ++i)
-      if (objects.contains(defaults[i]) && is_true(values[i])) by_default.push_back(defaults[i]);
+      if (objects.contains(defaults[i]) && ros_truth(values[i])) by_default.push_back(defaults[i]);
   }
 
   std::map<std::string, std::vector<std::string>> with;  ///< of each name those that it may collide with
@@ -77,8 +75,7 @@ class SceneReader {
   void leave(const std::string& what) { left_out_.push_back(file_.filename().string() + ": " + what); }
 
   void read_frames() {
-    frames_[""] = frames_["world"] = Eigen::Isometry3d::Identity();
-    for (const auto& [frame, pose] : context_.frames) frames_[frame] = pose;
+    frames_ = known_frames(context_);
     for (const YamlFields& entry : scene_.list_of_maps("fixed_frame_transforms"))
       if (entry.has("transform")) read_frame(entry);
   }
@@ -108,17 +105,17 @@ class SceneReader {
   /// Bodies in the hand. One without shapes is the world's object of its name, which is no obstacle then, as
   /// MoveIt has it.
   void add_attached(const YamlFields& state) {
-    for (ForeignAttached& body : ros_attached(state, context_.packages, file_.parent_path())) {
+    RosAttached bodies = ros_attached(state, context_.packages, file_.parent_path());
+    for (const std::string& what : bodies.left_out) leave(what);
+    for (ForeignAttached& body : bodies.added) {
       if (body.pieces.empty()) {
         const auto is_taken = [&](const ForeignSolid& solid) { return solid.object == body.name; };
         std::copy_if(world_.solids.begin(), world_.solids.end(), std::back_inserter(body.pieces), is_taken);
         std::erase_if(world_.solids, is_taken);
         objects_.erase(body.name);
         body.frame.clear();
-      } else if (body.frame != body.link && frames_.contains(body.frame)) {
-        for (ForeignSolid& piece : body.pieces)
-          piece.map_from_shape = frames_.at(body.frame) * piece.map_from_shape;
-        body.frame.clear();
+      } else {
+        put_into_map(frames_, body);
       }
       world_.attached.push_back(std::move(body));
     }

@@ -30,11 +30,12 @@ bool is_request_text(const std::string& text, const std::filesystem::path& file)
 ForeignWorld read_planning_scene(const std::string& text, const std::filesystem::path& file,
                                  const SceneContext& context, std::vector<std::string>& left_out);
 
-/// Reads a motion request (moveit_msgs/MotionPlanRequest): start_state with what it has in the hand,
-/// group_name, and of each goal its joint constraints, else the position and orientation constraints of one
-/// link. Such a goal becomes a pose with tolerances that lie within what the constraints allow: of a region
-/// the ball about its middle, of the tolerances about the axes the least, and a free axis for one of pi.
-/// Path constraints and other goals are left out, and reported; without any goal `goals` is empty.
+/// Reads a motion request (moveit_msgs/MotionPlanRequest): start_state with what it has in the hand (all of
+/// it, or, of a diff, in place of and beside what the scene has there), group_name, and of each goal its
+/// joint constraints, else the position and orientation constraints of one link. Such a goal becomes a pose
+/// with tolerances that lie within what the constraints allow: of a region the ball about its middle, of the
+/// tolerances about the axes the least, and a free axis for one of pi. Path constraints and other goals are
+/// left out, and reported; without any goal `goals` is empty.
 ForeignProblem read_motion_request(const std::string& text, const std::filesystem::path& file,
                                    const SceneContext& context, std::vector<std::string>& left_out);
 

@@ -30,6 +30,11 @@ struct ForeignAttached {
   std::vector<ForeignSolid> pieces;  ///< none: the file shows no shape of it
 };
 
+/// A body that is taken off the robot: all of `link` when it has no name.
+struct ForeignDetached {
+  std::string name, link;
+};
+
 struct ForeignWorld {
   std::string name;
   std::vector<ForeignSolid> solids;
@@ -64,6 +69,8 @@ struct ForeignProblem {
   ForeignState start;
   std::vector<ForeignGoal> goals;  ///< any of them counts, the first before others
   std::vector<ForeignAttached> attached = {};
+  std::vector<ForeignDetached> detached = {};  ///< of what the world has in the robot's hand
+  bool keeps_attached = true;         ///< what the world has in the robot's hand is there, but for `detached`
   std::filesystem::path folder = {};  ///< of its file
 };
 

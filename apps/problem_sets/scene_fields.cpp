@@ -76,6 +76,8 @@ std::string ros_word(const YamlFields& fields, const std::string& key) {
   return fields.prose(key, "").empty() ? "" : fields.text(key);
 }
 
+bool ros_truth(const std::string& word) { return word == "true" || word == "True" || word == "1"; }
+
 std::string ros_operation(const YamlFields& object) {
   static const std::array<std::string, 4> known{"add", "remove", "append", "move"};
   std::string word;
@@ -177,21 +179,45 @@ std::vector<ForeignSolid> ros_solids(const YamlFields& object, const std::string
   return solids;
 }
 
-std::vector<ForeignAttached> ros_attached(const YamlFields& state, const PackageFolders& packages,
-                                          const std::filesystem::path& folder) {
-  std::vector<ForeignAttached> bodies;
+RosAttached ros_attached(const YamlFields& state, const PackageFolders& packages,
+                         const std::filesystem::path& folder) {
+  RosAttached bodies;
   for (const YamlFields& entry : state.list_of_maps("attached_collision_objects")) {
-    ForeignAttached& body = bodies.emplace_back();
     if (!entry.has("object")) entry.fail("object", "expected the object that is attached");
     const YamlFields object = entry.map("object");
+    const std::string operation = ros_operation(object);
+    if (operation == "remove") {
+      bodies.removed.push_back({ros_word(object, "id"), ros_word(entry, "link_name")});
+      continue;
+    }
+    if (operation != "add" && operation != "append") {
+      bodies.left_out.push_back("attached body " + quote(object.text("id")) +
+                                ", which is not added (operation " + quote(operation) + ")");
+      continue;
+    }
+    ForeignAttached& body = bodies.added.emplace_back();
     body.name = object.text("id");
-    body.link = entry.text("link_name", "");
+    body.link = ros_word(entry, "link_name");
     body.touches = entry.texts("touch_links");
     body.frame = ros_frame(object);
     const auto pose = object.has("pose") ? ros_pose(object.map("pose")) : Eigen::Isometry3d::Identity();
     body.pieces = ros_solids(object, body.name, pose, packages, folder);
   }
   return bodies;
+}
+
+std::map<std::string, Eigen::Isometry3d> known_frames(const SceneContext& context) {
+  std::map<std::string, Eigen::Isometry3d> frames = context.frames;
+  frames.try_emplace("", Eigen::Isometry3d::Identity());
+  frames.try_emplace("world", Eigen::Isometry3d::Identity());
+  return frames;
+}
+
+void put_into_map(const std::map<std::string, Eigen::Isometry3d>& frames, ForeignAttached& body) {
+  const auto known = frames.find(body.frame);
+  if (body.frame == body.link || known == frames.end()) return;
+  for (ForeignSolid& piece : body.pieces) piece.map_from_shape = known->second * piece.map_from_shape;
+  body.frame.clear();
 }
 
 }  // namespace clearway

@@ -23,6 +23,9 @@ Eigen::Isometry3d ros_pose(const YamlFields& fields, const std::string& position
 /// A word; empty when it is left out, or written as ROS writes an empty one: ''.
 std::string ros_word(const YamlFields& fields, const std::string& key);
 
+/// Whether a word says yes: true, True, 1.
+bool ros_truth(const std::string& word);
+
 /// What a moveit_msgs/CollisionObject's `operation` asks for: "add", the default, "remove", "append" or
 /// "move", or what else stands there. Written as such a word in letters of any size, as its number from 0, or
 /// as the character of that number.
@@ -49,8 +52,22 @@ std::vector<ForeignSolid> ros_solids(const YamlFields& object, const std::string
                                      const Eigen::Isometry3d& frame_from_object,
                                      const PackageFolders& packages, const std::filesystem::path& folder);
 
-/// attached_collision_objects of a moveit_msgs/RobotState; those without shapes have no pieces.
-std::vector<ForeignAttached> ros_attached(const YamlFields& state, const PackageFolders& packages,
-                                          const std::filesystem::path& folder);
+/// attached_collision_objects of a moveit_msgs/RobotState.
+struct RosAttached {
+  std::vector<ForeignAttached> added;    ///< those without shapes have no pieces
+  std::vector<ForeignDetached> removed;  ///< by their operation
+  std::vector<std::string> left_out;     ///< those with another operation
+};
+
+/// @param folder that files of meshes are relative to
+RosAttached ros_attached(const YamlFields& state, const PackageFolders& packages,
+                         const std::filesystem::path& folder);
+
+/// Frames by name: those of the context, with the map as "" and "world".
+std::map<std::string, Eigen::Isometry3d> known_frames(const SceneContext& context);
+
+/// Gives pieces of a body in a frame that stands still their poses in the map; a body in its link's frame
+/// stays.
+void put_into_map(const std::map<std::string, Eigen::Isometry3d>& frames, ForeignAttached& body);
 
 }  // namespace clearway

@@ -161,6 +161,88 @@ TEST_F(Import, WhatIsInTheHandIsALoadThatCountsForTheGoalAndThePath) {
   EXPECT_EQ(compared(folder_)["valid"], 1);
 }
 
+/// The names of what is in the hand: a scene has a rod and a cup there, a request says more of it.
+class ImportHand : public Import {
+ protected:
+  std::vector<std::string> loads(const std::string& start_state) {
+    std::filesystem::remove_all(folder_ / "out");
+    const auto body = [](const std::string& name) {
+      return "{link_name: lower, touch_links: [finger], object: {id: " + name +
+             ", header: {frame_id: lower}, primitives: [{type: box, dimensions: [0.02, 0.02, 0.02]}], "
+             "primitive_poses: [{position: [0.5, 0, 0]}]}}";
+    };
+    const std::string scene =
+        folder_.write("scene.yaml",
+                      "robot_state: {joint_state: {name: [shoulder, elbow, grip], position: [-1, 0, 0]}, "
+                      "attached_collision_objects: [" +
+                          body("rod") + ", " + body("cup") + "]}\nworld: {collision_objects: []}");
+    const std::string request = folder_.write(
+        "request.yaml", start_state +
+                            "goal_constraints: [{joint_constraints: [{joint_name: shoulder, position: 0.4}, "
+                            "{joint_name: elbow, position: 0}]}]");
+    const CommandRun run = import("mbm", {scene, request}, {"--json"});
+    EXPECT_EQ(run.status, exit_done) << run.log;
+    left_out_ = Json::parse(run.out)["left_out"];
+    std::vector<std::string> names;
+    suite_ = load_suite(folder_ / "out/suite.yaml");
+    for (const LoadSetup& load : suite_.experiments[0].problems[0].loads) names.push_back(load.name);
+    return names;
+  }
+
+  Json left_out_;
+  Suite suite_;
+};
+
+/// moveit_msgs/RobotState: is_diff says "whether or not to clear the attached bodies … before updating".
+TEST_F(ImportHand, OfASceneStaysWhereTheStartStateIsADiffOrSaysNothing) {
+  using Names = std::vector<std::string>;
+  const std::string joints = "joint_state: {name: [shoulder], position: [-0.9]}";
+  EXPECT_EQ(loads(""), (Names{"rod", "cup"}));
+  EXPECT_EQ(loads("start_state: {is_diff: false, joint_state: {name: [], position: []}}\n"),
+            (Names{"rod", "cup"}));
+  EXPECT_EQ(loads("start_state: {is_diff: True, " + joints + "}\n"), (Names{"rod", "cup"}));
+  EXPECT_EQ(left_out_, Json::array());
+  EXPECT_EQ(loads("start_state: {is_diff: False, " + joints + "}\n"), Names{});
+  EXPECT_EQ(left_out_.size(), 2U);
+  EXPECT_EQ(left_out_[0],
+            "request: attached body 'rod' of its scene, as its start_state is no diff and has other "
+            "bodies, or none");
+}
+
+TEST_F(ImportHand, IsEmptiedByTheOperationRemove) {
+  using Names = std::vector<std::string>;
+  const auto removed = [](const std::string& name, const std::string& operation,
+                          const std::string& link = "''") {
+    return "start_state: {is_diff: true, attached_collision_objects: [{link_name: " + link +
+           ", object: {id: " + name + ", operation: " + operation + "}}]}\n";
+  };
+  EXPECT_EQ(loads(removed("rod", "1")), Names{"cup"});
+  EXPECT_EQ(loads(removed("cup", "remove")), Names{"rod"});
+  EXPECT_EQ(loads(removed("''", "\"\\x01\"", "lower")), Names{});
+  EXPECT_EQ(loads(removed("''", "1", "upper")), (Names{"rod", "cup"}));
+  EXPECT_EQ(left_out_, Json::array());
+  EXPECT_EQ(loads(removed("cup", "3")), (Names{"rod", "cup"}));
+  EXPECT_EQ(left_out_, Json{"request.yaml: attached body 'cup', which is not added (operation 'move')"});
+}
+
+/// Robowflex writes bodies in the frame of the world: here 0.5 m beyond the elbow of the arm, which points
+/// along -y.
+TEST_F(ImportHand, OfARequestMayBeInAFrameThatStandsStill) {
+  for (const char* frame : {"world", "/world", "base", "''"}) {
+    const std::string half_pi = std::to_string(std::acos(0.0));
+    EXPECT_EQ(loads("start_state: {joint_state: {name: [shoulder, elbow, grip], position: [-" + half_pi +
+                    ", 0, 0]}, attached_collision_objects: [{link_name: lower, object: {id: pin, header: "
+                    "{frame_id: " +
+                    frame +
+                    "}, primitives: [{type: sphere, dimensions: [0.01]}], primitive_poses: [{position: [0, "
+                    "-0.9, 0]}]}}]}\n"),
+              std::vector<std::string>{"pin"})
+        << frame << left_out_;
+    const Eigen::Isometry3d& pose = suite_.experiments[0].problems[0].loads.at(0).link_from_load;
+    EXPECT_TRUE(pose.translation().isApprox(Eigen::Vector3d(0.5, 0, 0), 1e-5)) << frame << pose.matrix();
+  }
+}
+
 /// A request's own hand counts before the scene's, and shapes of all kinds are read by `compare`.
 TEST_F(Import, ShapesOfAllKindsInTheHandAreReadBack) {
   const std::string scene = folder_.write(

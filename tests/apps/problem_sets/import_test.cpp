@@ -41,10 +41,10 @@ TEST_F(Import, ScenesAndRequestsOfMotionBenchMakerBecomeASuiteThatIsSolved) {
                     "    - id: floating\n      header: {frame_id: somewhere}\n"
                     "      primitives: [{type: box, dimensions: [1, 1, 1]}]\n      primitive_poses: "
                     "[{position: [0, 0, 0]}]\n");
-  const std::string request =
-      folder_.write("request0001.yaml", arm_request +
-                                            "path_constraints:\n"
-                                            "  orientation_constraints: [{link_name: lower}]\n");
+  std::string request_text =
+      arm_request + "path_constraints:\n  orientation_constraints: [{link_name: lower}]\n";
+  request_text.insert(request_text.find("  joint_state"), "  is_diff: true\n");
+  const std::string request = folder_.write("request0001.yaml", request_text);
   const CommandRun run = import("mbm", {scene, request}, {"--json"});
   ASSERT_EQ(run.status, exit_done) << run.log;
   const Json said = Json::parse(run.out);
