@@ -98,8 +98,16 @@ class SuiteWriter {
   void require_some() const {
     if (!ready_.empty() || set_.problems.empty()) return;
     throw std::invalid_argument(
-        refusal_.empty() ? "import: no request has a goal of joint values or of a pose, expected at least one"
+        refusal_.empty() ? "import: no request has a goal of joint values or of a pose" + goal_left_out() +
+                               ", expected at least one"
                          : "import: no problem is for robot " + quote(whole_.name) + ": " + refusal_);
+  }
+
+  /// In brackets, the first goal that a file's reader could not use.
+  std::string goal_left_out() const {
+    for (const std::string& what : set_.left_out)
+      if (what.find(": a goal ") != std::string::npos) return " (" + what + ")";
+    return "";
   }
 
   /// The group that the user names; else the problem's, where the robot's SRDF has it; else the joints that

@@ -396,7 +396,8 @@ TEST_F(Import, RequestsWithoutAGoalAreNotSaidToBeForAnotherRobot) {
   const CommandRun run = import("mbm", {scene, request});
   EXPECT_EQ(run.status, exit_bad_input);
   EXPECT_EQ(run.log,
-            "clearway: import: no request has a goal of joint values or of a pose, expected at least one\n");
+            "clearway: import: no request has a goal of joint values or of a pose (b.yaml: a goal of an "
+            "orientation alone), expected at least one\n");
 }
 
 TEST_F(Import, WhatIsWrongIsReportedInOneSentence) {
