@@ -175,7 +175,7 @@ void require_apart_from(const RecordedSession& recorded, const TeachCommand& com
 int run_teach(const TeachCommand& command, Console& console) {
   RecordedSession recorded = session_of(command);
   const fs::path file = events_file(command);
-  const InputKeeper keeper(recorded.inputs, {recorded.source, command.source, file});
+  const InputKeeper keeper(recorded.inputs, {recorded.source, command.source, file}, recorded.folder);
   std::vector<TeachEvent> events = file.empty() ? std::vector<TeachEvent>{} : load_teach_events(file);
   ChosenSetup setup = setup_of(recorded);
   for (const TeachEvent& event : events)

@@ -43,15 +43,24 @@ void take_source(const fs::path& from, const fs::path& to) {
   }
 }
 
+/// The end of a path or question, which says what kind of file it is, in letters that any disk takes.
+std::string kept_name(const std::string& name) {
+  std::string last = fs::path(name).filename().string();
+  if (last.size() > 100) last.erase(0, last.size() - 100);
+  for (char& c : last) {
+    const bool is_letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    if (!is_letter && c != '.' && c != '-') c = '_';
+  }
+  return last.find_first_not_of('.') == std::string::npos ? "answer" : last;
+}
+
 /// files/001/camera.yaml for the first of them: names of our own, which end as the files' do.
 Json save_inputs(const std::map<std::string, std::string>& inputs, const fs::path& folder) {
   Json list = Json::array();
   for (const auto& [name, bytes] : inputs) {
     std::string number = std::to_string(list.size() + 1);
     number.insert(0, number.size() < 3 ? 3 - number.size() : 0, '0');
-    std::string last = fs::path(name).filename().string();
-    if (last.size() > 100) last.erase(0, last.size() - 100);  // the end says what kind of file it is
-    const fs::path kept = fs::path("files") / number / last;
+    const fs::path kept = fs::path("files") / number / kept_name(name);
     fs::create_directories((folder / kept).parent_path());
     save_file(folder / kept, bytes);
     list.push_back({{"of", name}, {"file", kept.string()}, {"sha256", sha256(bytes)}});
@@ -88,18 +97,21 @@ bool is_session_folder(const fs::path& folder) {
 
 void save_session(const RecordedSession& session, const std::map<std::string, std::string>& inputs,
                   const fs::path& folder) {
-  const fs::path source = fs::path("source") / fs::weakly_canonical(session.source).filename();
+  const fs::path source =
+      fs::path("source") / plain(fs::weakly_canonical(session.source).filename().string());
   if (!fs::exists(folder / source)) take_source(session.source, folder / source);
   const fs::path kept = folder / source;
-  const Json json{{"format", format},
-                  {"source", source.string()},
-                  {"sha256", fs::is_regular_file(kept) ? map_sha256(kept) : ""},
-                  {"setup_file", session.setup_file.empty() ? "" : fs::absolute(session.setup_file).string()},
-                  {"resolution", session.resolution},
-                  {"integration", session.integration},
-                  {"seed", session.seed},
-                  {"time_limit", session.time_limit},
-                  {"files", save_inputs(inputs, folder)}};
+  const Json json{
+      {"format", format},
+      {"source", source.string()},
+      {"sha256", fs::is_regular_file(kept) ? map_sha256(kept) : ""},
+      {"setup_file", plain(session.setup_file.empty() ? "" : fs::absolute(session.setup_file).string())},
+      {"folder", plain((session.folder.empty() ? fs::current_path() : session.folder).string())},
+      {"resolution", session.resolution},
+      {"integration", session.integration},
+      {"seed", session.seed},
+      {"time_limit", session.time_limit},
+      {"files", save_inputs(inputs, folder)}};
   save_file(folder / "session.json", json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
   if (!session.setup_text.empty()) save_file(folder / "setup.yaml", session.setup_text);
 }
@@ -126,6 +138,7 @@ RecordedSession load_session(const fs::path& folder) {
     throw std::invalid_argument("session " + quote_path(folder.string()) + ": its recording " +
                                 quote_path(source.string()) + " is not the one that it was made from");
   session.setup_file = field.at("setup_file").text();
+  if (field.has("folder")) session.folder = field.at("folder").text();
   session.resolution = field.at("resolution").number();
   if (session.resolution != 0.0 && !(session.resolution >= 1e-4 && session.resolution <= 100.0))
     field.at("resolution").refuse("0, or 0.0001 to 100 (metres)");

@@ -20,7 +20,8 @@ struct RecordedSession {
   double resolution = 0.0;    ///< m; 0: the setup's
   std::string integration{};  ///< empty: the setup's
   std::uint64_t seed = 1;
-  double time_limit = 60.0;  ///< s
+  double time_limit = 60.0;        ///< s
+  std::filesystem::path folder{};  ///< that its relative paths are of; empty: the current one
   /// Once loaded, where its copies of the files lie that it read beside its source: camera, robots, loads, …
   std::map<std::string, std::filesystem::path> inputs{};
 };

@@ -34,14 +34,20 @@ std::string bytes_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// As a path is asked for, but for dots and doubled slashes.
-std::string key_of(const fs::path& file) { return file.lexically_normal().string(); }
+/// Under which it is kept that a file was not there.
+std::string absence_of(const std::string& key) { return "absent: " + key; }
 
 }  // namespace
 
 struct InputKeeper::Store {
   static inline std::mutex mutex;  ///< of all that follows
   static inline Store* current = nullptr;
+  /// A forked process is a copy: the mutex, held by a thread that is not in it, would be held for ever.
+  static inline const int guard_forks =
+      ::pthread_atfork([] { mutex.lock(); }, [] { mutex.unlock(); }, [] { mutex.unlock(); });
+
+  fs::path whole(const fs::path& file) const { return (folder / file).lexically_normal(); }
+  std::string key_of(const fs::path& file) const { return plain(whole(file).string()); }
 
   bool is_apart(const fs::path& file) const {
     std::error_code error;
@@ -51,20 +57,25 @@ struct InputKeeper::Store {
     });
   }
 
-  void keep(const std::string& key, const fs::path& place) {
+  void keep(const fs::path& file, const fs::path& place) {
     std::error_code error;
-    if (kept.contains(key) || !fs::is_regular_file(place, error) || is_apart(key)) return;
+    const std::string key = key_of(file);
+    if (kept.contains(key) || !fs::is_regular_file(place, error)) return;
+    if (is_apart(file) || is_apart(whole(file))) return;
     if (fs::file_size(place, error) <= largest_kept && !error) kept[key] = bytes_of(place);
   }
 
   std::map<std::string, fs::path> given;
   std::map<std::string, std::string> kept;
   std::vector<std::string> apart;
+  fs::path folder;
 };
 
-InputKeeper::InputKeeper(std::map<std::string, fs::path> given, const std::vector<fs::path>& apart)
+InputKeeper::InputKeeper(std::map<std::string, fs::path> given, const std::vector<fs::path>& apart,
+                         fs::path folder)
     : store_(std::make_unique<Store>()) {
   store_->given = std::move(given);
+  store_->folder = folder.empty() ? fs::current_path() : std::move(folder);
   for (const fs::path& place : apart) {
     std::error_code error;
     if (!place.empty()) store_->apart.push_back(fs::weakly_canonical(place, error).string());
@@ -92,22 +103,33 @@ fs::path input_place(const fs::path& file) {
   const std::lock_guard lock(InputKeeper::Store::mutex);
   InputKeeper::Store* store = InputKeeper::Store::current;
   if (store == nullptr) return file;
-  const std::string key = key_of(file);
-  const auto given = store->given.find(key);
+  const auto given = store->given.find(store->key_of(file));
   fs::path place = given == store->given.end() ? file : given->second;
-  store->keep(key, place);
+  store->keep(file, place);
   return place;
+}
+
+fs::path whole_input_path(const fs::path& file) {
+  const std::lock_guard lock(InputKeeper::Store::mutex);
+  const InputKeeper::Store* store = InputKeeper::Store::current;
+  return store == nullptr ? fs::absolute(file) : store->folder / file;
 }
 
 bool is_input_there(const fs::path& file) {
   std::error_code error;
-  if (fs::is_regular_file(file, error)) return true;
+  const bool is_there = fs::is_regular_file(file, error);
   const std::lock_guard lock(InputKeeper::Store::mutex);
-  const InputKeeper::Store* store = InputKeeper::Store::current;
-  return store != nullptr && store->given.contains(key_of(file));
+  InputKeeper::Store* store = InputKeeper::Store::current;
+  if (store == nullptr) return is_there;
+  const std::string key = store->key_of(file), absence = absence_of(key);
+  if (store->given.contains(key)) return true;
+  if (is_there && !store->given.contains(absence)) return true;
+  store->kept[absence] = "";
+  return false;
 }
 
-std::string kept_answer(const std::string& question, const std::function<std::string()>& ask) {
+std::string kept_answer(const std::string& asked, const std::function<std::string()>& ask) {
+  const std::string question = plain(asked);
   std::unique_lock lock(InputKeeper::Store::mutex);
   InputKeeper::Store* store = InputKeeper::Store::current;
   if (store == nullptr) {

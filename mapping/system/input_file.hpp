@@ -19,19 +19,23 @@ class InputKeeper {
  public:
   /// @param given files to read by the path, or question, that is asked for
   /// @param apart files and folders of which nothing is kept
+  /// @param folder that relative paths are asked for from; empty: the current one
   /// @throws std::logic_error when there is one already
   explicit InputKeeper(std::map<std::string, std::filesystem::path> given = {},
-                       const std::vector<std::filesystem::path>& apart = {});
+                       const std::vector<std::filesystem::path>& apart = {},
+                       std::filesystem::path folder = {});
   ~InputKeeper();
   InputKeeper(const InputKeeper&) = delete;
   InputKeeper& operator=(const InputKeeper&) = delete;
 
-  /// Contents by path, answers by question. Files of more than 100 MB are left out.
+  /// Contents by whole path, answers by question, both as `plain` shows them. Files of more than 100 MB are
+  /// left out.
   std::map<std::string, std::string> kept() const;
 
  private:
   struct Store;
   friend std::filesystem::path input_place(const std::filesystem::path&);
+  friend std::filesystem::path whole_input_path(const std::filesystem::path&);
   friend bool is_input_there(const std::filesystem::path&);
   friend std::string kept_answer(const std::string&, const std::function<std::string()>&);
   std::unique_ptr<Store> store_;
@@ -41,7 +45,11 @@ class InputKeeper {
 /// was given it.
 std::filesystem::path input_place(const std::filesystem::path& file);
 
-/// Whether it is a regular file, on the disk or given to the InputKeeper.
+/// The whole path of one that is relative to the current folder, or to the InputKeeper's. For questions.
+std::filesystem::path whole_input_path(const std::filesystem::path& file);
+
+/// Whether it is a regular file. While an InputKeeper exists, the answer is kept, too, and what it is given
+/// counts: whether it is there then and what is there now.
 bool is_input_there(const std::filesystem::path& file);
 
 /// What `ask` answers, or what the InputKeeper was given for the question.

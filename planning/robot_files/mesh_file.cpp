@@ -115,7 +115,7 @@ fs::path in_folder(const fs::path& folder, const fs::path& name, const fs::path&
 /// An empty path, as that of a file given by its bare name, is the folder in which the program runs.
 fs::path whole_path(const fs::path& folder) {
   std::error_code error;
-  return fs::weakly_canonical(fs::current_path(error) / folder, error);
+  return fs::weakly_canonical(whole_input_path(folder), error);
 }
 
 /// What is found in `folder` or above, else where ROS keeps packages; empty: nowhere.

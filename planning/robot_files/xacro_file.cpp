@@ -91,7 +91,7 @@ bool is_xacro_name(const std::string& name) {
 
 std::string expanded_xacro(const std::filesystem::path& file, std::size_t largest,
                            const XacroArguments& arguments) {
-  std::vector<std::string> words{"xacro", std::filesystem::absolute(file).string()};
+  std::vector<std::string> words{"xacro", whole_input_path(file).string()};
   for (const auto& [name, value] : arguments) {
     if (!is_xacro_name(name))
       throw std::invalid_argument(file.string() + ": xacro argument " + quote(name) +

@@ -105,6 +105,38 @@ TEST_F(SessionFiles, AreUsedWhenTheFilesAreGoneOrOthers) {
   expect_same("moved");
 }
 
+/// As most people call it: from the folder where their files are. A file that was not there then is none now.
+TEST_F(SessionFiles, OfRelativePathsAreUsedWhereverItIsDoneAgain) {
+  const fs::path before = fs::current_path();
+  folder_.write("home/events.jsonl",
+                "{\"time\": 0, \"action\": \"robot\", \"robot\": \"stick.urdf\"}\n{\"time\": 0, \"action\": "
+                "\"attach\", \"load\": {\"name\": \"can\", \"mesh\": \"can.stl\", \"link\": \"rod\"}}\n");
+  fs::remove_all(folder_ / "taught");
+  fs::current_path(folder_.path());
+  first_ = run_command({"teach", "scans", "--setup", "home/setup.yaml", "--events", "home/events.jsonl",
+                        "--headless", "--out", "taught"});
+  fs::current_path(before);
+  ASSERT_EQ(first_.status, exit_done) << first_.log;
+  const CommandRun same = again("same");
+  EXPECT_EQ(same.status, exit_done) << same.log;
+  expect_same("same");
+  folder_.write("stick.yaml", "no settings");
+  folder_.write("stick.srdf", "no semantics");
+  const CommandRun beside = again("beside");
+  EXPECT_EQ(beside.status, exit_done) << beside.log;
+  expect_same("beside");
+  for (const char* name : {"home", "stick_parts", "stick.urdf", "scans"}) fs::remove_all(folder_ / name);
+  const CommandRun moved = again("moved");
+  EXPECT_EQ(moved.status, exit_done) << moved.log;
+  expect_same("moved");
+  fs::create_directory(folder_ / "elsewhere");
+  fs::current_path(folder_ / "elsewhere");
+  const CommandRun away = run_command({"replay", "../taught/session", "--out", "../away"});
+  fs::current_path(before);
+  EXPECT_EQ(away.status, exit_done) << away.log;
+  expect_same("away");
+}
+
 TEST_F(SessionFiles, ThatWereChangedInTheSessionAreRefused) {
   ASSERT_EQ(first_.status, exit_done) << first_.log;
   for (const auto& entry : fs::recursive_directory_iterator(folder_ / "taught/session/files"))

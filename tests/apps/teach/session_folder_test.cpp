@@ -24,5 +24,34 @@ TEST(SessionFolder, AScanThatIsALinkToNothingIsDamageInTheSessionToo) {
   EXPECT_NE(kept->damage()->find("2.pcd' cannot be read: No such file"), std::string::npos);
 }
 
+/// A question may end in a slash, names may be long, of dots alone, or no UTF-8.
+TEST(SessionFolder, KeepsInputsOfAnyName) {
+  const TemporaryFolder folder;
+  const std::string recording = folder.write(
+      "m\xf6"
+      "bel.pcd",
+      format_pcd({{1.0F, 0.0F, 0.0F}}));
+  std::string umlauts;
+  for (int i = 0; i < 60; ++i) umlauts += "\u00e4";
+  std::map<std::string, std::string> inputs{{"xacro /a/arm.xacro meshes:=/a/meshes/", "1"},
+                                            {"xacro /a/arm.xacro meshes:=/a/..", "2"},
+                                            {"package://a/b.stl from /", "3"},
+                                            {"/a/" + umlauts + ".stl", "4"},
+                                            {"/a/a b.STL", "5"}};
+  RecordedSession session;
+  session.source = recording;
+  save_session(session, inputs, folder / "session");
+  const RecordedSession loaded = load_session(folder / "session");
+  EXPECT_EQ(read_file(loaded.source), read_file(recording));
+  std::map<std::string, std::string> read;
+  for (const auto& [name, place] : loaded.inputs) {
+    read[name] = read_file(place);
+    EXPECT_TRUE(place.string().starts_with((folder / "session/files/").string())) << place;
+  }
+  EXPECT_EQ(read, inputs);
+  EXPECT_EQ(loaded.inputs.at("/a/a b.STL").extension(), ".STL");
+  EXPECT_EQ(loaded.inputs.at("/a/" + umlauts + ".stl").extension(), ".stl");
+}
+
 }  // namespace session_folder_test
 }  // namespace clearway

@@ -1,6 +1,7 @@
 // What is kept of what was read, and read again.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <thread>
 
 #include "mapping/system/child_process.hpp"
@@ -42,14 +43,79 @@ TEST(InputKeeper, WhatIsGivenIsReadInPlaceOfTheDisk) {
     EXPECT_EQ(read(changed), "first");
     EXPECT_TRUE(is_input_there(gone));
     EXPECT_FALSE(is_input_there(folder.file("nothing")));
+    EXPECT_FALSE(is_input_there(folder.file("late")));
     EXPECT_EQ(read(gone), "second");
     EXPECT_EQ(input_place(gone), folder.file("kept2"));
     // What was given is kept as what was read: a session that is done again can be done a third time.
-    EXPECT_EQ(keeper.kept(), (std::map<std::string, std::string>{{changed, "first"}, {gone, "second"}}));
+    EXPECT_EQ(keeper.kept(), (std::map<std::string, std::string>{{changed, "first"},
+                                                                 {gone, "second"},
+                                                                 {"absent: " + folder.file("late"), ""},
+                                                                 {"absent: " + folder.file("nothing"), ""}}));
+  }
+  folder.write("late", "it was not there");
+  EXPECT_TRUE(is_input_there(folder.file("late")));
+  {
+    const std::map<std::string, std::filesystem::path> given{
+        {"absent: " + folder.file("late"), folder.write("kept3", "")}};
+    const InputKeeper keeper(given);
+    EXPECT_FALSE(is_input_there(folder.file("late")));
+    EXPECT_TRUE(is_input_there(changed));
   }
   EXPECT_EQ(read(changed), "changed");
   EXPECT_FALSE(is_input_there(gone));
   EXPECT_EQ(input_place(gone), gone);
+}
+
+TEST(InputKeeper, RelativePathsAreOfItsFolder) {
+  const TemporaryFolder folder;
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::create_directory(folder / "there");
+  folder.write("there/a.txt", "first");
+  std::filesystem::current_path(folder / "there");
+  {
+    const InputKeeper keeper;
+    EXPECT_EQ(read("a.txt"), "first");
+    EXPECT_EQ(read("../there/./a.txt"), "first");
+    EXPECT_EQ(whole_input_path("b"), folder / "there/b");
+    EXPECT_EQ(keeper.kept(), (std::map<std::string, std::string>{{folder.file("there/a.txt"), "first"}}));
+  }
+  std::filesystem::current_path(before);
+  const std::map<std::string, std::filesystem::path> given{
+      {folder.file("there/a.txt"), folder.write("kept", "first")}};
+  const InputKeeper keeper(given, {}, folder / "there");
+  EXPECT_EQ(read("a.txt"), "first");
+  EXPECT_EQ(read(folder / "there/a.txt"), "first");
+  EXPECT_EQ(whole_input_path("b"), folder / "there/b");
+}
+
+TEST(InputKeeper, NamesThatAreNoUtf8AreKept) {
+  const TemporaryFolder folder;
+  folder.write("j\xf6rg", "first");
+  const InputKeeper keeper;
+  EXPECT_EQ(read(folder / "j\xf6rg"), "first");
+  EXPECT_EQ(keeper.kept(), (std::map<std::string, std::string>{{folder.file("j\\xf6rg"), "first"}}));
+}
+
+/// A child process is a copy of this one: what another thread holds while it is made would be held for ever.
+TEST(InputKeeper, ChildrenReadWhileOtherThreadsKeep) {
+  const TemporaryFolder folder;
+  folder.write("small", "text");
+  folder.write("large", std::string(std::size_t{30} << 20U, 'a'));
+  for (int i = 0; i < 8; ++i)
+    std::filesystem::create_hard_link(folder / "large", folder / ("large" + std::to_string(i)));
+  const InputKeeper keeper;
+  std::atomic<bool> is_done = false;
+  std::thread busy([&] {
+    for (int i = 0; i < 8 && !is_done; ++i) input_place(folder / ("large" + std::to_string(i)));
+    is_done = true;
+  });
+  while (!is_done) {
+    const ChildOutcome child =
+        run_in_child([&] { return read(folder / "small"); }, {.output = 100, .seconds = 5});
+    EXPECT_TRUE(child.finished) << child.failure;
+    if (!child.finished) is_done = true;
+  }
+  busy.join();
 }
 
 TEST(InputKeeper, AnswersAreAskedForOnceAndGivenBack) {
