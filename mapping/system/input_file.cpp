@@ -80,10 +80,6 @@ InputKeeper::InputKeeper(std::map<std::string, fs::path> given, const std::vecto
     std::error_code error;
     if (!place.empty()) store_->apart.push_back(fs::weakly_canonical(place, error).string());
   }
-  // A child that reads finds the mutex free, whatever other threads did when it was made.
-  static const int forks = ::pthread_atfork([] { Store::mutex.lock(); }, [] { Store::mutex.unlock(); },
-                                            [] { Store::mutex.unlock(); });
-  static_cast<void>(forks);
   const std::lock_guard lock(Store::mutex);
   if (Store::current != nullptr) throw std::logic_error("inputs are kept already");
   Store::current = store_.get();

@@ -1,7 +1,6 @@
 // What is kept of what was read, and read again.
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <thread>
 
 #include "mapping/system/child_process.hpp"
@@ -94,28 +93,6 @@ TEST(InputKeeper, NamesThatAreNoUtf8AreKept) {
   const InputKeeper keeper;
   EXPECT_EQ(read(folder / "j\xf6rg"), "first");
   EXPECT_EQ(keeper.kept(), (std::map<std::string, std::string>{{folder.file("j\\xf6rg"), "first"}}));
-}
-
-/// A child process is a copy of this one: what another thread holds while it is made would be held for ever.
-TEST(InputKeeper, ChildrenReadWhileOtherThreadsKeep) {
-  const TemporaryFolder folder;
-  folder.write("small", "text");
-  folder.write("large", std::string(std::size_t{30} << 20U, 'a'));
-  for (int i = 0; i < 8; ++i)
-    std::filesystem::create_hard_link(folder / "large", folder / ("large" + std::to_string(i)));
-  const InputKeeper keeper;
-  std::atomic<bool> is_done = false;
-  std::thread busy([&] {
-    for (int i = 0; i < 8 && !is_done; ++i) input_place(folder / ("large" + std::to_string(i)));
-    is_done = true;
-  });
-  while (!is_done) {
-    const ChildOutcome child =
-        run_in_child([&] { return read(folder / "small"); }, {.output = 100, .seconds = 5});
-    EXPECT_TRUE(child.finished) << child.failure;
-    if (!child.finished) is_done = true;
-  }
-  busy.join();
 }
 
 TEST(InputKeeper, AnswersAreAskedForOnceAndGivenBack) {
