@@ -108,7 +108,7 @@ fs::path input_place(const fs::path& file) {
 fs::path whole_input_path(const fs::path& file) {
   const std::lock_guard lock(InputKeeper::Store::mutex);
   const InputKeeper::Store* store = InputKeeper::Store::current;
-  return store == nullptr ? fs::absolute(file) : store->folder / file;
+  return (store == nullptr ? fs::current_path() : store->folder) / file;  // also of none
 }
 
 bool is_input_there(const fs::path& file) {
