@@ -96,7 +96,7 @@ void report(const ImportOptions& options, const ImportOutcome& outcome, Console&
 }  // namespace
 
 int run_import(const ImportOptions& options, Console& console) {
-  for (const char* name : {"import.json", "suite.yaml", "maps", "problems"})
+  for (const char* name : {"import.json", "suite.yaml", "maps", "problems", "hulls"})
     if (std::filesystem::exists(options.out / name))
       throw std::invalid_argument("--out: " + quote_path(options.out.string()) +
                                   " holds an import already, or what has its names, such as " + quote(name) +

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <stdexcept>
 
 #include "apps/problem_sets/file_words.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -57,6 +58,11 @@ class LoadMaker {
       if (link && frame && frame != link)
         load.link_from_load = map_from_[*link].inverse() * map_from_[*frame] * piece.map_from_shape;
       load.shape = solid_shape(piece);
+      constexpr std::size_t most_corners = 20'000;  // as of a robot's meshes
+      if (load.shape.vertices().size() > most_corners)
+        throw std::invalid_argument("attached body " + quote(body.name) + ": its convex hull has " +
+                                    std::to_string(load.shape.vertices().size()) +
+                                    " corners, expected at most 20000");
       for (const std::string& name : std::set<std::string>(body.touches.begin(), body.touches.end()))
         if (name != body.link && index_of(robot_, name)) load.touches.push_back(name);
       with_load(robot_, load);  // has it the link?

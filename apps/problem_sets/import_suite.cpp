@@ -261,7 +261,7 @@ class SuiteWriter {
     save_file(outcome_.suite, lines_of(suite));
   }
 
-  Json problem_entry(const std::string& name, const ReadyProblem& problem) const {
+  Json problem_entry(const std::string& name, const ReadyProblem& problem) {
     Json entry = {{"name", name},
                   {"world", world_words_[set_.problems[problem.index].world]},
                   {"start", numbers(problem.question.start)},
@@ -272,15 +272,30 @@ class SuiteWriter {
 
   static std::vector<double> numbers(const Eigen::VectorXd& values) { return {values.begin(), values.end()}; }
 
-  /// As a load's file has it.
-  static Json json_of(const Load& load) {
+  /// As a load's file has it, a hull of many corners in a file of its own, which loads that are alike share.
+  Json json_of(const Load& load) {
     const Eigen::Vector3d yaw_pitch_roll = load.link_from_load.linear().eulerAngles(2, 1, 0);
     std::vector<double> pose = numbers(load.link_from_load.translation());
     for (const int i : {2, 1, 0}) pose.push_back(yaw_pitch_roll[i]);
     Json json = {{"name", load.name}, {"link", load.link}, {"pose", pose}};
     if (!load.touches.empty()) json["touches"] = load.touches;
     json.update(clearway::json_of(load.shape));
+    constexpr std::size_t many_corners = 100;
+    if (load.shape.vertices().size() > many_corners) json["hull"] = hull_file(load);
     return json;
+  }
+
+  std::string hull_file(const Load& load) {
+    std::string text;
+    for (const Eigen::Vector3d& corner : load.shape.vertices())
+      for (int i = 0; i < 3; ++i) text += Json(corner[i]).dump() + (i < 2 ? ' ' : '\n');
+    const auto [known, is_new] = hulls_.try_emplace(text);
+    if (is_new) {
+      known->second = "hulls/" + hull_names_.of(load.name) + ".txt";
+      fs::create_directories(import_.out / "hulls");
+      save_file(import_.out / known->second, text);
+    }
+    return known->second;
   }
 
   Json experiment(const std::string& name, const Motion& motion) const {
@@ -362,7 +377,8 @@ class SuiteWriter {
   std::map<std::pair<std::string, std::map<std::string, double>>, Robot> robots_;
   std::vector<ReadyProblem> ready_;
   std::string refusal_;  ///< the first reason for which a problem was left out
-  FileWords words_;
+  FileWords words_, hull_names_;
+  std::map<std::string, std::string> hulls_;  ///< their files by their text
   std::vector<std::string> world_words_;
   std::vector<std::vector<std::size_t>> cells_;
   ImportOutcome outcome_;

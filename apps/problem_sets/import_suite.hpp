@@ -28,11 +28,11 @@ struct ImportOutcome {
 /// when there is one alone. @throws std::invalid_argument naming the request that has no scene, or several.
 void pair_requests(ForeignSet& set);
 
-/// Writes OUT/maps/WORLD for each world, OUT/suite.yaml with OUT/problems/EXPERIMENT.yaml, and
-/// OUT/import.json, which names objects, groups and what was left out. Problems that move other joints, or
-/// hold others elsewhere, make experiments of their own. Joints that a goal does not name stand where the
-/// start has them. A goal that is a pose becomes joint values, and of several goals one is chosen: see
-/// choose_goal. What is in the hand becomes loads.
+/// Writes OUT/maps/WORLD for each world, OUT/suite.yaml with OUT/problems/EXPERIMENT.yaml, OUT/hulls/LOAD.txt
+/// for loads of many corners, and OUT/import.json, which names objects, groups and what was left out.
+/// Problems that move other joints, or hold others elsewhere, make experiments of their own. Joints that a
+/// goal does not name stand where the start has them. A goal that is a pose becomes joint values, and of
+/// several goals one is chosen: see choose_goal. What is in the hand becomes loads.
 /// @throws std::invalid_argument when a problem does not fit the robot, std::runtime_error when a file cannot
 /// be written.
 ImportOutcome write_suite(const ForeignSet& set, const SuiteImport& import);

@@ -1,7 +1,14 @@
 #include "datasets/descriptions/load_setup.hpp"
 
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+#include <string_view>
+
 #include "datasets/descriptions/setup.hpp"
 #include "datasets/descriptions/yaml_fields.hpp"
+#include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -11,10 +18,40 @@ namespace {
 constexpr Bounds sizes{1e-6, 1e3};    ///< metres, as of a robot's bodies
 constexpr Bounds factors{1e-6, 1e6};  ///< of meshes, the same
 
-LoadHull read_hull(const YamlFields& fields) {
+/// A file of points: three numbers a line.
+std::vector<Eigen::Vector3d> points_of_file(const std::filesystem::path& file) {
+  const std::string text = read_input(file, "hull", 16U << 20U);
+  std::vector<Eigen::Vector3d> points;
+  for (std::size_t at = 0, line = 1; at < text.size(); ++line) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    const char *begin = text.data() + at, *const stop = text.data() + end;
+    Eigen::Vector3d point;
+    for (double& value : point) {
+      while (begin != stop && (*begin == ' ' || *begin == '\t')) ++begin;
+      const auto [after, error] = std::from_chars(begin, stop, value);
+      const bool is_number = error == std::errc() && std::abs(value) <= within_reach.high &&
+                             (after == stop || *after == ' ' || *after == '\t' || *after == '\r');
+      if (!is_number)
+        throw std::invalid_argument("hull " + quote_path(file.string()) + ", line " + std::to_string(line) +
+                                    ": expected three numbers from -1000000 to 1000000.");
+      begin = after;
+    }
+    if (std::string_view(begin, stop).find_first_not_of(" \t\r") != std::string_view::npos)
+      throw std::invalid_argument("hull " + quote_path(file.string()) + ", line " + std::to_string(line) +
+                                  ": expected three numbers, got more.");
+    points.push_back(point);
+    at = end + 1;
+  }
+  return points;
+}
+
+LoadHull read_hull(const YamlFields& fields, const std::filesystem::path& folder) {
   LoadHull hull;
-  for (const auto& point : fields.lists_of_numbers("hull", within_reach, 3))
-    hull.points.emplace_back(point.data());
+  if (fields.is_list("hull"))
+    for (const auto& point : fields.lists_of_numbers("hull", within_reach, 3))
+      hull.points.emplace_back(point.data());
+  else
+    hull.points = points_of_file(folder / fields.file("hull"));
   constexpr std::size_t most = 100'000;
   if (hull.points.empty() || hull.points.size() > most)
     fields.fail("hull", "expected 1 to " + std::to_string(most) + " points");
@@ -31,7 +68,7 @@ LoadShape read_load_shape(const YamlFields& fields, const std::filesystem::path&
   if (fields.has("box")) return LoadBox{Eigen::Vector3d(fields.numbers("box", sizes, 3).data())};
   if (fields.has("sphere")) return LoadSphere{fields.number("sphere", sizes)};
   if (fields.has("mesh")) return LoadMesh{folder / fields.file("mesh"), fields.number("scale", factors, 1)};
-  if (fields.has("hull")) return read_hull(fields);
+  if (fields.has("hull")) return read_hull(fields, folder);
   const bool is_capsule = fields.has("capsule");
   const auto size = fields.numbers(is_capsule ? "capsule" : "cylinder", sizes, 2);
   if (is_capsule) return LoadCapsule{size[0], size[1]};

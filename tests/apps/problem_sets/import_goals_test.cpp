@@ -277,5 +277,47 @@ TEST_F(Import, ShapesOfAllKindsInTheHandAreReadBack) {
   EXPECT_EQ(compared(folder_)["valid"], 1);
 }
 
+/// A ball of 600 corners in the hand of each of 120 problems: `compare` reads at most 250,000 words of a
+/// file.
+TEST_F(Import, MeshesInTheHandOfManyProblemsAreWrittenOnce) {
+  std::string mesh = "solid ball\n";
+  std::vector<Eigen::Vector3d> corners;
+  for (int i = 0; i < 600; ++i) {
+    const double z = 1.0 - (2.0 * i + 1.0) / 600.0, turn = 2.4 * i, radius = std::sqrt(1.0 - z * z);
+    corners.emplace_back(0.1 * radius * std::cos(turn), 0.1 * radius * std::sin(turn), 0.1 * z);
+  }
+  for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
+    mesh += "facet normal 0 0 1\nouter loop\n";
+    for (std::size_t k = i; k < i + 3; ++k)
+      mesh += "vertex " + std::to_string(corners[k].x()) + " " + std::to_string(corners[k].y()) + " " +
+              std::to_string(corners[k].z()) + "\n";
+    mesh += "endloop\nendfacet\n";
+  }
+  folder_.write("ball.stl", mesh + "endsolid ball\n");
+  Arguments files{folder_.write("scene.yaml", "world: {collision_objects: []}")};
+  for (int i = 0; i < 120; ++i)
+    files.push_back(folder_.write(
+        "request" + std::to_string(i) + ".yaml",
+        "start_state: {joint_state: {name: [shoulder, elbow, grip], position: [-1, 0, 0]}, "
+        "attached_collision_objects: [{link_name: lower, touch_links: [finger], object: {id: ball, header: "
+        "{frame_id: lower}, meshes: [{resource: ball.stl}]}}]}\ngoal_constraints: [{joint_constraints: "
+        "[{joint_name: shoulder, position: 0.4}, {joint_name: elbow, position: 0}]}]"));
+  const CommandRun run = import("mbm", files, {"--json"});
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  EXPECT_EQ(Json::parse(run.out)["left_out"], Json::array());
+  const std::vector<SuiteProblem> problems = load_suite(folder_ / "out/suite.yaml").experiments[0].problems;
+  ASSERT_EQ(problems.size(), 120U);
+  for (const SuiteProblem& problem : {problems.front(), problems.back()}) {
+    const auto& points = std::get<LoadHull>(problem.loads.at(0).shape).points;
+    ASSERT_EQ(points.size(), 600U);
+    for (const Eigen::Vector3d& point : points) {
+      double nearest = 1.0;
+      for (const Eigen::Vector3d& corner : corners) nearest = std::min(nearest, (corner - point).norm());
+      EXPECT_LT(nearest, 2e-6) << point.transpose();
+    }
+  }
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_ / "out/hulls"), {}), 1);
+}
+
 }  // namespace import_test
 }  // namespace clearway

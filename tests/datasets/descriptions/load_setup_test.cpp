@@ -68,6 +68,26 @@ TEST_F(LoadFiles, AreRefusedInASentenceThatNamesTheKey) {
   names("map", "[1, 2]");
 }
 
+TEST_F(LoadFiles, HaveAHullAsPointsOrInAFile) {
+  const std::vector<Eigen::Vector3d> expected{{0.1, -2e-3, 3.0}, {1, 2, 3}};
+  EXPECT_EQ(std::get<LoadHull>(load("{name: a, hull: [[0.1, -2e-3, 3], [1, 2, 3]], link: b}").shape).points,
+            expected);
+  const std::string text = "{name: a, hull: hull.txt, link: b}";
+  for (const char* points : {"0.1 -2e-3 3.0\n1 2 3", " 0.1\t-2e-3  3 \r\n1 2 3\r\n"}) {
+    folder_.write("hull.txt", points);
+    EXPECT_EQ(std::get<LoadHull>(load(text).shape).points, expected);
+  }
+  for (const char* points :
+       {"1 2", "1 2 3 4", "1 2 nan", "1 2 inf", "1 2 3\n\n1 2 3", "a b c", "1,2,3", "1 2 1e7"}) {
+    folder_.write("hull.txt", points);
+    EXPECT_NE(sentence(text).find("hull.txt', line "), std::string::npos) << sentence(text);
+  }
+  folder_.write("hull.txt", "");
+  EXPECT_NE(sentence(text).find("expected 1 to 100000 points"), std::string::npos) << sentence(text);
+  EXPECT_NE(sentence("{name: a, hull: none.txt, link: b}").find("none.txt' cannot be read"),
+            std::string::npos);
+}
+
 TEST(LoadsOfASetup, AreFoundByNameAndSayNoLegs) {
   const auto setup = [](const std::string& loads) {
     return parse_setup("loads: [" + loads +
