@@ -81,24 +81,18 @@ Sweep sweep(const fs::path& folder, int problems) {
 BenchResult bench_sweep(const BenchOptions& options) {
   const fs::path folder = fs::temp_directory_path() / ("clearway_bench_sweep_" + std::to_string(::getpid()));
   fs::create_directories(folder);
-  std::vector<double> wall, own, overhead, once;
+  std::vector<double> wall, own, overhead;
   for (int i = 0; i < options.runs; ++i) {
     options.say_run(i, options.runs);
     const Sweep small = sweep(folder, few), large = sweep(folder, many);
     wall.push_back((large.wall - small.wall) / (many - few));
     own.push_back((large.own - small.own) / (many - few));
     overhead.push_back(wall.back() - own.back());
-    once.push_back(small.wall - small.own - few * overhead.back());
   }
   std::error_code error;
   fs::remove_all(folder, error);
-  BenchResult result{median(wall),
-                     median(own),
-                     "the runs' own planning, check and motion",
-                     "s a problem",
-                     true,
-                     options.runs,
-                     {{"overhead_ms", 1e3 * median(overhead)}, {"start_ms", 1e3 * median(once)}}};
+  BenchResult result{median(wall), median(own),  "the runs' own planning, check and motion", "s a problem",
+                     true,         options.runs, {{"overhead_ms", 1e3 * median(overhead)}}};
   result.compared =
       "`clearway compare --jobs 1 --worst-pages 0` over " + std::to_string(many) + " and over " +
       std::to_string(few) +
@@ -109,8 +103,7 @@ BenchResult bench_sweep(const BenchOptions& options) {
                     {"ms", ""},
                     {{"a problem more", figure(1e3 * median(wall))},
                      {"of it planning, check, motion", figure(1e3 * median(own))},
-                     {"the rest", figure(1e3 * median(overhead))},
-                     {"once, for suite and robot", figure(1e3 * median(once))}}}};
+                     {"the rest", figure(1e3 * median(overhead))}}}};
   return result;
 }
 
