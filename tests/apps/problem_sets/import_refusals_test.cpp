@@ -1,0 +1,79 @@
+// What `clearway import` refuses, each in one sentence.
+#include <gtest/gtest.h>
+
+#include "tests/apps/problem_sets/import_fixture.hpp"
+
+namespace clearway {
+namespace import_test {
+
+TEST_F(Import, ARequestForAnotherRobotIsRefusedWithTheJointThatItNames) {
+  const std::string scene = folder_.write("a.yaml", "world: {collision_objects: []}");
+  const std::string request = folder_.write(
+      "b.yaml", "goal_constraints: [{joint_constraints: [{joint_name: shoulder_1, position: 0}]}]");
+  const CommandRun run = import("mbm", {scene, request});
+  EXPECT_EQ(run.status, exit_bad_input);
+  EXPECT_NE(
+      run.log.find("names joint 'shoulder_1', which robot 'arm' does not have, did you mean 'shoulder'?"),
+      std::string::npos)
+      << run.log;
+}
+
+TEST_F(Import, RequestsWithoutAGoalAreNotSaidToBeForAnotherRobot) {
+  const std::string scene = folder_.write("a.yaml", "world: {collision_objects: []}");
+  const std::string request =
+      folder_.write("b.yaml", "goal_constraints: [{orientation_constraints: [{link_name: lower}]}]");
+  const CommandRun run = import("mbm", {scene, request});
+  EXPECT_EQ(run.status, exit_bad_input);
+  EXPECT_EQ(run.log,
+            "clearway: import: no request has a goal of joint values or of a pose (b.yaml: a goal of an "
+            "orientation alone), expected at least one\n");
+}
+
+TEST_F(Import, WhatIsWrongIsReportedInOneSentence) {
+  const auto expect_refused = [&](const std::string& kind, const std::string& name, const std::string& text,
+                                  const std::string& expected) {
+    const CommandRun run = import(kind, {folder_.write(name, text)});
+    EXPECT_EQ(run.status, exit_bad_input) << name;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
+    EXPECT_NE(run.log.find(expected), std::string::npos) << run.log;
+    EXPECT_FALSE(std::filesystem::exists(folder_.path() / "out/import.json"));
+  };
+  const std::string object = "world: {collision_objects: [{id: a, ";
+  expect_refused("mbm", "a.yaml", "a: [", "a.yaml");
+  expect_refused("mbm", "a.yaml", "x: 1", "expected a scene with 'world', or a request");
+  expect_refused("mbm", "a.yaml",
+                 object + "primitives: [{type: torus, dimensions: [1]}], primitive_poses: [{}]}]}", "torus");
+  expect_refused("mbm", "a.yaml", object + "primitives: [{type: box, dimensions: [1, 2]}]}]}", "dimensions");
+  expect_refused("mbm", "a.yaml", object + "primitives: [{type: sphere, dimensions: [-1]}]}]}", "dimensions");
+  expect_refused(
+      "mbm", "a.yaml",
+      object +
+          "primitives: [{type: sphere, dimensions: [1]}], primitive_poses: [{orientation: [1, 1, 1, 1]}]}]}",
+      "expected a unit quaternion");
+  expect_refused("mbm", "a.yaml", object + "meshes: [{resource: no.stl}]}]}", "no.stl");
+  const std::string triangle = object + "meshes: [{vertices: [[0, 0, 0], [1, 0, 0], {x: 0, y: 1, z: 0}], ";
+  for (const auto& [triangles, expected] :
+       {std::pair{"[0, 1]", "expected 3 numbers for each row, got 2"},
+        std::pair{"[[0, 1]]", "expected 3 numbers in each of its rows, got 2"},
+        std::pair{"[[0, 1, 3]]", "expected a number from 0 to 2, got '3'"},
+        std::pair{"[[0, 1, 0.5]]", "expected whole numbers"},
+        std::pair{"[{indices: [0, 1, 2]}]", "expected 'vertex_indices' in each of its maps"},
+        std::pair{"[[0, 1, 2], 0]", "expected a list of numbers, got '0'"},
+        std::pair{"[]", "expected at least one"}})
+    expect_refused("mbm", "a.yaml", triangle + "triangles: " + triangles + "}]}]}", expected);
+  expect_refused("mbm", "a.yaml", object + "meshes: [{vertices: [], triangles: []}]}]}",
+                 "expected at least one");
+  expect_refused("mbm", "a.yaml", arm_request, "no file is a scene");
+  expect_refused("scene", "a.scene", "name\n* a\n1\nbox\n1 1\n.\n",
+                 "line 6: expected a size in metres, got '.'");
+  expect_refused("scene", "a.scene", "name\n* a\n1\nbox\n1 1 1\n0 0 0\n0 0 0 1\n0 0 0 0\n",
+                 "expected '*' before an object");
+  expect_refused("scene", "a.scene", "name\n* a\n1e9\n", "number of shapes");
+  expect_refused("json", "a.json",
+                 "{\"problems\": {\"a\": [{\"start\": [0], \"goals\": [[1]], \"box\": [{}]}]}}", "position");
+  expect_refused("json", "a.json", "{\"problems\": 3}", "problems");
+  expect_refused("json", "a.json", "[", "not valid JSON");
+}
+
+}  // namespace import_test
+}  // namespace clearway
