@@ -49,13 +49,11 @@ PoseGoals::Choices PoseGoals::choices_of(std::size_t goal) const {
   const GoalPose& wanted = poses_[goal].pose;
   const Configuration near = goal == 0 ? start_ : choices_[goal - 1].configurations[choices_[goal - 1].at];
   const std::vector<Eigen::Isometry3d> poses = poses_of(wanted);
-  const std::size_t exact = poses_of({wanted.map_from_tip, 0.0, 0.0, wanted.free_axis}).size();
+  const GoalPose in_place{wanted.map_from_tip, 0.0, 0.0, wanted.free_axis};
+  const std::size_t exact = poses_of(in_place).size();
   Choices choices;
   std::vector<Configuration> blocked;
-  for (std::size_t i = 0; i < poses.size() && choices.free < most_choices; ++i) {
-    if (i >= exact && choices.free > 0) break;  // elsewhere is for goals that cannot be reached exactly
-    const auto found = i == 0 ? goal_configurations(robot_, poses[i], near)
-                              : goal_configurations(robot_, poses[i], near, starts_of_variant);
+  const auto take = [&](const std::vector<Configuration>& found) {
     for (const Configuration& q : found) {
       if (!space_.is_free(q)) {
         blocked.push_back(q);
@@ -64,7 +62,17 @@ PoseGoals::Choices PoseGoals::choices_of(std::size_t goal) const {
         ++choices.free;
       }
     }
+  };
+  take(goal_configurations(robot_, poses[0], near));
+  for (std::size_t i = 1; i < poses.size() && choices.free < most_choices; ++i) {
+    if (i == exact) {  // elsewhere is for goals that cannot be reached exactly
+      if (choices.free == 0 && wanted.free_axis) take(goal_configurations(robot_, in_place, near));
+      if (choices.free > 0) break;
+    }
+    take(goal_configurations(robot_, poses[i], near, starts_of_variant));
   }
+  // Poses drawn from the goal miss what an arm of few joints reaches of it.
+  if (choices.free == 0 && !wanted.is_exact()) take(goal_configurations(robot_, wanted, near));
   const auto is_nearer = [&](const Configuration& a, const Configuration& b) {
     return largest_difference(a, near) < largest_difference(b, near);
   };
@@ -75,8 +83,14 @@ PoseGoals::Choices PoseGoals::choices_of(std::size_t goal) const {
     throw std::invalid_argument(poses_[goal].name + ": no configuration of robot " + quote(robot_.name) +
                                 " within its limits was found that puts link " +
                                 quote(robot_.links[static_cast<std::size_t>(robot_.tip_link)].name) +
-                                " there, expected a pose within reach");
+                                " there, expected a pose within reach" + hint_of(wanted));
   return choices;
+}
+
+std::string PoseGoals::hint_of(const GoalPose& wanted) const {
+  if (robot_.dof() >= 6 || !wanted.is_exact()) return {};
+  return "; an arm of " + std::to_string(robot_.dof()) +
+         " joints reaches few poses exactly: leave a turn open (free axis, turn tolerance)";
 }
 
 Plan plan_to_poses(PlanQuery query, PoseGoals goals) {

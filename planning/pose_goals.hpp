@@ -40,6 +40,7 @@ class PoseGoals {
   };
   Choices choices_of(std::size_t goal) const;
   void choose_from(std::size_t goal);
+  std::string hint_of(const GoalPose& wanted) const;  ///< empty: none
 
   const ConfigurationSpace& space_;
   Robot robot_;

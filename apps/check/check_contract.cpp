@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <tuple>
 
 #include "apps/check/recorded_terms.hpp"
+#include "apps/check/robot_terms.hpp"
 #include "apps/console/parse.hpp"
+#include "apps/query/goal_poses.hpp"
 #include "apps/query/loads.hpp"
 #include "apps/query/query.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -160,8 +163,23 @@ class Statement {
     return {plan_.start, TermSource::plan};
   }
 
-  /// Of a pick the plan says where its legs end, but for the last one to a goal that is stated.
-  Term<std::vector<Configuration>> goals(bool picks) const {
+  /// Poses in place of goals, by flag, else by the record.
+  std::pair<std::vector<GoalPose>, std::string> goal_poses() const {
+    std::vector<GoalPose> poses;
+    for (const NamedGoalPose& named : choose_goal_poses(options_.goal_poses, !options_.goals.empty(), robot_))
+      poses.push_back(named.pose);
+    if (!poses.empty()) return {poses, options_.goal_poses.tip};
+    if (!options_.goals.empty() || !query_) return {};
+    with_tip_of(robot_, query_->tip);
+    return {query_->goal_poses, query_->tip};
+  }
+
+  /// Of a pick the plan says where its legs end, but for the last one to a goal that is stated; of goals that
+  /// are poses it says which configurations they are.
+  Term<std::vector<Configuration>> goals(bool picks, std::size_t poses) const {
+    if (poses > 0)
+      return {ends_of_legs(poses + (picks ? names_of_legs(false).size() : 0)),
+              options_.goal_poses.poses.empty() ? TermSource::map : TermSource::flag};
     std::vector<Configuration> goals;
     for (const std::string& goal : options_.goals) goals.push_back(configuration(goal, "--goal"));
     if (picks) {
@@ -178,6 +196,18 @@ class Statement {
   }
 
  private:
+  /// Of no size where the plan has neither a path nor a goal for the leg.
+  std::vector<Configuration> ends_of_legs(std::size_t count) const {
+    std::vector<Configuration> ends(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      if (i < plan_.legs.size() && !plan_.legs[i].waypoints.empty())
+        ends[i] = plan_.legs[i].waypoints.back();
+      else if (i < plan_.goals.size())
+        ends[i] = plan_.goals[i];
+    }
+    return ends;
+  }
+
   /// The map's record of other queries for this robot bounds the policies of a plan; where it has none, what
   /// the plan has looser than by default is noted.
   void bound_plan(const std::map<std::string, Policy>& by_default, std::map<std::string, Term<Policy>>& terms,
@@ -231,90 +261,7 @@ class Statement {
   const QueryTerms* query_;
 };
 
-void require_same_joints(const Robot& robot, const Plan& plan, const std::filesystem::path& file) {
-  if (joint_names(robot) == plan.joints) return;
-  throw std::invalid_argument(file.string() + ": field 'joints': the plan is for " +
-                              std::to_string(plan.joints.size()) + " joints that are not those of robot " +
-                              quote(robot.name) + " (" + std::to_string(robot.dof()) + " joints)");
-}
-
-RobotRequest without_choices(const RobotChoice& choice) {
-  RobotRequest request = robot_request(choice);
-  request.group.clear();
-  request.fixed.clear();
-  return request;
-}
-
-Term<std::string> group_of(const CheckOptions& options, const Robot& robot) {
-  if (!options.robot.group.empty()) return {robot.group, TermSource::flag};
-  if (robot.group.empty()) return {};
-  const bool is_own = robot.group == load_robot(without_choices(options.robot)).group;
-  return {robot.group, is_own ? TermSource::by_default : TermSource::plan};
-}
-
-/// One note for each joint that the plan holds elsewhere than the robot's own files do.
-void note_held(const CheckOptions& options, const Contract& contract, const Robot& robot,
-               std::vector<std::string>& notes) {
-  const auto is_plans = [](const auto& joint) { return joint.second.source == TermSource::plan; };
-  if (std::none_of(contract.held.begin(), contract.held.end(), is_plans)) return;
-  RobotRequest request = robot_request(options.robot);
-  request.group = robot.group;
-  const Robot own = load_robot(request);
-  for (const auto& [name, term] : contract.held) {
-    if (term.source != TermSource::plan) continue;
-    const auto by_default = std::find_if(own.held.begin(), own.held.end(),
-                                         [&](const HeldJoint& joint) { return joint.name == name; });
-    if (by_default == own.held.end())
-      notes.push_back("joint " + shortened(name) + " stands at " + significant(term.value) +
-                      " by the plan; by default it moves");
-    else if (by_default->value != term.value)
-      notes.push_back("joint " + shortened(name) + " stands at " + significant(term.value) +
-                      " by the plan; by default at " + significant(by_default->value));
-  }
-}
-
-/// The robot is the user's word, with what its .xacro was expanded with; a plan of another one is judged for
-/// it, and the user told.
-void note_xacro(const Robot& robot, const Plan& plan, std::vector<std::string>& notes) {
-  if (plan.xacro == robot.xacro) return;
-  const auto told = [](const std::map<std::string, std::string>& arguments) {
-    std::string text;
-    for (const auto& [name, value] : arguments) text += (text.empty() ? "" : " ") + name + ":=" + value;
-    return text.empty() ? std::string("none") : shortened(text);
-  };
-  notes.push_back("the plan was made with other xacro arguments (" + told(plan.xacro) +
-                  ") than those of the robot that is checked (" + told(robot.xacro) + ")");
-}
-
-TermSource source_of(const CheckOptions& options, const Plan& plan, const HeldJoint& joint) {
-  if (joint.source != HoldSource::asked) return TermSource::by_default;
-  return robot_request(options.robot).fixed.contains(joint.name) || !plan.held.contains(joint.name)
-             ? TermSource::flag
-             : TermSource::plan;
-}
-
 }  // namespace
-
-Robot robot_to_check(const CheckOptions& options, const Plan& plan) {
-  RobotRequest request = robot_request(options.robot);
-  Robot robot = load_robot(request);
-  const bool is_stated =
-      !request.group.empty() || !robot.group.empty();  // by flag, or by the robot's settings
-  if (plan.held.empty()) return robot;
-  const auto is_free_to_stand = [&](const std::string& name) {
-    for (const HeldJoint& joint : robot.held) {
-      if (joint.name != name) continue;
-      return joint.source == HoldSource::zero || joint.source == HoldSource::default_state;
-    }
-    return !is_stated;  // a joint that moves by the user's own word is not held by the plan's
-  };
-  if (!is_stated) request.group = plan.group;
-  const std::map<std::string, double> asked = request.fixed;
-  if (request.group != robot.group) robot = load_robot(request);
-  for (const auto& [name, value] : plan.held)
-    if (!asked.contains(name) && is_free_to_stand(name)) request.fixed[name] = value;
-  return load_robot(request);
-}
 
 std::string_view to_string(TermSource source) {
   switch (source) {
@@ -339,12 +286,7 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
       recorded_terms(record, question_of(options, plan, robot), map_digest, contract.notes);
   if (recorded.query) contract.query = recorded.query->name;
   const Statement statement(options, plan, robot, map, recorded);
-  contract.robot = {options.robot.robot, TermSource::flag};
-  contract.group = group_of(options, robot);
-  for (const HeldJoint& joint : robot.held)
-    contract.held[joint.name] = {joint.value, source_of(options, plan, joint)};
-  note_held(options, contract, robot, contract.notes);
-  note_xacro(robot, plan, contract.notes);
+  state_robot(options, plan, robot, contract);
   contract.scale = statement.scale();
   contract.map_from_base = statement.base(contract.notes);
   contract.pick = statement.pick();
@@ -380,7 +322,8 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
   }
   contract.map_sha256 = {map_digest, TermSource::flag};
   contract.start = statement.start();
-  contract.goals = statement.goals(contract.pick.value.has_value());
+  std::tie(contract.goal_poses, contract.tip) = statement.goal_poses();
+  contract.goals = statement.goals(contract.pick.value.has_value(), contract.goal_poses.size());
   return contract;
 }
 

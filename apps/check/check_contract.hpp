@@ -48,6 +48,9 @@ struct Contract {
   Term<std::string> map_sha256;
   Term<Configuration> start;
   Term<std::vector<Configuration>> goals;
+  /// Poses in place of goals, one for each of the last legs: then `goals` are where the plan's legs end.
+  std::vector<GoalPose> goal_poses;
+  std::string tip;                 ///< link that they place; empty: the robot's own tip
   std::string query;               ///< name of the map's query that terms are taken from; empty: none
   std::vector<std::string> notes;  ///< what a reader should know of the sources, one sentence each
 };
@@ -81,8 +84,10 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
 
 /// All in which the plan loosens the contract: another robot, scale, base or map; a policy that is looser or
 /// missing, a smaller padding; a load that is missing or another, a smaller payload or another gravity;
-/// another start, goals that its legs do not reach one after the other. What the plan tightens is none.
-std::vector<Deviation> deviations(const Contract& contract, const Plan& plan,
+/// another start, goals or poses of goals that its legs do not reach one after the other. What the plan
+/// tightens is none.
+/// @param robot robot_to_check()
+std::vector<Deviation> deviations(const Contract& contract, const Plan& plan, const Robot& robot,
                                   const std::set<AcceptedTerm>& accepted);
 
 /// Takes from the plan what it loosens and the user accepts: scale, base, policies, padding, loads, payload

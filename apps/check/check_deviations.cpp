@@ -4,6 +4,7 @@
 
 #include "apps/check/check_contract.hpp"
 #include "apps/console/parse.hpp"
+#include "apps/query/goal_poses.hpp"
 #include "apps/query/loads.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/problem/planner.hpp"
@@ -29,8 +30,9 @@ std::string by(TermSource source) {
 /// Every sentence says what was expected, and what the plan says or does.
 class Comparison {
  public:
-  Comparison(const Contract& contract, const Plan& plan, const std::set<AcceptedTerm>& accepted)
-      : contract_(contract), plan_(plan), accepted_(accepted) {}
+  Comparison(const Contract& contract, const Plan& plan, const Robot& robot,
+             const std::set<AcceptedTerm>& accepted)
+      : contract_(contract), plan_(plan), robot_(robot), accepted_(accepted) {}
 
   std::vector<Deviation> run() {
     compare_robot();
@@ -44,6 +46,7 @@ class Comparison {
     compare_map();
     compare_start();
     compare_goals();
+    compare_goal_poses();
     return std::move(found_);
   }
 
@@ -220,6 +223,26 @@ class Comparison {
     }
   }
 
+  /// Where the legs end, which compare_goals() calls missing where there is none.
+  void compare_goal_poses() {
+    const std::vector<GoalPose>& poses = contract_.goal_poses;
+    const auto& [goals, source] = contract_.goals;
+    if (poses.empty()) return;
+    const Robot robot = with_tip_of(robot_of(contract_, robot_), contract_.tip);
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const std::size_t leg = goals.size() - poses.size() + i;
+      if (goals[leg].size() != static_cast<Eigen::Index>(robot.dof())) continue;
+      const Eigen::Isometry3d end = tip_pose(robot, goals[leg]);
+      if (reaches(poses[i], end)) continue;
+      const Eigen::Isometry3d off = poses[i].map_from_tip.inverse() * end;
+      add(AcceptedTerm::goals,
+          "goal " + std::to_string(leg + 1) + " of " + std::to_string(goals.size()) + ": expected " +
+              describe_goal_pose(contract_.tip, poses[i]) + by(source) + ", the path ends its leg " +
+              significant(1000.0 * off.translation().norm(), 3) + " mm and " +
+              significant(Eigen::AngleAxisd(off.linear()).angle(), 3) + " rad from there");
+    }
+  }
+
   void require_near(const Configuration& expected, const Configuration& found, const std::string& what,
                     const std::string& source, const std::string& verb) {
     const double apart = largest_difference(expected, found);
@@ -230,15 +253,16 @@ class Comparison {
 
   const Contract& contract_;
   const Plan& plan_;
+  const Robot& robot_;
   const std::set<AcceptedTerm>& accepted_;
   std::vector<Deviation> found_;
 };
 
 }  // namespace
 
-std::vector<Deviation> deviations(const Contract& contract, const Plan& plan,
+std::vector<Deviation> deviations(const Contract& contract, const Plan& plan, const Robot& robot,
                                   const std::set<AcceptedTerm>& accepted) {
-  return Comparison(contract, plan, accepted).run();
+  return Comparison(contract, plan, robot, accepted).run();
 }
 
 namespace {

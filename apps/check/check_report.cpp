@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/console/parse.hpp"
+#include "apps/query/goal_poses.hpp"
 #include "apps/query/loads.hpp"
 #include "apps/query/query.hpp"
 #include "apps/query/survey_figures.hpp"
@@ -81,6 +82,11 @@ Json contract_json(const Contract& contract) {
   Json goals = Json::array();
   for (const Configuration& goal : contract.goals.value) goals.push_back(numbers(goal));
   json["goals"] = term_json(goals, contract.goals.source);
+  if (!contract.goal_poses.empty()) {
+    for (const GoalPose& goal : contract.goal_poses) json["goal_poses"]["value"].push_back(json_of(goal));
+    if (!contract.tip.empty()) json["goal_poses"]["tip"] = contract.tip;
+    json["goal_poses"]["source"] = to_string(contract.goals.source);
+  }
   json["query"] = contract.query.empty() ? Json(nullptr) : Json(contract.query);
   json["notes"] = contract.notes;
   return json;
@@ -133,7 +139,9 @@ void append_contract(const Contract& contract, Rows& rows) {
       "map", "sha256 " + contract.map_sha256.value.substr(0, 16) + "…" + from(contract.map_sha256.source));
   rows.emplace_back("start", to_text(contract.start.value) + from(contract.start.source));
   for (const Configuration& goal : contract.goals.value)
-    rows.emplace_back("goal", to_text(goal) + from(contract.goals.source));
+    if (goal.size() > 0) rows.emplace_back("goal", to_text(goal) + from(contract.goals.source));
+  for (const GoalPose& goal : contract.goal_poses)
+    rows.emplace_back("goal pose", describe_goal_pose(contract.tip, goal) + from(contract.goals.source));
   if (!contract.query.empty()) rows.emplace_back("query", "'" + contract.query + "' of the map's record");
   for (const std::string& note : contract.notes) rows.emplace_back("note", note);
 }

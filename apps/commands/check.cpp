@@ -82,7 +82,7 @@ int run_check(const CheckOptions& options, Console& console) {
   CheckReport report;
   report.contract =
       state_contract(options, plan, robot, map, map_sha256(options.map), load_query_record(options.map));
-  report.deviations = deviations(report.contract, plan, options.accepted);
+  report.deviations = deviations(report.contract, plan, robot, options.accepted);
   adopt_accepted(report.deviations, plan, report.contract);
   report.path = check_waypoints(report.contract, robot, map, plan);
   check_motion_of(plan, robot, map, report);

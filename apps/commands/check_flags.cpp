@@ -45,6 +45,7 @@ Command add_check(CLI::App& app, Console& console) {
       ->type_name("Q")
       ->allow_extra_args(false)
       ->take_all();
+  add_goal_poses(*command, options->goal_poses, "; each must be reached by a leg, in this order");
   command->add_flag("--degrees", options->degrees, "--start and --goal in degrees (revolute joints)");
   const auto accept = [&](const std::string& name, AcceptedTerm term, const std::string& what) {
     command->add_flag_callback(

@@ -9,6 +9,7 @@
 #include "apps/console/parse.hpp"
 #include "apps/console/table.hpp"
 #include "apps/pages/map_page.hpp"
+#include "apps/query/goal_poses.hpp"
 #include "apps/query/loads.hpp"
 #include "apps/query/option_meanings.hpp"
 #include "apps/query/query.hpp"
@@ -112,27 +113,6 @@ void report_degrees(const PlanOptions& options, const Robot& robot, const Config
   if (!hint.empty()) console.warn(hint);
 }
 
-/// What --goal-pose asks for. Flags that do not go with it, or without it, are refused.
-std::vector<NamedGoalPose> goal_poses_of(const PlanOptions& options, const Robot& robot) {
-  if (!options.goals.empty() && !options.goal_poses.empty())
-    throw std::invalid_argument("--goal-pose: expected either --goal or --goal-pose, got both");
-  for (const auto& [is_given, flag] : {std::pair{!options.tip.empty(), "--tip"},
-                                       std::pair{options.position_tolerance > 0.0, "--position-tolerance"},
-                                       std::pair{options.turn_tolerance > 0.0, "--turn-tolerance"},
-                                       std::pair{!options.free_axis.empty(), "--free-axis"}})
-    if (is_given && options.goal_poses.empty())
-      throw std::invalid_argument(std::string(flag) + ": expected --goal-pose with it");
-  if (!options.tip.empty()) with_tip(robot, link_of_tip(robot, options.tip));
-  std::vector<NamedGoalPose> poses;
-  for (const std::string& text : options.goal_poses) {
-    GoalPose pose{pose_from_numbers(parse_numbers(text, "--goal-pose"), "--goal-pose"),
-                  options.position_tolerance, options.turn_tolerance};
-    if (!options.free_axis.empty()) pose.free_axis = options.free_axis.front() - 'x';
-    poses.push_back({pose, "--goal-pose " + text});
-  }
-  return poses;
-}
-
 /// Nobody chose `known_free` for a robot without critical parts: when it does not get through, that is
 /// reported.
 void report_default_policy(const PlanOptions& options, const Plan& plan, const ConfigurationSpace& space,
@@ -156,7 +136,7 @@ std::optional<Pick> pick_of(const PlanOptions& options, const Robot& robot) {
   }
   if (!options.attach.empty())
     throw std::invalid_argument("--attach: expected either --attach or --pick, got both");
-  if (options.goals.size() + options.goal_poses.size() > 1)
+  if (options.goals.size() + options.goal_poses.poses.size() > 1)
     throw std::invalid_argument("--goal: expected at most one with --pick");
   return choose_pick(options.pick, options.place, robot);
 }
@@ -183,7 +163,8 @@ int run_plan(const PlanOptions& options, Console& console) {
   for (const auto& [format, file] : options.trajectories) trajectory_format(format, robot);
   rate_limits(robot, options.scales);
   const Configuration start = choose_configuration(options.start, "--start", robot, options.degrees);
-  const std::vector<NamedGoalPose> goal_poses = goal_poses_of(options, robot);
+  const std::vector<NamedGoalPose> goal_poses =
+      choose_goal_poses(options.goal_poses, !options.goals.empty(), robot);
   std::vector<Configuration> goals;
   for (const std::string& goal : options.goals) {
     goals.push_back(choose_configuration(goal, "--goal", robot, options.degrees));
@@ -207,7 +188,7 @@ int run_plan(const PlanOptions& options, Console& console) {
       padded_space(robot, map, policies, padding, options.robot.seen_within.value_or(0.0));
   std::optional<PoseGoals> at_poses;
   if (!goal_poses.empty()) {
-    at_poses.emplace(space, options.tip, goal_poses, start);
+    at_poses.emplace(space, options.goal_poses.tip, goal_poses, start);
     goals = at_poses->goals();
   }
   PlanQuery query{.space = space,

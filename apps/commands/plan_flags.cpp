@@ -27,36 +27,9 @@ Command add_plan(CLI::App& app, Console& console) {
       ->type_name("Q")
       ->allow_extra_args(false)
       ->take_all();
-  command
-      ->add_option("--goal-pose", options->goal_poses,
-                   "goal pose of the tip in the map frame instead of --goal: x,y,z[,roll,pitch,yaw], m and "
-                   "rad; inverse kinematics chooses the free configuration nearest to the start of the leg, "
-                   "and others when no path leads there; several are legs")
-      ->type_name("POSE")
-      ->allow_extra_args(false)
-      ->take_all();
-  command
-      ->add_option(
-          "--tip", options->tip,
-          "link, or end effector of the SRDF, that --goal-pose refers to; default: the robot's own tip")
-      ->type_name("LINK");
-  command
-      ->add_option("--position-tolerance", options->position_tolerance,
-                   "how far from its goal pose the tip may end, m")
-      ->check(number("metres from 0 to 10", 0.0, 10.0))
-      ->capture_default_str()
-      ->type_name("M");
-  command
-      ->add_option("--turn-tolerance", options->turn_tolerance,
-                   "by which angle its orientation may differ from the goal pose's, rad")
-      ->check(number("radians from 0 to 3.1416", 0.0, 3.1416))
-      ->capture_default_str()
-      ->type_name("RAD");
-  command
-      ->add_option("--free-axis", options->free_axis,
-                   "axis of the tip about which it may turn as it likes at a goal pose: x, y or z")
-      ->check(CLI::IsMember({"x", "y", "z"}))
-      ->type_name("AXIS");
+  add_goal_poses(*command, options->goal_poses,
+                 "; inverse kinematics chooses the free configuration nearest to the start of the leg, and "
+                 "others when no path leads there");
   command->add_flag("--degrees", options->degrees, "--start and --goal in degrees (revolute joints)");
   command->add_option("--planner", options->planner, "see `clearway planners`")
       ->capture_default_str()
@@ -106,7 +79,7 @@ Command add_plan(CLI::App& app, Console& console) {
       for (const auto& [missing, flag] :
            {std::pair{options->map.empty(), "--map"}, std::pair{options->robot.robot.empty(), "--robot"},
             std::pair{options->start.empty(), "--start"},
-            std::pair{options->goals.empty() && options->goal_poses.empty() && options->pick.empty(),
+            std::pair{options->goals.empty() && options->goal_poses.poses.empty() && options->pick.empty(),
                       "--goal"}}) {
         if (missing) throw std::invalid_argument(std::string(flag) + " is required");
       }

@@ -12,7 +12,6 @@
 #include "planning/plan_pick.hpp"
 #include "planning/planned_motion.hpp"
 #include "planning/planner_table.hpp"
-#include "planning/pose_goals.hpp"
 #include "planning/robot_files/srdf_file.hpp"
 #include "planning/space/part_policies.hpp"
 
@@ -36,6 +35,10 @@ std::vector<Configuration> configurations(const std::vector<std::vector<double>>
   std::vector<Configuration> result;
   for (const auto& values : list) result.push_back(configuration(values));
   return result;
+}
+
+GoalPose goal_pose(const GoalPoseSetup& goal) {
+  return {goal.map_from_tip, goal.position_tolerance, goal.turn_tolerance, goal.free_axis};
 }
 
 std::vector<std::string> policy_texts(const QuerySetup& query) {
@@ -100,7 +103,8 @@ std::vector<ReplayPlan> QueryRunner::run(Console& console) {
         robot_, map_, own,
         SpaceOptions{.padding = query.padding.value_or(robot_.position_accuracy),
                      .seen_within = seen_within(query)}));
-    goals_.push_back(goals_of(query, *spaces_.back()));
+    poses_.push_back(poses_of(query, *spaces_.back()));
+    goals_.push_back(poses_.back() ? poses_.back()->goals() : configurations(query.goals));
     record.queries.push_back(terms_of(query, *spaces_.back(), goals_.back()));
     record.queries.back().loads = loads_[i];
     record.queries.back().pick = picks_[i];
@@ -127,7 +131,9 @@ std::vector<ReplayPlan> QueryRunner::run(Console& console) {
                             .map_file = "map.ot",
                             .map_digest = digest,
                             .name = query.name};
-      Plan plan = picks_[i] ? plan_pick(asked, *picks_[i]) : plan_and_check(asked);
+      Plan plan = picks_[i]   ? plan_pick(asked, *picks_[i])
+                  : poses_[i] ? plan_to_poses(asked, *poses_[i])
+                              : plan_and_check(asked);
       const auto begin = Clock::now();
       give_motion(*spaces_[i], plan);
       motion_s_ += std::chrono::duration<double>(Clock::now() - begin).count();
@@ -178,17 +184,19 @@ void QueryRunner::require_tip(const QuerySetup& query) const try {
   throw std::invalid_argument("setup, query '" + query.name + "', field 'tip': " + error.what());
 }
 
-std::vector<Configuration> QueryRunner::goals_of(const QuerySetup& query, const ConfigurationSpace& space) {
-  if (query.goal_poses.empty()) return configurations(query.goals);
+std::optional<PoseGoals> QueryRunner::poses_of(const QuerySetup& query, const ConfigurationSpace& space) {
+  if (query.goal_poses.empty()) return std::nullopt;
   std::vector<NamedGoalPose> poses;
   for (const GoalPoseSetup& goal : query.goal_poses)
-    poses.push_back({{goal.map_from_tip, goal.position_tolerance, goal.turn_tolerance, goal.free_axis},
+    poses.push_back({goal_pose(goal),
                      "setup, query '" + query.name + "', goal_poses[" + std::to_string(poses.size()) + "]"});
-  return PoseGoals(space, query.tip, poses, configuration(query.start)).goals();
+  return PoseGoals(space, query.tip, poses, configuration(query.start));
 }
 
 QueryTerms QueryRunner::terms_of(const QuerySetup& query, const ConfigurationSpace& space,
                                  const std::vector<Configuration>& goals) const {
+  std::vector<GoalPose> goal_poses;
+  for (const GoalPoseSetup& goal : query.goal_poses) goal_poses.push_back(goal_pose(goal));
   return {.name = query.name,
           .robot = setup_.robot->name,
           .scale = robot_.scale,
@@ -199,6 +207,8 @@ QueryTerms QueryRunner::terms_of(const QuerySetup& query, const ConfigurationSpa
           .allow_outside = query.allow_outside,
           .start = configuration(query.start),
           .goals = goals,
+          .goal_poses = goal_poses,
+          .tip = query.tip,
           .payload = setup_.robot->payload,
           .gravity = setup_.robot->gravity};
 }

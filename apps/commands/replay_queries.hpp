@@ -13,6 +13,7 @@
 #include "apps/pages/report.hpp"
 #include "apps/query/loads.hpp"
 #include "planning/files/query_record.hpp"
+#include "planning/pose_goals.hpp"
 #include "planning/problem/pick.hpp"
 
 namespace clearway {
@@ -45,8 +46,7 @@ class QueryRunner {
 
   void require_tip(const QuerySetup& query) const;
 
-  /// Of goals that are poses the best configurations, which are the same for all planners.
-  static std::vector<Configuration> goals_of(const QuerySetup& query, const ConfigurationSpace& space);
+  static std::optional<PoseGoals> poses_of(const QuerySetup& query, const ConfigurationSpace& space);
 
   QueryTerms terms_of(const QuerySetup& query, const ConfigurationSpace& space,
                       const std::vector<Configuration>& goals) const;
@@ -67,7 +67,8 @@ class QueryRunner {
   std::vector<std::vector<LegLoad>> loads_;  ///< of each query
   std::vector<std::optional<Pick>> picks_;   ///< the same
   std::vector<std::unique_ptr<ConfigurationSpace>> spaces_;
-  std::vector<std::vector<Configuration>> goals_;
+  std::vector<std::optional<PoseGoals>> poses_;    ///< of each query, where its goals are poses
+  std::vector<std::vector<Configuration>> goals_;  ///< of poses: their best configurations
   double motion_s_ = 0.0;
 };
 

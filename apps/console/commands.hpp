@@ -105,16 +105,21 @@ struct CalibrateOptions {
 };
 int run_calibrate(const CalibrateOptions& options, Console& console);
 
+/// Goals that are poses of a link, and what of them may differ.
+struct GoalPoseChoice {
+  std::vector<std::string> poses;   ///< "x,y,z[,roll,pitch,yaw]", map frame, one a leg; empty: none
+  std::string tip;                  ///< link that they place; empty: the robot's own tip
+  double position_tolerance = 0.0;  ///< m
+  double turn_tolerance = 0.0;      ///< rad
+  std::string free_axis;            ///< x, y or z of the tip, about which it may turn; empty: none
+};
+
 struct PlanOptions {
   std::filesystem::path map;
   RobotChoice robot;
   std::string start;
   std::vector<std::string> goals;
-  std::vector<std::string> goal_poses;  ///< "x,y,z[,roll,pitch,yaw]" of the tip, map frame; instead of goals
-  std::string tip;                      ///< link whose frame the poses place; empty: the robot's own tip
-  double position_tolerance = 0.0;      ///< m, of the poses
-  double turn_tolerance = 0.0;          ///< rad, the same
-  std::string free_axis;                ///< x, y or z of the tip, about which it may turn; empty: none
+  GoalPoseChoice goal_poses;                       ///< instead of goals
   std::vector<std::filesystem::path> attach = {};  ///< files of loads
   std::filesystem::path pick = {};                 ///< file of an object that is taken; empty: none
   std::string place = {};                          ///< "x,y,z[,roll,pitch,yaw]" of it; empty: the file's
@@ -144,6 +149,7 @@ struct CheckOptions {
   RobotChoice robot;
   std::string start;
   std::vector<std::string> goals;
+  GoalPoseChoice goal_poses;                       ///< instead of goals
   std::vector<std::filesystem::path> attach = {};  ///< files of loads; none: the map's or the plan's
   std::filesystem::path pick = {};                 ///< file of an object that is taken; empty: the map's
   std::string place = {};                          ///< where it goes; empty: the file's

@@ -190,6 +190,39 @@ void add_pick(CLI::App& command, std::filesystem::path& file, std::string& place
       ->type_name("POSE");
 }
 
+void add_goal_poses(CLI::App& command, GoalPoseChoice& choice, const std::string& note) {
+  command
+      .add_option("--goal-pose", choice.poses,
+                  "goal pose of the tip in the map frame instead of --goal: x,y,z[,roll,pitch,yaw], m and "
+                  "rad; several are legs" +
+                      note)
+      ->type_name("POSE")
+      ->allow_extra_args(false)
+      ->take_all();
+  command
+      .add_option(
+          "--tip", choice.tip,
+          "link, or end effector of the SRDF, that --goal-pose refers to; default: the robot's own tip")
+      ->type_name("LINK");
+  command
+      .add_option("--position-tolerance", choice.position_tolerance,
+                  "how far from its goal pose the tip may end, m")
+      ->check(number("metres from 0 to 10", 0.0, 10.0))
+      ->capture_default_str()
+      ->type_name("M");
+  command
+      .add_option("--turn-tolerance", choice.turn_tolerance,
+                  "by which angle its orientation may differ from the goal pose's, rad")
+      ->check(number("radians from 0 to 3.1416", 0.0, 3.1416))
+      ->capture_default_str()
+      ->type_name("RAD");
+  command
+      .add_option("--free-axis", choice.free_axis,
+                  "axis of the tip about which it may turn as it likes at a goal pose: x, y or z")
+      ->check(CLI::IsMember({"x", "y", "z"}))
+      ->type_name("AXIS");
+}
+
 void add_dynamics(CLI::App& command, DynamicsChoice& dynamics, const std::string& payload,
                   const std::string& gravity) {
   command

@@ -59,6 +59,10 @@ void add_attach(CLI::App& command, std::vector<std::filesystem::path>& files, co
 /// --pick and --place, as `plan` and `check` share them. @param note of --pick's default
 void add_pick(CLI::App& command, std::filesystem::path& file, std::string& place, const std::string& note);
 
+/// --goal-pose, --tip, --position-tolerance, --turn-tolerance and --free-axis, as `plan` and `check` share
+/// them. @param note of --goal-pose
+void add_goal_poses(CLI::App& command, GoalPoseChoice& choice, const std::string& note);
+
 /// --payload and --gravity, as `plan` and `check` share them. @param payload, gravity notes of their defaults
 void add_dynamics(CLI::App& command, DynamicsChoice& dynamics, const std::string& payload,
                   const std::string& gravity);

@@ -22,6 +22,25 @@ using Json = nlohmann::ordered_json;
 constexpr const char* format = "clearway queries 1";
 constexpr std::size_t most_bytes = 16U << 20;
 
+constexpr const char* axes[] = {"x", "y", "z"};
+
+double tolerance_of(const JsonField& field) {
+  const double value = field.number();
+  if (!(value >= 0.0 && value <= 10.0)) field.refuse("a number from 0 to 10");
+  return value;
+}
+
+GoalPose goal_of(const JsonField& field) {
+  GoalPose goal{pose_of(field.at("pose")), tolerance_of(field.at("position_tolerance_m")),
+                tolerance_of(field.at("turn_tolerance_rad"))};
+  if (!field.has("free_axis")) return goal;
+  const std::string name = field.at("free_axis").text();
+  const auto axis = std::find(std::begin(axes), std::end(axes), name);
+  if (axis == std::end(axes)) field.at("free_axis").refuse("x, y or z");
+  goal.free_axis = static_cast<int>(axis - std::begin(axes));
+  return goal;
+}
+
 Json terms_json(const QueryTerms& query) {
   Json json = {{"name", query.name},
                {"robot", query.robot},
@@ -33,6 +52,8 @@ Json terms_json(const QueryTerms& query) {
                {"allow_outside", query.allow_outside},
                {"start", json_of(query.start)},
                {"goals", json_of(query.goals)}};
+  for (const GoalPose& goal : query.goal_poses) json["goal_poses"].push_back(json_of(goal));
+  if (!query.tip.empty()) json["tip"] = query.tip;
   if (!query.loads.empty()) json["loads"] = json_of(query.loads);
   if (query.pick) json["pick"] = json_of(*query.pick);
   if (query.payload) json["payload_kg"] = *query.payload;
@@ -56,6 +77,9 @@ QueryTerms terms_of(const JsonField& field) {
   const std::size_t joints = field.at("start").items().size();
   query.start = field.at("start").numbers(joints);
   query.goals = field.at("goals").vectors(joints);
+  if (field.has("goal_poses"))
+    for (const JsonField& goal : field.at("goal_poses").items()) query.goal_poses.push_back(goal_of(goal));
+  if (field.has("tip")) query.tip = field.at("tip").text();
   if (field.has("pick")) query.pick = pick_of(field.at("pick"));
   if (field.has("loads")) query.loads = loads_of(field.at("loads"));
   if (field.has("payload_kg")) query.payload = payload_of(field.at("payload_kg"));
@@ -86,6 +110,14 @@ void require_whole(const std::string& text, const std::string& file) {
 }
 
 }  // namespace
+
+nlohmann::ordered_json json_of(const GoalPose& goal) {
+  Json json = {{"pose", json_of(goal.map_from_tip)},
+               {"position_tolerance_m", goal.position_tolerance},
+               {"turn_tolerance_rad", goal.turn_tolerance}};
+  if (goal.free_axis) json["free_axis"] = axes[*goal.free_axis];
+  return json;
+}
 
 double largest_difference(const Configuration& a, const Configuration& b) {
   if (a.size() != b.size() || !a.allFinite() || !b.allFinite())

@@ -2,13 +2,14 @@
 
 #include <filesystem>
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "mapping/voxels/voxel_state.hpp"
 #include "planning/problem/pick.hpp"
-#include "planning/robot/kinematics.hpp"
+#include "planning/robot/goal_configurations.hpp"
 
 namespace clearway {
 
@@ -24,6 +25,8 @@ struct QueryTerms {
   std::vector<std::string> allow_outside = {};  ///< parts that may leave the map's bounds, or "all"
   Configuration start;
   std::vector<Configuration> goals;
+  std::vector<GoalPose> goal_poses = {};        ///< what was asked, where `goals` are one choice of them
+  std::string tip = {};                         ///< link that the poses place; empty: the robot's own tip
   std::vector<LegLoad> loads = {};              ///< that ride on the robot
   std::optional<Pick> pick = {};                ///< what is picked and placed
   std::optional<double> payload = {};           ///< kg at the tip, full size; none: the record is older
@@ -45,6 +48,9 @@ struct QueryRecord {
   const QueryTerms* find_whole(const Configuration& start, const std::vector<Configuration>& goals,
                                double tolerance) const;
 };
+
+/// {"pose", "position_tolerance_m", "turn_tolerance_rad"} and, where it has one, "free_axis".
+nlohmann::ordered_json json_of(const GoalPose& goal);
 
 /// Largest difference of any value; infinite when the sizes differ or a value is not finite.
 double largest_difference(const Configuration& a, const Configuration& b);

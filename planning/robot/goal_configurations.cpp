@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 #include <stdexcept>
+#include <utility>
 
 #include "mapping/system/nearest_name.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -162,6 +163,33 @@ std::vector<Configuration> reaching_arms(const Robot& robot, const SphericalWris
   return arms;
 }
 
+/// Each once, of joints that turn more than once the turn nearest to `near`, within limits.
+class FoundConfigurations {
+ public:
+  FoundConfigurations(const Robot& robot, const Configuration& near) : robot_(robot), near_(near) {}
+
+  void add(const Configuration& solution) {
+    // A joint that turns more than once reaches the pose by several of its turns.
+    const Configuration q = unwrapped_within_limits(robot_, solution, near_).value_or(solution);
+    const bool is_known = std::any_of(found_.begin(), found_.end(), [&](const Configuration& known) {
+      return largest_apart(known, q) <= same_configuration;
+    });
+    if (!is_known && limit_violation(robot_, q).empty()) found_.push_back(q);
+  }
+
+  std::vector<Configuration> nearest_first() {
+    std::stable_sort(found_.begin(), found_.end(), [&](const Configuration& a, const Configuration& b) {
+      return largest_apart(a, near_) < largest_apart(b, near_);
+    });
+    return std::move(found_);
+  }
+
+ private:
+  const Robot& robot_;
+  const Configuration& near_;
+  std::vector<Configuration> found_;
+};
+
 constexpr double least_difference = 1e-5;  ///< m and rad, of poses that count as the same
 
 /// Number `index` of the Halton sequence of this base, in (0, 1).
@@ -240,15 +268,8 @@ Robot with_tip(const Robot& robot, const std::string& link) {
 
 std::vector<Configuration> goal_configurations(const Robot& robot, const Eigen::Isometry3d& map_from_tip,
                                                const Configuration& near, int starts, std::uint64_t seed) {
-  std::vector<Configuration> found;
-  const auto add = [&](const Configuration& solution) {
-    // A joint that turns more than once reaches the pose by several of its turns.
-    const Configuration q = unwrapped_within_limits(robot, solution, near).value_or(solution);
-    const bool is_known = std::any_of(found.begin(), found.end(), [&](const Configuration& known) {
-      return largest_apart(known, q) <= same_configuration;
-    });
-    if (!is_known && limit_violation(robot, q).empty()) found.push_back(q);
-  };
+  FoundConfigurations found(robot, near);
+  const auto add = [&](const Configuration& q) { found.add(q); };
   if (robot.inverse_kinematics == "puma")
     for (const Configuration& q : puma_inverse_kinematics(robot, map_from_tip)) add(q);
   std::mt19937_64 random(seed);
@@ -265,10 +286,22 @@ std::vector<Configuration> goal_configurations(const Robot& robot, const Eigen::
   } else if (!is_closed) {
     for (int start = 0; start < starts; ++start) look_from(random_start(robot, near, random));
   }
-  std::stable_sort(found.begin(), found.end(), [&](const Configuration& a, const Configuration& b) {
-    return largest_apart(a, near) < largest_apart(b, near);
-  });
-  return found;
+  return found.nearest_first();
+}
+
+std::vector<Configuration> goal_configurations(const Robot& robot, const GoalPose& goal,
+                                               const Configuration& near, int starts, std::uint64_t seed) {
+  const IkOptions options{.restarts = 0,
+                          .free_distance = goal.position_tolerance,
+                          .free_turn = goal.turn_tolerance,
+                          .free_axis = goal.free_axis};
+  FoundConfigurations found(robot, near);
+  std::mt19937_64 random(seed);
+  for (int start = 0; start <= starts; ++start) {
+    const Configuration from = start == 0 ? near : random_start(robot, near, random);
+    if (const auto q = inverse_kinematics(robot, goal.map_from_tip, from, options)) found.add(*q);
+  }
+  return found.nearest_first();
 }
 
 }  // namespace clearway

@@ -42,4 +42,12 @@ std::vector<Configuration> goal_configurations(const Robot& robot, const Eigen::
                                                const Configuration& near, int starts = 64,
                                                std::uint64_t seed = 1);
 
+/// Configurations within limits that keep what the goal asks for, of a goal that leaves something open: each
+/// where damped least squares first meet it from `near` and from `starts` seeded random configurations. An
+/// arm of fewer than six joints may meet it at single turns and places alone, which poses drawn from it miss.
+/// Order and distinctness as above.
+std::vector<Configuration> goal_configurations(const Robot& robot, const GoalPose& goal,
+                                               const Configuration& near, int starts = 64,
+                                               std::uint64_t seed = 1);
+
 }  // namespace clearway

@@ -21,6 +21,46 @@ Eigen::Matrix<double, 6, 1> pose_error(const Eigen::Isometry3d& wanted, const Ei
   return error;
 }
 
+/// Keeps of the error what leads into the tolerance, and of the rows of rotation or translation their part
+/// that counts for it: none within it, beyond it that along the error.
+void leave_free(double tolerance, Eigen::Ref<Eigen::Vector3d> error, Eigen::Matrix3d& rows) {
+  const double size = error.norm();
+  if (tolerance <= 0.0) return;
+  if (size <= tolerance) {
+    error.setZero();
+    rows.setZero();
+    return;
+  }
+  const Eigen::Vector3d along = error / size;
+  error = (size - tolerance) * along;
+  rows = along * along.transpose();
+}
+
+/// The shortest turn of the tip's axis onto the wanted one.
+Eigen::Vector3d tilt_of_axis(const Eigen::Vector3d& is, const Eigen::Vector3d& wanted) {
+  const Eigen::Vector3d across = is.cross(wanted);
+  const double angle = std::atan2(across.norm(), is.dot(wanted));
+  return angle * (across.norm() > 1e-12 ? across.normalized() : is.unitOrthogonal());
+}
+
+/// What of a pose's error counts: the rows of the error and of the Jacobian are turned by `rows`.
+struct FreedRows {
+  Eigen::Matrix3d translation = Eigen::Matrix3d::Identity(), rotation = Eigen::Matrix3d::Identity();
+};
+
+FreedRows leave_free(const IkOptions& options, const Eigen::Isometry3d& wanted, const Eigen::Isometry3d& is,
+                     Eigen::Matrix<double, 6, 1>& error) {
+  FreedRows rows;
+  if (options.free_axis) {
+    const Eigen::Vector3d axis = is.linear().col(*options.free_axis);
+    error.tail<3>() = tilt_of_axis(axis, wanted.linear().col(*options.free_axis));
+    rows.rotation -= axis * axis.transpose();
+  }
+  leave_free(options.free_distance, error.head<3>(), rows.translation);
+  leave_free(options.free_turn, error.tail<3>(), rows.rotation);
+  return rows;
+}
+
 void clamp_to_limits(const Robot& robot, Configuration& q) {
   for (std::size_t j = 0; j < robot.dof(); ++j) {
     double& value = q[static_cast<Eigen::Index>(j)];
@@ -37,22 +77,32 @@ bool descend(const Robot& robot, const Eigen::Isometry3d& wanted, const IkOption
   weights << 1.0, 1.0, 1.0, size, size, size;
   LinkPoses poses = forward_kinematics(robot, q);
   const auto tip = [&] { return poses[static_cast<std::size_t>(robot.tip_link)] * robot.link_from_tip; };
-  Eigen::Matrix<double, 6, 1> error = pose_error(wanted, tip());
+  Eigen::Matrix<double, 6, 1> error;
+  FreedRows freed;
+  const auto look = [&] {
+    error = pose_error(wanted, tip());
+    if (options.leaves_freedom()) freed = leave_free(options, wanted, tip(), error);
+  };
+  look();
   const auto cost = [&] { return error.cwiseProduct(weights).head(rows).squaredNorm(); };
   double damping = 1e-3, last = cost();
   for (int i = 0; i < options.max_iterations; ++i) {
     const bool there = error.head<3>().norm() <= options.position_tolerance;
     if (there && (options.position_only || error.tail<3>().norm() <= options.orientation_tolerance))
       return true;
-    const Eigen::MatrixXd j = weights.head(rows).asDiagonal() *
-                              jacobian(robot, poses, robot.tip_link, tip().translation()).topRows(rows);
+    Eigen::MatrixXd j = weights.head(rows).asDiagonal() *
+                        jacobian(robot, poses, robot.tip_link, tip().translation()).topRows(rows);
+    if (options.leaves_freedom()) {
+      j.topRows<3>() = (freed.translation * j.topRows<3>()).eval();
+      if (!options.position_only) j.bottomRows<3>() = (freed.rotation * j.bottomRows<3>()).eval();
+    }
     Eigen::MatrixXd normal = j.transpose() * j;
     normal.diagonal().array() += damping * size * size;
     const Configuration old = q;
     q += normal.ldlt().solve(j.transpose() * error.cwiseProduct(weights).head(rows));
     clamp_to_limits(robot, q);
     forward_kinematics(robot, q, poses);
-    error = pose_error(wanted, tip());
+    look();
     if (const double now = cost(); now < last) {
       last = now;
       damping = std::max(damping / 5.0, 1e-12);
@@ -60,7 +110,7 @@ bool descend(const Robot& robot, const Eigen::Isometry3d& wanted, const IkOption
     }
     q = old;
     forward_kinematics(robot, q, poses);
-    error = pose_error(wanted, tip());
+    look();
     damping *= 4.0;
     if (damping > 1e6) break;
   }
@@ -80,7 +130,7 @@ double arm_size(const Robot& robot) {
 std::optional<Configuration> numeric_inverse_kinematics(const Robot& robot, const Eigen::Isometry3d& wanted,
                                                         const Configuration& near, const IkOptions& options) {
   const double away = (wanted.translation() - robot.map_from_base.translation()).norm();
-  if (away > tip_reach(robot) + options.position_tolerance) return std::nullopt;
+  if (away > tip_reach(robot) + options.position_tolerance + options.free_distance) return std::nullopt;
   const double size = arm_size(robot);
   std::mt19937_64 random(options.seed);
   for (int start = 0; start <= options.restarts; ++start) {
@@ -104,7 +154,7 @@ std::optional<Configuration> inverse_kinematics(const Robot& robot, const Eigen:
                                                 const Configuration& near, const IkOptions& options) {
   if (near.size() != static_cast<Eigen::Index>(robot.dof()) || !near.allFinite()) return std::nullopt;
   if (!map_from_tip.matrix().allFinite()) return std::nullopt;
-  if (robot.inverse_kinematics != "puma" || options.position_only) {
+  if (robot.inverse_kinematics != "puma" || options.position_only || options.leaves_freedom()) {
     return numeric_inverse_kinematics(robot, map_from_tip, near, options);
   }
   const auto solution = puma_branches(robot, map_from_tip, near[3])[puma_branch_of(robot, near)];

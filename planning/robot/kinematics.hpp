@@ -36,10 +36,16 @@ struct IkOptions {
   int restarts = 16;                    ///< seeded random restarts of the numeric solver
   std::uint64_t seed = 1;               ///< of the restarts
   bool position_only = false;           ///< ignore orientation (arms with fewer than 6 joints)
+  double free_distance = 0.0;           ///< metres that the tip's origin may be from the pose
+  double free_turn = 0.0;               ///< radians by which its orientation may differ
+  std::optional<int> free_axis = {};    ///< 0, 1, 2: the tip's own x, y or z, about which it may turn
+
+  bool leaves_freedom() const { return free_distance > 0.0 || free_turn > 0.0 || free_axis; }
 };
 
 /// A configuration that puts the tip at `map_from_tip`, near `near`; within limits. Geometric for "puma"
-/// (Craig 1989, the arm configuration of `near` is kept), damped least squares with limits otherwise.
+/// (Craig 1989, the arm configuration of `near` is kept), damped least squares with limits otherwise, and for
+/// poses that leave something free.
 /// Empty when out of reach.
 std::optional<Configuration> inverse_kinematics(const Robot& robot, const Eigen::Isometry3d& map_from_tip,
                                                 const Configuration& near, const IkOptions& options = {});

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <random>
 
 #include "mapping/files/map_file.hpp"
 #include "mapping/free_space_map.hpp"
@@ -113,6 +115,106 @@ TEST_F(GoalPoses, OfASetupsQueryAreTheSameForItsPlannersAndCheckedUnderItsRecord
       {"replay", folder_.file("scans"), "--setup", folder_.file("setup.yaml"), "--out", folder_.file("far")});
   EXPECT_EQ(far.status, exit_bad_input);
   EXPECT_NE(far.log.find("query 'past', goal_poses[0]: no configuration"), std::string::npos) << far.log;
+}
+
+/// A post that the upper arm of a planar arm cannot pass: the nearer way of its elbow is behind it.
+class PlanarGoalPoses : public ::testing::Test {
+ protected:
+  PlanarGoalPoses() {
+    std::filesystem::create_directory(folder_ / "scans");
+    folder_.write("scans/100.pcd",
+                  "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\n"
+                  "HEIGHT 1\nVIEWPOINT 0 0 2 1 0 0 0\nPOINTS 1\nDATA ascii\n0.9 0 0\n");
+    folder_.write(
+        "setup.yaml",
+        "map: {resolution: 0.02}\nrobot: {name: planar2}\nqueries:\n  - {name: across, start: [0.9, "
+        "1.2], goal_poses: [{pose: [1.6, 0, 0, 0, 0, 0], free_axis: z}], planners: [rrtconnect], "
+        "options: {rrtconnect.max_samples: 2000}, policies: {default: not_occupied}, "
+        "allow_outside: [all]}\n");
+    const CommandRun run = run_command({"replay", folder_.file("scans"), "--setup",
+                                        folder_.file("setup.yaml"), "--out", folder_.file("out")});
+    EXPECT_EQ(run.status, exit_done) << run.out << run.log;
+  }
+
+  CommandRun check(const Json& plan, const Arguments& more = {}) const {
+    Arguments arguments{"check",   "--map",   folder_.file("out"),
+                        "--robot", "planar2", folder_.write("edited.json", plan.dump())};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_command(arguments);
+  }
+
+  Json plan() const { return Json::parse(read_file(folder_.file("out/plans/across-rrtconnect.json"))); }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(PlanarGoalPoses, OfASetupAreReachedByAnotherBranchThanTheNearestAndHeldToTheirPose) {
+  const Json made = plan();
+  ASSERT_EQ(made["status"], "solved") << made;
+  const std::vector<double> end = made["waypoints"].back();
+  EXPECT_NEAR(end[0], std::acos(0.8), 1e-4);  // the nearer one is (-0.64, 1.29)
+  EXPECT_NEAR(end[1], -2.0 * std::acos(0.8), 1e-4);
+  const CommandRun checked = check(made, {"--json"});
+  EXPECT_EQ(checked.status, exit_done) << checked.out;
+  const Json contract = Json::parse(checked.out)["contract"];
+  EXPECT_EQ(contract["query"], "across");
+  EXPECT_EQ(contract["goals"]["source"], "map");
+  EXPECT_EQ(contract["goal_poses"]["value"][0]["free_axis"], "z");
+  // Both what the plan says and where its path ends, elsewhere: a millimetre is too far.
+  Json edited = made;
+  edited["waypoints"].back()[1] = edited["goals"][0][1] = end[1] + 1e-3;
+  const CommandRun refused = check(edited);
+  EXPECT_EQ(refused.status, exit_no);
+  EXPECT_NE(
+      refused.out.find("goal 1 of 1: expected the tip at (1.6, 0, 0, 0, 0, 0), turned freely about z by "
+                       "the map's record, the path ends its leg 1 mm"),
+      std::string::npos)
+      << refused.out;
+  edited.erase("motion");  // which leads to where the path ended
+  EXPECT_EQ(check(edited, {"--accept-goals"}).status, exit_done) << check(edited, {"--accept-goals"}).out;
+  Json none = made;
+  none["legs"] = Json::array();
+  none["waypoints"] = Json::array();
+  EXPECT_NE(check(none).status, exit_done);
+}
+
+TEST_F(PlanarGoalPoses, OfTheChecksFlagsAreKeptAsTheArmsOwnGeometrySays) {
+  const Json made = plan();
+  const double q1 = made["waypoints"].back()[0], q2 = made["waypoints"].back()[1];
+  const double x = std::cos(q1) + std::cos(q1 + q2), y = std::sin(q1) + std::sin(q1 + q2);
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> part(-1.0, 1.0);
+  int kept = 0;
+  for (int i = 0; i < 40; ++i) {
+    const double dx = 0.02 * part(random), dy = 0.02 * part(random), turn = 0.2 * part(random);
+    const double metres = 0.04 * std::abs(part(random)), radians = 0.4 * std::abs(part(random));
+    const bool is_free = i % 3 == 0;
+    const auto number = [](double value) { return std::to_string(value); };
+    Arguments flags{
+        "--goal-pose=" + number(x + dx) + "," + number(y + dy) + ",0,0,0," + number(q1 + q2 + turn),
+        "--position-tolerance", number(metres), "--turn-tolerance", number(radians)};
+    if (is_free) flags.insert(flags.end(), {"--free-axis", "z"});
+    const bool is_kept = std::hypot(dx, dy) <= metres && (is_free || std::abs(turn) <= radians);
+    const CommandRun run = check(made, flags);
+    EXPECT_EQ(run.status, is_kept ? exit_done : exit_no) << flags[0] << run.out << run.log;
+    kept += is_kept;
+  }
+  EXPECT_GT(kept, 5);
+  EXPECT_LT(kept, 35);
+  // A link in place of the tip; two poses for one leg; goals of both kinds; a link that is none.
+  const std::string elbow = "--goal-pose=" + std::to_string(std::cos(q1)) + "," +
+                            std::to_string(std::sin(q1)) + ",0,0,0," + std::to_string(q1 + q2);
+  EXPECT_EQ(check(made, {elbow, "--tip", "forearm"}).status, exit_done);
+  EXPECT_EQ(check(made, {elbow}).status, exit_no);
+  const CommandRun two = check(made, {elbow, elbow, "--tip", "forearm"});
+  EXPECT_EQ(two.status, exit_no);
+  EXPECT_NE(two.out.find("goal 2 of 2: is not reached"), std::string::npos) << two.out;
+  for (const Arguments& flags : {Arguments{elbow, "--goal", "0,0"}, Arguments{elbow, "--tip", "hand"},
+                                 Arguments{"--tip", "forearm"}}) {
+    const CommandRun run = check(made, flags);
+    EXPECT_EQ(run.status, exit_bad_input);
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
+  }
 }
 
 }  // namespace goal_pose_test

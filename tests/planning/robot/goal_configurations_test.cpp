@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "planning/robot_files/load_robot.hpp"
@@ -190,6 +192,68 @@ TEST(GoalConfigurations, AnotherTipIsALinkOfTheRobotThatMoves) {
   EXPECT_EQ(robot.links[static_cast<std::size_t>(other.tip_link)].name, "link5");
   EXPECT_THROW(with_tip(robot, "lnk5"), std::invalid_argument);
   EXPECT_THROW(with_tip(robot, "base"), std::invalid_argument);
+}
+
+/// By formulas of their own: the angle of the whole turn, or of the tilt of one axis.
+double turn_left(const GoalPose& goal, const Eigen::Isometry3d& at) {
+  const Eigen::Matrix3d& wanted = goal.map_from_tip.linear();
+  const double whole =
+      std::acos(std::clamp(((wanted.transpose() * at.linear()).trace() - 1.0) / 2.0, -1.0, 1.0));
+  if (!goal.free_axis) return whole;
+  return std::acos(std::clamp(wanted.col(*goal.free_axis).dot(at.linear().col(*goal.free_axis)), -1.0, 1.0));
+}
+
+/// Arms of two to seven joints; goals about poses that they reach, which themselves most of them do not.
+TEST(GoalConfigurations, OfGoalsThatLeaveSomethingOpenKeepThem) {
+  Random random(9);
+  for (const char* name : {"planar2", "arm5", "arm6", "puma560", "panda"}) {
+    const Robot robot = load_robot(name);
+    int reached = 0, inside = 0, found_in_all = 0;
+    constexpr int rounds = 24;
+    for (int round = 0; round < rounds; ++round) {
+      GoalPose goal{tip_pose(robot, random.configuration(robot))};
+      if (round % 3 != 1) goal.free_axis = round % 3;
+      if (round % 2 == 0) goal.turn_tolerance = 0.3;
+      if (round % 4 > 1) goal.position_tolerance = 0.05;
+      if (goal.free_axis)
+        goal.map_from_tip.linear() *=
+            Eigen::AngleAxisd(random.between(-3.0, 3.0), Eigen::Vector3d::Unit(*goal.free_axis)).matrix();
+      const Configuration near = random.configuration(robot);
+      const auto found = goal_configurations(robot, goal, near);
+      reached += !found.empty();
+      for (const Configuration& q : found) {
+        ++found_in_all;
+        EXPECT_EQ(limit_violation(robot, q), "");
+        const Eigen::Isometry3d at = tip_pose(robot, q);
+        const double away = (at.translation() - goal.map_from_tip.translation()).norm();
+        EXPECT_LE(away, goal.position_tolerance + 1e-5) << name;
+        EXPECT_LE(turn_left(goal, at), goal.turn_tolerance + 1e-5) << name << " " << round;
+        EXPECT_TRUE(reaches(goal, at));
+        inside += away > 0.01 || turn_left(goal, at) > 0.05;
+      }
+    }
+    EXPECT_GE(reached, rounds - 1) << name;
+    EXPECT_GT(inside, found_in_all / 10) << name;  // freedom is used
+  }
+}
+
+TEST(GoalConfigurations, OfAPlanarArmWhoseTurnIsFreeAreBothItsElbows) {
+  const Robot robot = load_robot("planar2");
+  Random random(12);
+  for (int round = 0; round < 20; ++round) {
+    const double distance = random.between(0.6, 1.9), angle = random.between(-1.5, 1.5);
+    GoalPose goal;
+    goal.map_from_tip.translation() =
+        Eigen::Vector3d(distance * std::cos(angle), distance * std::sin(angle), 0.0);
+    goal.free_axis = 2;
+    const double half = std::acos(distance / 2.0);  // of two links of a metre
+    const auto found = goal_configurations(robot, goal, Eigen::Vector2d(angle, 0.5));
+    ASSERT_EQ(found.size(), 2U) << distance;
+    for (const Configuration& q : found) {
+      EXPECT_NEAR(std::abs(q[1]), 2.0 * half, 1e-4);
+      EXPECT_NEAR(q[0] + q[1] / 2.0, angle, 1e-4);
+    }
+  }
 }
 
 }  // namespace goal_configurations_test

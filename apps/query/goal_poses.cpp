@@ -1,0 +1,46 @@
+#include "apps/query/goal_poses.hpp"
+
+#include <stdexcept>
+#include <utility>
+
+#include "apps/console/parse.hpp"
+#include "mapping/system/plain_text.hpp"
+#include "planning/robot_files/srdf_file.hpp"
+
+namespace clearway {
+
+Robot with_tip_of(const Robot& robot, const std::string& tip) {
+  return tip.empty() ? robot : with_tip(robot, link_of_tip(robot, tip));
+}
+
+std::vector<NamedGoalPose> choose_goal_poses(const GoalPoseChoice& choice, bool has_goals,
+                                             const Robot& robot) {
+  if (has_goals && !choice.poses.empty())
+    throw std::invalid_argument("--goal-pose: expected either --goal or --goal-pose, got both");
+  for (const auto& [is_given, flag] : {std::pair{!choice.tip.empty(), "--tip"},
+                                       std::pair{choice.position_tolerance > 0.0, "--position-tolerance"},
+                                       std::pair{choice.turn_tolerance > 0.0, "--turn-tolerance"},
+                                       std::pair{!choice.free_axis.empty(), "--free-axis"}})
+    if (is_given && choice.poses.empty())
+      throw std::invalid_argument(std::string(flag) + ": expected --goal-pose with it");
+  with_tip_of(robot, choice.tip);
+  std::vector<NamedGoalPose> poses;
+  for (const std::string& text : choice.poses) {
+    GoalPose pose{pose_from_numbers(parse_numbers(text, "--goal-pose"), "--goal-pose"),
+                  choice.position_tolerance, choice.turn_tolerance};
+    if (!choice.free_axis.empty()) pose.free_axis = choice.free_axis.front() - 'x';
+    poses.push_back({pose, "--goal-pose " + text});
+  }
+  return poses;
+}
+
+std::string describe_goal_pose(const std::string& tip, const GoalPose& goal) {
+  std::string text = (tip.empty() ? "the tip" : "link " + quote(tip)) + " at " + to_text(goal.map_from_tip);
+  if (goal.position_tolerance > 0.0)
+    text += ", within " + significant(1000.0 * goal.position_tolerance) + " mm";
+  if (goal.turn_tolerance > 0.0) text += ", within " + significant(goal.turn_tolerance) + " rad";
+  if (goal.free_axis) text += std::string(", turned freely about ") + "xyz"[*goal.free_axis];
+  return text;
+}
+
+}  // namespace clearway
