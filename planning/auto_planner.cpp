@@ -124,6 +124,12 @@ AutoPlanner::AutoPlanner(const AutoPlannerOptions& options)
 PlanResult AutoPlanner::plan(const PlanProblem& problem) const {
   PlanResult best = check_ends(problem);
   if (best.status != PlanStatus::solved) return best;
+  if (problem.start.size() == 1 && !problem.space.is_edge_free(problem.start, problem.goal)) {
+    best.status = PlanStatus::no_path;
+    best.explanation = "The only way of a single joint, straight to the goal, is not free.";
+    ++best.edges_checked;
+    return best;
+  }
   std::uint64_t configurations = best.configurations_checked, edges = best.edges_checked;
   std::vector<std::optional<PlanResult>> found = Race(problem, options_).run();
   bool is_solved = false;

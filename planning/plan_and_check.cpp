@@ -13,6 +13,7 @@
 #include "planning/advice/paint_advice.hpp"
 #include "planning/auto_planner.hpp"
 #include "planning/check/check_legs.hpp"
+#include "planning/robot/inverse_dynamics.hpp"
 #include "planning/robot/reach.hpp"
 
 namespace clearway {
@@ -108,14 +109,15 @@ class LegSpaces {
   std::vector<const ConfigurationSpace*> of_leg_;
 };
 
-/// A robot whose file gives no link that moves a mass costs nothing, which is no answer.
-std::string cost_caveat(const Robot& robot, double payload) {
-  bool has_mass = payload > 0.0;
-  for (std::size_t i = 0; i < robot.links.size(); ++i)
-    has_mass = has_mass || (robot.links[i].mass > 0.0 && is_moved(robot, static_cast<int>(i)));
-  return has_mass ? ""
-                  : "The robot's file gives the links that move no masses (<inertial>), so the cost is not "
-                    "known.";
+/// A robot whose file gives links that move no mass costs nothing, or too little, which is no answer.
+std::string cost_caveat(const Robot& robot) {
+  const std::vector<std::string> links = links_without_mass(robot);
+  if (links.empty()) return {};
+  const std::string others = links.size() == 1 ? ""
+                                               : " and " + std::to_string(links.size() - 1) + " other" +
+                                                     (links.size() == 2 ? "" : "s") + " that move";
+  return "The robot's file gives link " + quote(links.front()) + others +
+         " no mass (<inertial>), so the cost is not known.";
 }
 
 /// Eq. 11 of Chong et al. 2008 counts as reached what lies within one step of every joint: with steps larger
@@ -213,9 +215,7 @@ Plan empty_plan(const PlanQuery& query, const Planner& planner) {
   plan.padding = query.space.options().padding;
   plan.seen_within = query.space.options().seen_within;
   plan.position_accuracy = robot.position_accuracy;
-  double payload = query.payload;
-  for (const LegLoad& load : query.loads) payload += load.load.mass;
-  plan.cost_caveat = cost_caveat(robot, payload);
+  plan.cost_caveat = cost_caveat(robot);
   plan.payload = query.payload;
   plan.gravity = query.gravity;
   plan.query = query.name;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "apps/query/query.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -14,6 +15,7 @@ RobotRequest without_choices(const RobotChoice& choice) {
   RobotRequest request = robot_request(choice);
   request.group.clear();
   request.fixed.clear();
+  request.standing.clear();
   return request;
 }
 
@@ -31,6 +33,7 @@ void note_held(const CheckOptions& options, const Contract& contract, const Robo
   if (std::none_of(contract.held.begin(), contract.held.end(), is_plans)) return;
   RobotRequest request = robot_request(options.robot);
   request.group = robot.group;
+  request.standing.clear();
   const Robot own = load_robot(request);
   for (const auto& [name, term] : contract.held) {
     if (term.source != TermSource::plan) continue;
@@ -76,10 +79,12 @@ void require_same_joints(const Robot& robot, const Plan& plan, const std::filesy
 
 Robot robot_to_check(const CheckOptions& options, const Plan& plan) {
   RobotRequest request = robot_request(options.robot);
+  if (plan.held.empty()) return load_robot(request);
+  const std::vector<std::string> standing =
+      std::exchange(request.standing, {});  // by what the plan holds, too
   Robot robot = load_robot(request);
   const bool is_stated =
       !request.group.empty() || !robot.group.empty();  // by flag, or by the robot's settings
-  if (plan.held.empty()) return robot;
   const auto is_free_to_stand = [&](const std::string& name) {
     for (const HeldJoint& joint : robot.held) {
       if (joint.name != name) continue;
@@ -92,6 +97,7 @@ Robot robot_to_check(const CheckOptions& options, const Plan& plan) {
   if (request.group != robot.group) robot = load_robot(request);
   for (const auto& [name, value] : plan.held)
     if (!asked.contains(name) && is_free_to_stand(name)) request.fixed[name] = value;
+  request.standing = standing;
   return load_robot(request);
 }
 

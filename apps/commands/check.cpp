@@ -5,6 +5,7 @@
 #include "apps/check/check_report.hpp"
 #include "apps/console/commands.hpp"
 #include "apps/console/table.hpp"
+#include "apps/query/query.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/maps/map_damage.hpp"
 #include "mapping/maps/map_integration.hpp"
@@ -75,9 +76,10 @@ void check_motion_of(const Plan& plan, const Robot& robot, const Snapshot& map, 
 int run_check(const CheckOptions& options, Console& console) {
   const Plan plan = load_plan(options.plan);
   const Robot robot = robot_to_check(options, plan);
-  const Snapshot map = load_map(options.map);
+  const Snapshot map = load_map(options.map, options.cloud_resolution);
   if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
     console.warn("note: " + remark);
+  const std::string cloud = cloud_remark(options.map, map, options.cloud_resolution.has_value());
   if (const std::string caveat = damage_caveat(map); !caveat.empty()) console.warn("warning: " + caveat);
   CheckReport report;
   report.contract =
@@ -93,7 +95,7 @@ int run_check(const CheckOptions& options, Console& console) {
   report.survey = survey_legs(legs, policies_of(report.contract));
   refuse_surveyed(report.survey, report.contract.demands, report.path);
   report.map_integration = to_string(integration_of(map));
-  report.map_caveat = map_caveat(map);
+  report.map_caveat = joined(map_caveat(map), cloud);
   report.plan_status = plan.status();
   report.waypoints = plan.waypoints().size();
   if (console.json) {

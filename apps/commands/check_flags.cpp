@@ -16,6 +16,7 @@ Command add_check(CLI::App& app, Console& console) {
   command->add_option("--map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply")
       ->required()
       ->type_name("MAP");
+  add_cloud_resolution(*command, options->cloud_resolution);
   const std::string otherwise = "; default: the map's own query, else ";
   add_robot_flags(*command, options->robot,
                   {.group = "; default: the settings' own, else the plan's",

@@ -88,9 +88,11 @@ int run_gate(const GateCommandOptions& options, Console& console) {
   const GateOptions gate_terms = gate_options(options, robot);
   joint_limits(robot, gate_terms.limits);  // throws before the map is read
   Gate gate(gate_terms);
-  const Snapshot map = load_map(options.map);
+  const Snapshot map = load_map(options.map, options.cloud_resolution);
   if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
     console.warn("note: " + remark);
+  const std::string cloud = cloud_remark(options.map, map, options.cloud_resolution.has_value());
+  if (!cloud.empty()) console.warn("note: " + cloud);
   if (const std::string caveat = damage_caveat(map); !caveat.empty()) console.warn("warning: " + caveat);
   std::shared_ptr<const Provenance> history;
   if (auto found = load_provenance(options.map))

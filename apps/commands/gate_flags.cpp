@@ -21,6 +21,7 @@ Command add_gate(CLI::App& app, Console& console) {
   command->add_option("--map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply")
       ->required()
       ->type_name("MAP");
+  add_cloud_resolution(*command, options->cloud_resolution);
   add_robot_flags(*command, options->robot);
   add_attach(*command, options->attach, "; legs are not allowed here");
   add_allow_outside(*command, options->allow_outside);

@@ -136,12 +136,18 @@ int run_inspect(const InspectOptions& options, Console& console) {
   require_outputs(options);
   // Everything is read before anything is said; see hand_over.cpp.
   const std::optional<Snapshot> loaded =
-      needs_memory(options) ? std::optional<Snapshot>(load_map(options.map)) : std::nullopt;
-  const MapLeaves leaves = loaded ? MapLeaves(edited(options, *loaded)) : MapLeaves::in_file(options.map);
+      needs_memory(options) ? std::optional<Snapshot>(load_map(options.map, options.cloud_resolution))
+                            : std::nullopt;
+  const MapLeaves leaves = loaded ? MapLeaves(edited(options, *loaded))
+                                  : MapLeaves::in_file(options.map, options.cloud_resolution);
   const Snapshot& map = leaves.about();
   std::optional<Snapshot> other;
-  if (!options.diff.empty()) other = load_map(options.diff);
+  if (!options.diff.empty()) other = load_map(options.diff, options.cloud_resolution);
   if (const std::string remark = painted_csv_remark(options.map, loaded ? *loaded : map); !remark.empty())
+    console.warn("note: " + remark);
+  if (const std::string remark =
+          cloud_remark(options.map, loaded ? *loaded : map, options.cloud_resolution.has_value());
+      !remark.empty())
     console.warn("note: " + remark);
   require_in_reach(points, map);
   const std::optional<Provenance> provenance = provenance_of(options, console);

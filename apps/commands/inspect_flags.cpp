@@ -14,6 +14,7 @@ Command add_inspect(CLI::App& app, Console& console) {
                    "folder written by replay, or .ot, .bt, .pcd, .ply; or a bag, rawlog or video, to list it")
       ->required()
       ->type_name("MAP");
+  add_cloud_resolution(*command, options->cloud_resolution);
   command
       ->add_option("--at", options->at,
                    "print what the map knows of a point, and when it was last seen; repeatable")

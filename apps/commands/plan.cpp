@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
+#include <numbers>
 #include <ostream>
 #include <stdexcept>
 
@@ -113,6 +115,24 @@ void report_degrees(const PlanOptions& options, const Robot& robot, const Config
   if (!hint.empty()) console.warn(hint);
 }
 
+/// A joint without limits is led where its goal says, whole turns included; who did not mean them is told.
+void report_turns(const Robot& robot, const Configuration& start, const std::vector<Configuration>& goals,
+                  Console& console) {
+  for (std::size_t leg = 0; leg < goals.size(); ++leg)
+    for (std::size_t j = 0; j < robot.dof(); ++j) {
+      const Joint& joint = robot.joints[j];
+      if (joint.kind != JointKind::revolute || std::isfinite(joint.lower) || std::isfinite(joint.upper))
+        continue;
+      const auto at = static_cast<Eigen::Index>(j);
+      const double goal = goals[leg][at], from = (leg == 0 ? start : goals[leg - 1])[at];
+      const double nearest = from + std::remainder(goal - from, 2.0 * std::numbers::pi);
+      if (std::abs(goal - nearest) < 1e-6) continue;
+      console.warn("note: joint " + shortened(joint.name) + " turns without limits and is led from " +
+                   significant(from) + " to " + significant(goal) + " rad, as the goal says; " +
+                   significant(nearest) + " rad is the same place");
+    }
+}
+
 /// Nobody chose `known_free` for a robot without critical parts: when it does not get through, that is
 /// reported.
 void report_default_policy(const PlanOptions& options, const Plan& plan, const ConfigurationSpace& space,
@@ -177,10 +197,13 @@ int run_plan(const PlanOptions& options, Console& console) {
       parted_policies(choose_policies(options.robot.policies, loaded), riding);
   require_parts(options.survey.allow_outside, loaded, "--allow-outside");
   require_files(options);
-  const Snapshot map = load_map(options.map);  // what is said before may be said again by the whole program
+  const Snapshot map = load_map(
+      options.map, options.cloud_resolution);  // what is said before may be said again by the whole program
   report_degrees(options, robot, start, goals, console);
+  report_turns(robot, start, goals, console);
   if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
     console.warn("note: " + remark);
+  const std::string cloud = cloud_remark(options.map, map, options.cloud_resolution.has_value());
   if (const std::string caveat = damage_caveat(map); !caveat.empty()) console.warn("warning: " + caveat);
 
   const double padding = choose_padding(options.robot, robot);
@@ -208,6 +231,7 @@ int run_plan(const PlanOptions& options, Console& console) {
   Plan plan = pick       ? plan_pick(query, *pick)
               : at_poses ? plan_to_poses(query, *at_poses)
                          : plan_and_check(query);
+  plan.map_caveat = joined(plan.map_caveat, cloud);
   add_motion(options, space, plan, console);
   report_default_policy(options, plan, space, console);
   const std::string text = to_json(plan_to_file(options, plan));

@@ -12,6 +12,7 @@ Command add_plan(CLI::App& app, Console& console) {
   CLI::App* command = add_command(app, "plan", "plan one query on a map, in one or several legs", console);
   command->add_option("--map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply")
       ->type_name("MAP");
+  add_cloud_resolution(*command, options->cloud_resolution);
   add_robot_flags(*command, options->robot);
   add_survey_flags(*command, options->survey);
   add_attach(*command, options->attach, "");

@@ -32,6 +32,7 @@ struct RobotChoice {
   std::filesystem::path srdf = {};         ///< empty: the robot's own
   std::string group = {};                  ///< empty: the robot's own, else all joints
   std::vector<std::string> fixed = {};     ///< "JOINT=VALUE"
+  std::vector<std::string> standing = {};  ///< links
   std::vector<std::string> packages = {};  ///< "NAME=DIR"
   std::vector<std::string> xacro = {};     ///< "NAME:=VALUE"
 };
@@ -116,6 +117,7 @@ struct GoalPoseChoice {
 
 struct PlanOptions {
   std::filesystem::path map;
+  std::optional<double> cloud_resolution = {};  ///< metres, of a map that is a cloud; none: its own
   RobotChoice robot;
   std::string start;
   std::vector<std::string> goals;
@@ -146,6 +148,7 @@ enum class AcceptedTerm { robot, held, scale, base, policy, padding, load, paylo
 
 struct CheckOptions {
   std::filesystem::path map;
+  std::optional<double> cloud_resolution = {};  ///< metres, of a map that is a cloud; none: its own
   RobotChoice robot;
   std::string start;
   std::vector<std::string> goals;
@@ -164,6 +167,7 @@ int run_check(const CheckOptions& options, Console& console);
 
 struct GateCommandOptions {
   std::filesystem::path map;
+  std::optional<double> cloud_resolution = {};  ///< metres, of a map that is a cloud; none: its own
   RobotChoice robot;
   std::vector<std::filesystem::path> attach = {};  ///< files of loads, all in the hand
   std::string start;                               ///< empty: where the first chunk starts
@@ -179,7 +183,8 @@ int run_gate(const GateCommandOptions& options, Console& console);
 
 struct InspectOptions {
   std::filesystem::path map;
-  std::vector<std::string> at;                              ///< "X,Y,Z"
+  std::optional<double> cloud_resolution = {};  ///< metres, of a map that is a cloud; none: its own
+  std::vector<std::string> at;                  ///< "X,Y,Z"
   std::vector<std::pair<std::string, std::string>> slices;  ///< ("z=0.3", "FILE.png")
   std::vector<std::string> terms;                           ///< "z=0.3": slices as text
   std::string clearance;  ///< policy whose clearance the slices show; or empty

@@ -112,6 +112,14 @@ void add_model_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNote
       ->allow_extra_args(false)
       ->take_all();
   command
+      .add_option(
+          "--standing", choice.standing,
+          "link on a joint that is held, as a wheel: it may touch what the robot stands on, as its base "
+          "may; repeatable")
+      ->type_name("LINK")
+      ->allow_extra_args(false)
+      ->take_all();
+  command
       .add_option("--package", choice.packages,
                   "folder of a ROS package that mesh URLs name (package://NAME/…); default: folders above "
                   "the URDF, ROS_PACKAGE_PATH, AMENT_PREFIX_PATH; repeatable")
@@ -188,6 +196,16 @@ void add_pick(CLI::App& command, std::filesystem::path& file, std::string& place
       .add_option("--place", place,
                   "place pose of the object: x,y,z[,roll,pitch,yaw], m and rad; default: the file's")
       ->type_name("POSE");
+}
+
+void add_cloud_resolution(CLI::App& command, std::optional<double>& resolution) {
+  command
+      .add_option(
+          "--cloud-resolution", resolution,
+          "edge of the voxels that the points of a .pcd or .ply map stand for, metres; default: what "
+          "the file states, else 0.02, or, of a thinned surface, 1.25 times the distance of its points")
+      ->check(number("metres from 0.0001 to 100", 1e-4, 100.0))
+      ->type_name("M");
 }
 
 void add_goal_poses(CLI::App& command, GoalPoseChoice& choice, const std::string& note) {

@@ -63,6 +63,9 @@ void add_pick(CLI::App& command, std::filesystem::path& file, std::string& place
 /// them. @param note of --goal-pose
 void add_goal_poses(CLI::App& command, GoalPoseChoice& choice, const std::string& note);
 
+/// --cloud-resolution of a --map that is a cloud.
+void add_cloud_resolution(CLI::App& command, std::optional<double>& resolution);
+
 /// --payload and --gravity, as `plan` and `check` share them. @param payload, gravity notes of their defaults
 void add_dynamics(CLI::App& command, DynamicsChoice& dynamics, const std::string& payload,
                   const std::string& gravity);

@@ -34,20 +34,23 @@ class Rawlog final : public FrameSource {
 /// Cloud files as scans, in the order and at the times in their names.
 class Clouds final : public FrameSource {
  public:
-  Clouds(const std::vector<fs::path>& files, std::string sensor)
-      : files_(times_of_names(files)), sensor_(std::move(sensor)) {}
+  Clouds(const std::vector<fs::path>& files, std::string sensor, std::optional<CloudFrameOf> points_in)
+      : files_(times_of_names(files)), sensor_(std::move(sensor)), points_in_(points_in) {}
 
   std::optional<Frame> next() override {
     while (at_ < files_.size()) {
       const auto& [file, time] = files_[at_++];
       try {
-        const ViewedCloud cloud = read_viewed_cloud(file);
+        ViewedCloud cloud = read_viewed_cloud(file);
         CloudFrame frame;
         frame.kind = "points";
         frame.world_from_sensor = cloud.file_from_viewpoint;
-        const Eigen::Isometry3f sensor_from_file = cloud.file_from_viewpoint.inverse().cast<float>();
-        frame.points.reserve(cloud.points.size());
-        for (const Eigen::Vector3f& point : cloud.points) frame.points.push_back(sensor_from_file * point);
+        frame.points = std::move(cloud.points);
+        turned_ += !cloud.file_from_viewpoint.linear().isIdentity(1e-6);
+        if (points_in_ != CloudFrameOf::sensor) {
+          const Eigen::Isometry3f sensor_from_file = cloud.file_from_viewpoint.inverse().cast<float>();
+          for (Eigen::Vector3f& point : frame.points) point = sensor_from_file * point;
+        }
         return Frame{time, sensor_, std::move(frame), file.filename().string()};
       } catch (const DamagedFile& error) {  // the other files are whole
         damage_.note(error.what());
@@ -58,13 +61,19 @@ class Clouds final : public FrameSource {
     return std::nullopt;
   }
   std::optional<std::string> damage() const override { return damage_.sentence(files_.size(), "clouds"); }
-  std::vector<std::string> warnings() const override { return {}; }
+  std::vector<std::string> warnings() const override {
+    if (turned_ == 0 || points_in_) return {};
+    return {std::to_string(turned_) + " of " + std::to_string(files_.size()) +
+            " clouds have a turned viewpoint; their points are taken as in the map's frame: "
+            "`source: {clouds: map}` of the setup says so, `source: {clouds: sensor}` places them by it."};
+  }
   double progress() const override { return static_cast<double>(at_) / static_cast<double>(files_.size()); }
 
  private:
   std::vector<TimedFile> files_;
   std::string sensor_;
-  std::size_t at_ = 0;
+  std::optional<CloudFrameOf> points_in_;
+  std::size_t at_ = 0, turned_ = 0;
   FolderDamage damage_;
 };
 
@@ -96,7 +105,7 @@ std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOpt
                                 std::to_string(pictures.size()) + " pictures and " +
                                 std::to_string(clouds.size()) + " clouds; expected a folder of one kind");
   if (!pictures.empty()) return open_pictures(pictures, name, options);
-  if (!clouds.empty()) return std::make_unique<Clouds>(clouds, name);
+  if (!clouds.empty()) return std::make_unique<Clouds>(clouds, name, options.clouds);
   throw std::invalid_argument("recording " + quote_path(folder.string()) +
                               " is a folder without pictures and clouds; expected " + kinds_of_recordings);
 }
@@ -125,7 +134,8 @@ std::unique_ptr<FrameSource> open_frames(const fs::path& recording, const Source
   const bool is_file = fs::is_regular_file(recording, error);
   if (is_file && is_cloud_file(recording)) {
     require_input(recording, "recording");
-    return std::make_unique<Clouds>(std::vector<fs::path>{recording}, recording.stem().string());
+    return std::make_unique<Clouds>(std::vector<fs::path>{recording}, recording.stem().string(),
+                                    options.clouds);
   }
   if (is_file && is_picture_file(recording))
     return open_pictures({recording}, recording.stem().string(), options);

@@ -11,7 +11,7 @@ Snapshot edited(const InspectOptions& options, const Snapshot& map) {
   if (edits && options.save.empty())
     throw std::invalid_argument("--merge, --crop and --coarsen: expected --save DIR to write the new map to");
   Snapshot result = map;
-  if (!options.merge.empty()) result = merge(result, load_map(options.merge));
+  if (!options.merge.empty()) result = merge(result, load_map(options.merge, options.cloud_resolution));
   if (!options.crop.empty()) {
     const std::vector<double> n = parse_numbers(options.crop, "--crop");
     if (n.size() != 6)

@@ -45,13 +45,15 @@ namespace {
 NamedRobot load_named(const std::filesystem::path& file, const std::optional<std::filesystem::path>& srdf,
                       const std::string& group, const std::map<std::string, double>& fixed,
                       const std::map<std::string, std::filesystem::path>& packages,
-                      const std::map<std::string, std::string>& xacro, const std::optional<double>& scale,
+                      const std::map<std::string, std::string>& xacro,
+                      const std::vector<std::string>& standing, const std::optional<double>& scale,
                       const py::object& map_from_base) {
   const std::string name = file.string();
-  NamedRobot loaded{without_lock([&] {
-                      return load_robot(RobotRequest{name, srdf.value_or(""), group, fixed, packages, xacro});
-                    }),
-                    name};
+  NamedRobot loaded{
+      without_lock([&] {
+        return load_robot(RobotRequest{name, srdf.value_or(""), group, fixed, packages, xacro, standing});
+      }),
+      name};
   if (scale) {
     if (!std::isfinite(*scale) || *scale <= 0.0)
       throw std::invalid_argument("scale: expected a finite number above 0");
@@ -326,17 +328,18 @@ void bind_robots(py::module_& module) {
       module, "Robot", doc("Robot", "Nothing of it can be changed; scaled() and placed() make another."));
   bind_facts(type);
   bind_kinematics(type);
-  module.def("load_robot", &load_named, py::arg("name_or_path"), py::kw_only(), py::arg("srdf") = py::none(),
-             py::arg("group") = "", py::arg("fixed") = std::map<std::string, double>{},
-             py::arg("packages") = std::map<std::string, std::filesystem::path>{},
-             py::arg("xacro") = std::map<std::string, std::string>{}, py::arg("scale") = py::none(),
-             py::arg("map_from_base") = py::none(),
-             doc("load_robot#2",
-                 "srdf, group, fixed, packages, xacro: see RobotRequest: a file, a planning group of it, "
-                 "joints that "
-                 "stand still (rad or m at full size), folders of packages and arguments of a .xacro "
-                 "file.\n\nscale: replaces the "
-                 "robot's own.\n\nmap_from_base: 4x4, where it stands."));
+  module.def(
+      "load_robot", &load_named, py::arg("name_or_path"), py::kw_only(), py::arg("srdf") = py::none(),
+      py::arg("group") = "", py::arg("fixed") = std::map<std::string, double>{},
+      py::arg("packages") = std::map<std::string, std::filesystem::path>{},
+      py::arg("xacro") = std::map<std::string, std::string>{},
+      py::arg("standing") = std::vector<std::string>{}, py::arg("scale") = py::none(),
+      py::arg("map_from_base") = py::none(),
+      doc("load_robot#2",
+          "srdf, group, fixed, packages, xacro, standing: see RobotRequest: a file, a planning group of "
+          "it, joints that stand still (rad or m at full size), folders of packages, arguments of a "
+          ".xacro file, links such as wheels that may touch what the robot stands on.\n\nscale: replaces the "
+          "robot's own.\n\nmap_from_base: 4x4, where it stands."));
   module.def(
       "available_robots",
       [] {

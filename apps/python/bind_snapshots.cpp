@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t most_cells = 500'000'000;
 
-NamedMap load_snapshot(const std::filesystem::path& path, double cloud_resolution) {
+NamedMap load_snapshot(const std::filesystem::path& path, std::optional<double> cloud_resolution) {
   return without_lock([&] {
     NamedMap loaded{load_map(path, cloud_resolution), path, {}};
     loaded.digest = map_sha256(path);
@@ -387,7 +387,7 @@ void bind_snapshots(py::module_& module) {
       .def("__repr__", &describe_snapshot, "Resolution and counts of voxels.");
   bind_files(snapshot);
   bind_questions(snapshot);
-  module.def("load_map", &load_snapshot, py::arg("path"), py::arg("cloud_resolution") = 0.02,
+  module.def("load_map", &load_snapshot, py::arg("path"), py::arg("cloud_resolution") = py::none(),
              doc("load_map"));
   module.def(
       "save_map",

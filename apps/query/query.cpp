@@ -19,6 +19,7 @@ namespace clearway {
 
 RobotRequest robot_request(const RobotChoice& choice) {
   RobotRequest request{choice.robot, choice.srdf, choice.group};
+  request.standing = choice.standing;
   for (const std::string& text : choice.fixed) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0)
@@ -271,6 +272,10 @@ std::vector<std::pair<std::string, std::string>> plan_figures(const Plan& plan) 
   rows.emplace_back("configurations", grouped(checks));
   rows.emplace_back("time", significant(plan.time_s, 3) + " s");
   return rows;
+}
+
+std::string joined(const std::string& remark, const std::string& other) {
+  return remark + (remark.empty() || other.empty() ? "" : "; ") + other;
 }
 
 }  // namespace clearway

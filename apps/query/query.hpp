@@ -55,4 +55,7 @@ PlannerOptions choose_planner_options(const std::vector<std::string>& texts);
 /// The rows of the table that `plan` and `replay` print for a plan: name and text.
 std::vector<std::pair<std::string, std::string>> plan_figures(const Plan& plan);
 
+/// Two remarks as one, with a semicolon between them; either may be empty.
+std::string joined(const std::string& remark, const std::string& other);
+
 }  // namespace clearway

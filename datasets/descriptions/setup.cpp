@@ -134,6 +134,12 @@ SourceOptions read_source(const YamlFields& fields, const std::filesystem::path&
   source.rate = fields.optional_number("rate", {1e-3, 1e5});
   if (fields.has("depth")) source.depth = read_depth(fields.map("depth"), folder);
   if (fields.has("bag")) source.bag = read_bag(fields.map("bag"));
+  if (fields.has("clouds")) {
+    const std::string frame = fields.text("clouds");
+    if (frame != "map" && frame != "sensor")
+      fields.fail("clouds", "expected map or sensor, got " + quote(frame));
+    source.clouds = frame == "map" ? CloudFrameOf::map : CloudFrameOf::sensor;
+  }
   fields.finish();
   return source;
 }

@@ -46,15 +46,19 @@ struct DepthOptions {
   double tolerance = 0.02;                 ///< s between a picture and a pose
 };
 
+/// In whose frame the points of .pcd and .ply files are; their viewpoints say where the sensor was.
+enum class CloudFrameOf { map, sensor };
+
 /// What a setup says of the source it belongs to.
 struct SourceOptions {
   std::optional<double> rate;  ///< pictures a second, in the order of their names: there are no other times
   std::optional<CameraIntrinsics> camera;  ///< of the setup; what pictures were taken with
   BagTopics bag = {};
   DepthOptions depth;
-  double camera_seconds = 10.0;     ///< how long a live camera is watched
-  std::vector<std::string> placed;  ///< sensors, or kinds of clouds, whose place the setup says
-  bool places_depth = false;        ///< the setup's sensors say where the sensor "depth" is
+  std::optional<CloudFrameOf> clouds = {};  ///< empty: the map's, with a warning where viewpoints are turned
+  double camera_seconds = 10.0;             ///< how long a live camera is watched
+  std::vector<std::string> placed;          ///< sensors, or kinds of clouds, whose place the setup says
+  bool places_depth = false;                ///< the setup's sensors say where the sensor "depth" is
 };
 
 }  // namespace clearway

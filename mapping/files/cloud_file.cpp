@@ -2,17 +2,24 @@
 
 #include <cmath>
 #include <cstring>
+#include <fstream>
+#include <optional>
 #include <stdexcept>
+#include <string_view>
 
 #include "mapping/files/cloud_parser.hpp"
+#include "mapping/files/cloud_spacing.hpp"
 #include "mapping/files/map_file.hpp"
+#include "mapping/files/number_words.hpp"
 #include "mapping/system/input_file.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 
 namespace clearway {
 namespace {
 
 constexpr std::size_t most_points = 100'000'000;
+constexpr double finest_voxel = 1e-4, coarsest_voxel = 100.0;  ///< m
 
 std::vector<Eigen::Vector3f> finite_points(ParsedCloud& cloud) {
   std::erase_if(cloud.points, [](const Eigen::Vector3f& point) { return !point.allFinite(); });
@@ -25,7 +32,31 @@ std::string raw(const std::vector<Eigen::Vector3f>& points) {
   return bytes;
 }
 
+constexpr std::string_view statement = "clearway: centres of voxels with an edge of ";
+
+std::string statement_of(double edge) { return std::string(statement) + to_text(edge) + " m\n"; }
+
 }  // namespace
+
+std::optional<double> stated_edge(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string line;
+  for (int i = 0; i < 4 && std::getline(stream, line); ++i) {
+    const bool is_comment = line.starts_with("# ") || line.starts_with("comment ");
+    const std::size_t at = line.find(statement);
+    if (!is_comment || at == std::string::npos) continue;
+    std::string_view rest = std::string_view(line).substr(at + statement.size());
+    const std::optional<double> edge = parsed_number(next_word(rest));
+    if (edge && *edge >= finest_voxel && *edge <= coarsest_voxel) return edge;
+  }
+  return std::nullopt;
+}
+
+double cloud_resolution(const std::filesystem::path& file, const std::vector<Eigen::Vector3f>& points) {
+  if (const auto edge = stated_edge(file)) return *edge;
+  const auto spacing = thinned_spacing(points, usual_cloud_resolution);
+  return spacing ? std::ceil(1250.0 * *spacing) / 1000.0 : usual_cloud_resolution;
+}
 
 bool is_cloud_file(const std::filesystem::path& file) {
   const std::string kind = extension_of(file);
@@ -53,7 +84,7 @@ ViewedCloud read_viewed_cloud(const std::filesystem::path& file) {
 
 std::shared_ptr<const FusedTree> tree_of_cloud(const std::vector<Eigen::Vector3f>& points, double resolution,
                                                const std::filesystem::path& file) {
-  if (!(resolution >= 1e-4 && resolution <= 100.0)) {
+  if (!(resolution >= finest_voxel && resolution <= coarsest_voxel)) {
     throw std::invalid_argument("cloud resolution is " + std::to_string(resolution) +
                                 ", expected metres in [0.0001, 100]");
   }
@@ -63,7 +94,7 @@ std::shared_ptr<const FusedTree> tree_of_cloud(const std::vector<Eigen::Vector3f
     if (!cell) {
       throw std::invalid_argument(
           "'" + file.string() + "' has a point beyond " + std::to_string(32768.0 * resolution) +
-          " m, the reach of a map of this resolution: expected a coarser cloud resolution");
+          " m, the reach of a map of this resolution: expected metres, or a coarser cloud resolution");
     }
     const Eigen::Vector3i key = cell->array() + 32768;
     tree->set_observed({static_cast<octomap::key_type>(key.x()), static_cast<octomap::key_type>(key.y()),
@@ -93,15 +124,17 @@ std::vector<Eigen::Vector3f> occupied_centers(const FusedTree& tree, const std::
   return centers;
 }
 
-std::string format_pcd(const std::vector<Eigen::Vector3f>& points) {
+std::string format_pcd(const std::vector<Eigen::Vector3f>& points, std::optional<double> edge) {
   const std::string count = std::to_string(points.size());
-  return "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\n"
-         "COUNT 1 1 1\nWIDTH " +
-         count + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA binary\n" + raw(points);
+  return "# .PCD v0.7 - Point Cloud Data file format\n" +
+         (edge ? "# " + statement_of(*edge) : std::string()) +
+         "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " + count +
+         "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA binary\n" + raw(points);
 }
 
-std::string format_ply(const std::vector<Eigen::Vector3f>& points) {
-  return "ply\nformat binary_little_endian 1.0\ncomment voxel centres, metres\nelement vertex " +
+std::string format_ply(const std::vector<Eigen::Vector3f>& points, std::optional<double> edge) {
+  return "ply\nformat binary_little_endian 1.0\n" +
+         (edge ? "comment " + statement_of(*edge) : std::string()) + "element vertex " +
          std::to_string(points.size()) +
          "\nproperty float x\nproperty float y\nproperty float z\nend_header\n" + raw(points);
 }

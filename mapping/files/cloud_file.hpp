@@ -4,12 +4,15 @@
 #include <Eigen/Geometry>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace clearway {
 
 class FusedTree;
+
+constexpr double usual_cloud_resolution = 0.02;  ///< m
 
 /// True for a name that ends in .pcd or .ply, in small or capital letters.
 bool is_cloud_file(const std::filesystem::path& file);
@@ -28,6 +31,14 @@ struct ViewedCloud {
 /// @throws DamagedFile also for a viewpoint that is not a finite place and a unit quaternion.
 ViewedCloud read_viewed_cloud(const std::filesystem::path& file);
 
+/// What a comment of the file says of its voxels' edge, metres: export_map writes it.
+std::optional<double> stated_edge(const std::filesystem::path& file);
+
+/// The edge of the voxels, metres, that the cloud's points stand for: as the file states it; else 2 cm, or,
+/// of a surface that was thinned to fewer points (thinned_spacing), a quarter more than these are apart, in
+/// whole millimetres, so that it has no holes.
+double cloud_resolution(const std::filesystem::path& file, const std::vector<Eigen::Vector3f>& points);
+
 /// A tree in which each voxel that holds a point is occupied.
 /// @throws std::invalid_argument when the resolution is outside [1e-4, 100] m or too fine for the farthest
 /// point.
@@ -38,7 +49,9 @@ std::shared_ptr<const FusedTree> tree_of_cloud(const std::vector<Eigen::Vector3f
 /// @throws std::invalid_argument naming `file` when there are more than 100 million.
 std::vector<Eigen::Vector3f> occupied_centers(const FusedTree& tree, const std::filesystem::path& file);
 
-std::string format_pcd(const std::vector<Eigen::Vector3f>& points);  ///< binary, x y z
-std::string format_ply(const std::vector<Eigen::Vector3f>& points);  ///< binary little endian, x y z
+/// Binary, x y z; a comment states the edge of the voxels, metres, of which the points are the centres.
+std::string format_pcd(const std::vector<Eigen::Vector3f>& points, std::optional<double> edge = {});
+/// The same, little endian.
+std::string format_ply(const std::vector<Eigen::Vector3f>& points, std::optional<double> edge = {});
 
 }  // namespace clearway

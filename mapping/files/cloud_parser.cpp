@@ -17,13 +17,35 @@ namespace {
 
 constexpr std::size_t megabyte = std::size_t{1} << 20U;
 
-std::size_t field_offset(const pcl::PCLPointCloud2& cloud, const std::string& name) {
+/// Where a coordinate is within a point's bytes.
+struct Coordinate {
+  std::size_t offset = 0;
+  bool is_double = false;
+
+  float of(const std::uint8_t* point) const {
+    if (!is_double) return read<float>(point + offset);
+    return static_cast<float>(read<double>(point + offset));
+  }
+
+ private:
+  template <typename Number>
+  static Number read(const std::uint8_t* bytes) {
+    Number number;
+    std::memcpy(&number, bytes, sizeof(Number));
+    return number;
+  }
+};
+
+Coordinate coordinate(const pcl::PCLPointCloud2& cloud, const std::string& name) {
   for (const auto& field : cloud.fields) {
     if (field.name != name) continue;
-    if (field.datatype != pcl::PCLPointField::FLOAT32 || field.offset + sizeof(float) > cloud.point_step) {
-      throw std::runtime_error("its field " + name + " is not a 4-byte float");
+    const bool is_double = field.datatype == pcl::PCLPointField::FLOAT64;
+    const std::size_t size = is_double ? sizeof(double) : sizeof(float);
+    if (!(is_double || field.datatype == pcl::PCLPointField::FLOAT32) ||
+        field.offset + size > cloud.point_step) {
+      throw std::runtime_error("its field " + name + " is no float of 4 or 8 bytes");
     }
-    return field.offset;
+    return {field.offset, is_double};
   }
   throw std::runtime_error("it has no field " + name);
 }
@@ -45,15 +67,14 @@ std::string read_with_pcl(const std::filesystem::path& file, bool is_pcd) {
   if (cloud.point_step == 0 || cloud.data.size() / cloud.point_step != count) {
     throw std::runtime_error("it holds fewer points than its header says");
   }
-  const std::size_t offsets[3] = {field_offset(cloud, "x"), field_offset(cloud, "y"),
-                                  field_offset(cloud, "z")};
+  const Coordinate coordinates[3] = {coordinate(cloud, "x"), coordinate(cloud, "y"), coordinate(cloud, "z")};
   std::string points(viewpoint_bytes + count * sizeof(Eigen::Vector3f), '\0');
   const float viewpoint[7] = {origin.x(), origin.y(), origin.z(), turn.w(), turn.x(), turn.y(), turn.z()};
   std::memcpy(points.data(), viewpoint, sizeof(viewpoint));
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      std::memcpy(&points[viewpoint_bytes + (3 * i + axis) * sizeof(float)],
-                  &cloud.data[i * cloud.point_step + offsets[axis]], sizeof(float));
+      const float value = coordinates[axis].of(&cloud.data[i * cloud.point_step]);
+      std::memcpy(&points[viewpoint_bytes + (3 * i + axis) * sizeof(float)], &value, sizeof(float));
     }
   }
   return points;

@@ -1,5 +1,6 @@
 #include "mapping/files/map_file.hpp"
 
+#include <cmath>
 #include <fstream>
 #include <utility>
 
@@ -11,6 +12,7 @@
 #include "mapping/files/painted_csv.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/input_file.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 
@@ -73,25 +75,58 @@ bool is_copy(const std::string& text, const Snapshot& map) {
   return text == sealed || format_painted(parse_painted(text, painted_name)) == sealed;
 }
 
+std::string millimetres(double metres) { return short_text(1000.0 * metres, 3) + " mm"; }
+
+bool is_alone(const Snapshot& map, const CellCube& cube) {
+  for (int k = 0; k < 27 && cube.edge == 1; ++k) {
+    const Eigen::Vector3i step(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+    const Eigen::Vector3d center = ((cube.corner + step).cast<double>().array() + 0.5) * map.resolution();
+    if (!step.isZero() && map.state(center) == VoxelState::occupied) return false;
+  }
+  return cube.edge == 1;
+}
+
+/// Of the occupied leaves, at most some thousands spread over the tree, the share that touches no other one,
+/// not even at a corner. 0 of few.
+double share_alone(const Snapshot& map) {
+  const FusedTree& tree = map.tree();
+  std::vector<CellCube> occupied;
+  tree.visit_leaves([&](const FusedNode& node, const CellCube& cube) {
+    if (tree.state(node) == VoxelState::occupied) occupied.push_back(cube);
+  });
+  constexpr std::size_t most = 4000, fewest = 30;
+  if (occupied.size() < fewest) return 0.0;
+  const std::size_t step = 1 + occupied.size() / most;
+  std::size_t looked = 0, alone = 0;
+  for (std::size_t i = 0; i < occupied.size(); i += step, ++looked) alone += is_alone(map, occupied[i]);
+  return static_cast<double>(alone) / static_cast<double>(looked);
+}
+
 }  // namespace
 
-Snapshot load_map(const fs::path& path, double cloud_resolution) {
+Snapshot load_map(const fs::path& path, std::optional<double> cloud_resolution) {
   const fs::path file = map_file_of(path);
   const std::string kind = extension_of(file);
   if (kind == ".ot" || kind == ".bt") return load_octree(file, file != path);
   if (is_cloud_file(file)) {
     require_input(file, "map file");
-    return {tree_of_cloud(read_cloud(file), cloud_resolution, file), {}};
+    const std::vector<Eigen::Vector3f> points = read_cloud(file);
+    if (points.empty())
+      throw std::invalid_argument("'" + file.string() + "' holds no finite point, expected some");
+    return {
+        tree_of_cloud(points, cloud_resolution ? *cloud_resolution : clearway::cloud_resolution(file, points),
+                      file),
+        {}};
   }
   throw std::invalid_argument("map '" + path.string() +
                               "' is of an unknown kind: expected a directory or a .ot, " +
                               ".bt, .pcd or .ply file");
 }
 
-MapLeaves MapLeaves::in_file(const fs::path& path) {
+MapLeaves MapLeaves::in_file(const fs::path& path, std::optional<double> cloud_resolution) {
   const fs::path file = map_file_of(path);
   const std::string kind = extension_of(file);
-  if (kind != ".ot" && kind != ".bt") return MapLeaves(load_map(path));
+  if (kind != ".ot" && kind != ".bt") return MapLeaves(load_map(path, cloud_resolution));
   const auto stream = std::make_shared<const OctreeStream>(file);
   const Snapshot about(stream->shared_bare_tree(),
                        stream->is_ours() ? stream->volumes() : volumes_beside(file, file != path),
@@ -124,6 +159,21 @@ std::string painted_csv_remark(const fs::path& path, const Snapshot& map) {
   return name + " differs from the painted volumes in map.ot and is not used";
 }
 
+std::string cloud_remark(const fs::path& path, const Snapshot& map, bool is_chosen) {
+  if (!is_cloud_file(path)) return {};
+  const double edge = map.resolution();
+  std::string remark;
+  if (!is_chosen && edge != usual_cloud_resolution && !stated_edge(path))
+    remark = "the cloud's points are some " + millimetres(0.8 * edge) + " apart and stand for voxels of " +
+             millimetres(edge);
+  const double alone = share_alone(map);
+  if (alone >= 0.5)
+    remark += (remark.empty() ? "" : "; ") + short_text(std::floor(100.0 * alone)) +
+              " % of the cloud's voxels of " + millimetres(edge) +
+              " touch no other, so that surfaces may have holes that a path leads through";
+  return remark.empty() ? remark : remark + "; --cloud-resolution chooses others";
+}
+
 std::map<std::string, std::string> files_of_map(const Snapshot& map) {
   return {{map_name, format_fused_tree(map.tree(), map.volumes(), map.seen())},
           {painted_name, format_painted(map.volumes())}};
@@ -144,8 +194,10 @@ void export_map(const Snapshot& map, const fs::path& file) {
   const std::string kind = extension_of(file);
   if (kind == ".ot") return save_file(file, format_color_tree(map.tree()));
   if (kind == ".bt") return save_file(file, format_binary_tree(map.tree()));
-  if (kind == ".pcd") return save_file(file, format_pcd(occupied_centers(map.tree(), file)));
-  if (kind == ".ply") return save_file(file, format_ply(occupied_centers(map.tree(), file)));
+  if (kind == ".pcd")
+    return save_file(file, format_pcd(occupied_centers(map.tree(), file), map.resolution()));
+  if (kind == ".ply")
+    return save_file(file, format_ply(occupied_centers(map.tree(), file), map.resolution()));
   throw std::invalid_argument("cannot export to '" + file.string() +
                               "': expected a .ot, .bt, .pcd or .ply file");
 }

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "mapping/snapshot.hpp"
@@ -11,16 +12,22 @@ namespace clearway {
 
 /// Reads a map: a directory written by `clearway replay` (map.ot and painted.csv), or a .ot (ours or any
 /// registered OctoMap tree), .bt, .pcd or .ply file. A bare tree has no exact spheres: then the voxels alone
-/// decide. Points of a cloud become occupied voxels of `cloud_resolution`.
+/// decide. Points of a cloud become occupied voxels of `cloud_resolution`, metres; by default that of
+/// cloud_resolution().
 /// @throws std::invalid_argument when the file is missing, unreadable or of an unknown kind.
 /// @throws DamagedFile when it is truncated or corrupt; nothing half-read is ever returned.
-Snapshot load_map(const std::filesystem::path& path, double cloud_resolution = 0.02);
+Snapshot load_map(const std::filesystem::path& path, std::optional<double> cloud_resolution = {});
 
 /// One sentence about the painted.csv beside a map in a folder, for whoever loaded `map` from `path`. A
 /// map.ot of ours holds the painted volumes under its own seal, and painted.csv is a copy for spreadsheets:
 /// when it differs, the sentence says that it is not used. A map.ot of another program has none: then
 /// painted.csv is where they come from, and the sentence says so. Empty where there is nothing to say.
 std::string painted_csv_remark(const std::filesystem::path& path, const Snapshot& map);
+
+/// What a reader should know of the voxels that the points of a cloud became, for whoever loaded `map` from
+/// `path`, one sentence: that they are not of the usual size, which nobody chose; that most
+/// of them touch no other, so that surfaces may have holes. Empty for other maps.
+std::string cloud_remark(const std::filesystem::path& path, const Snapshot& map, bool is_chosen);
 
 /// What save_map writes: each file's name and its bytes.
 std::map<std::string, std::string> files_of_map(const Snapshot& map);

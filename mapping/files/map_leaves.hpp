@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,8 +31,9 @@ class MapLeaves {
   /// Of a map in memory.
   explicit MapLeaves(Snapshot map);
   /// Of a map file or folder, as load_map takes them. Of .ot and .bt files no tree is made: the memory for it
-  /// does not grow with the map (look times do, see SeenStamps). @throws as load_map.
-  static MapLeaves in_file(const std::filesystem::path& path);
+  /// does not grow with the map (look times do, see SeenStamps). @param cloud_resolution as of load_map
+  /// @throws as load_map.
+  static MapLeaves in_file(const std::filesystem::path& path, std::optional<double> cloud_resolution = {});
 
   /// How another map of the same resolution differs, in states: `conflict` is blocked in the other
   /// alone, `painted` is blocked here alone, `occupied` in both; `seen_free` has another state otherwise.

@@ -164,12 +164,13 @@ class MotionChecker {
     return true;
   }
 
-  void refuse_joint(std::size_t k, Eigen::Index j, const char* what, double value, double limit) {
+  void refuse_joint(std::size_t k, Eigen::Index j, const char* what, double value, double other,
+                    const char* other_is = ", its limit ") {
     std::ostringstream text;
     text.imbue(std::locale::classic());
     text << "after " << motion_.period * static_cast<double>(k) << " s the " << what << " of joint "
-         << shortened(robot_.joints[static_cast<std::size_t>(j)].name) << " is " << value << ", its limit "
-         << limit;
+         << shortened(robot_.joints[static_cast<std::size_t>(j)].name) << " is " << value << other_is
+         << other;
     refuse(text.str());
   }
 
@@ -218,7 +219,8 @@ class MotionChecker {
     for (Eigen::Index j = 0; j < found.size(); ++j) {
       const double tolerance = excess * std::max(1.0, limits_.acceleration[j]);
       if (!(std::abs(found[j] - said[j]) <= tolerance))
-        return refuse_joint(k, j, "acceleration between the knots", found[j], said[j]);
+        return refuse_joint(k, j, "acceleration that positions and velocities give", found[j], said[j],
+                            ", but the motion says ");
     }
   }
 

@@ -38,6 +38,10 @@ KDL::Segment segment_of(const Robot& robot, const Link& link) {
 
 }  // namespace
 
+bool stands(const Robot& robot, const std::string& link) {
+  return std::find(robot.standing.begin(), robot.standing.end(), link) != robot.standing.end();
+}
+
 KdlModel model_of_robot(const Robot& robot) {
   KdlModel model;
   for (std::size_t i = 0; i < own_links(robot); ++i) {
@@ -47,7 +51,8 @@ KdlModel model_of_robot(const Robot& robot) {
                            .joint = link.joint,
                            .multiplier = link.multiplier,
                            .offset = link.joint < 0 ? 0.0 : link.offset,
-                           .is_held = link.is_held});
+                           .is_held = link.is_held,
+                           .stands = stands(robot, link.name)});
   }
   for (std::size_t i = 0; i < own_bodies(robot); ++i)
     model.link_from_body.push_back(robot.bodies[i].link_from_shape);
@@ -175,8 +180,9 @@ bool KdlArm::may_touch(std::size_t a, std::size_t b) const {
 }
 
 bool KdlArm::is_policed(std::size_t body) const {
+  const bool stands = chains_->link(chains_->body_link[body]).stands;
   for (int i = chains_->body_link[body]; i >= 0; i = chains_->link(i).parent)
-    if (chains_->link(i).joint >= 0 || chains_->link(i).is_held) return true;
+    if (chains_->link(i).joint >= 0 || (chains_->link(i).is_held && !stands)) return true;
   return false;
 }
 

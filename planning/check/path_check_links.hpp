@@ -29,6 +29,7 @@ struct KdlLink {
   /// Value of its joint = multiplier * q + offset; of one that does not move: offset.
   double multiplier = 1.0, offset = 0.0;
   bool is_held = false;  ///< its joint could move, but stands still
+  bool stands = false;   ///< its bodies may touch the map, as Robot::standing says: a wheel on its floor
   /// A mimic joint about another axis than its master's: Robot's frame of the link is turned (read_urdf).
   bool is_turned = false;
 
@@ -48,6 +49,9 @@ class FileDisagrees : public std::runtime_error {
 
 /// @throws FileDisagrees with `what` after the names of the robot and its URDF.
 [[noreturn]] void disagree(const Robot& robot, const std::string& what);
+
+/// Whether Robot::standing names the link.
+bool stands(const Robot& robot, const std::string& link);
 
 /// From the robot's own links, for robots that were made in memory.
 KdlModel model_of_robot(const Robot& robot);

@@ -142,7 +142,8 @@ class FileReader {
     if (element == tree_.getSegments().end()) disagree(robot_, "it has no link " + quote(link.name));
     const bool is_root = element == tree_.getRootSegment();
     kdl_.links.push_back({.segment = std::make_shared<KDL::Segment>(GetTreeElementSegment(element->second)),
-                          .parent = is_root ? -1 : index_of(GetTreeElementParent(element->second)->first)});
+                          .parent = is_root ? -1 : index_of(GetTreeElementParent(element->second)->first),
+                          .stands = stands(robot_, link.name)});
     const urdf::JointSharedPtr joint = model_->links_.at(link.name)->parent_joint;
     if (joint && joint->type != urdf::Joint::FIXED) add_joint(*joint);
   }

@@ -1,5 +1,7 @@
 #include "planning/robot/inverse_dynamics.hpp"
 
+#include "planning/robot/reach.hpp"
+
 namespace clearway {
 namespace {
 
@@ -45,6 +47,24 @@ void add_mass(LinkMotion& motion, double mass, const Eigen::Vector3d& arm, const
       arm.cross(force) + inertia * motion.turning_rate + motion.turning.cross(inertia * motion.turning);
 }
 
+/// Links with bodies of the robot's own that have no mass, nor a link that is fixed to them.
+std::vector<bool> weightless_links(const Robot& robot) {
+  std::vector<std::size_t> rigid(robot.links.size());  // the topmost link that it is fixed to
+  std::vector<double> mass(robot.links.size(), 0.0);
+  for (std::size_t i = 0; i < robot.links.size(); ++i) {
+    const Link& link = robot.links[i];
+    const bool is_fixed = link.parent >= 0 && link.joint < 0 && !link.is_held;
+    rigid[i] = is_fixed ? rigid[static_cast<std::size_t>(link.parent)] : i;
+    mass[rigid[i]] += link.mass;
+  }
+  std::vector<bool> weightless(robot.links.size(), false);
+  for (std::size_t k = 0; k + robot.loads.size() < robot.bodies.size(); ++k) {
+    const auto link = static_cast<std::size_t>(robot.bodies[k].link);
+    weightless[link] = !(mass[rigid[link]] > 0.0);
+  }
+  return weightless;
+}
+
 }  // namespace
 
 Eigen::VectorXd joint_torques(const Robot& robot, const Configuration& q, const Eigen::VectorXd& velocity,
@@ -84,16 +104,27 @@ Eigen::VectorXd joint_torques(const Robot& robot, const Configuration& q, const 
 }
 
 std::vector<bool> moves_mass(const Robot& robot, const JointLoad& load) {
-  std::vector<bool> moves(robot.dof(), false);
+  std::vector<bool> moves(robot.dof(), false), lacks(robot.dof(), false);
+  const std::vector<bool> is_weightless = weightless_links(robot);
   for (std::size_t i = 0; i < robot.links.size(); ++i) {
     const bool is_loaded = load.payload > 0.0 && static_cast<int>(i) == robot.tip_link;
-    if (!is_loaded && !(robot.links[i].mass > 0.0)) continue;
     for (int at = static_cast<int>(i); at >= 0; at = robot.links[static_cast<std::size_t>(at)].parent) {
       const int joint = robot.links[static_cast<std::size_t>(at)].joint;
-      if (joint >= 0) moves[static_cast<std::size_t>(joint)] = true;
+      if (joint < 0) continue;
+      if (is_loaded || robot.links[i].mass > 0.0) moves[static_cast<std::size_t>(joint)] = true;
+      if (is_weightless[i]) lacks[static_cast<std::size_t>(joint)] = true;
     }
   }
+  for (std::size_t j = 0; j < moves.size(); ++j) moves[j] = moves[j] && !lacks[j];
   return moves;
+}
+
+std::vector<std::string> links_without_mass(const Robot& robot) {
+  const std::vector<bool> is_weightless = weightless_links(robot);
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < robot.links.size(); ++i)
+    if (is_weightless[i] && is_moved(robot, static_cast<int>(i))) names.push_back(robot.links[i].name);
+  return names;
 }
 
 }  // namespace clearway

@@ -166,6 +166,10 @@ bool is_moved(const Robot& robot, int link) {
 }
 
 bool is_policed(const Robot& robot, int link) {
+  const auto& standing = robot.standing;
+  const bool stands =
+      std::find(standing.begin(), standing.end(), link_at(robot, link).name) != standing.end();
+  if (stands && !is_moved(robot, link)) return false;
   for (int i = link; i >= 0; i = link_at(robot, i).parent) {
     if (link_at(robot, i).joint >= 0 || link_at(robot, i).is_held) return true;
   }

@@ -29,7 +29,7 @@ double tip_reach(const Robot& robot);
 bool is_moved(const Robot& robot, int link);
 
 /// True when some joint moves the link, or one that is held still could: its bodies are looked at in the map.
-/// What no joint ever moves, as a foot on its table, is not.
+/// What no joint ever moves, as a foot on its table, is not, nor what Robot::standing names, as a wheel.
 bool is_policed(const Robot& robot, int link);
 
 }  // namespace clearway

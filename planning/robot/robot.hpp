@@ -95,8 +95,10 @@ struct Robot {
   std::string model{};                         ///< its name inside the URDF
   std::map<std::string, std::string> xacro{};  ///< arguments with which its .xacro was expanded
   std::filesystem::path srdf{};                ///< that was read with it; empty: none
-  std::string group{};                   ///< planning group of the SRDF whose joints move; empty: all joints
-  std::vector<HeldJoint> held{};         ///< the others, by name
+  std::string group{};            ///< planning group of the SRDF whose joints move; empty: all joints
+  std::vector<HeldJoint> held{};  ///< the others, by name
+  std::vector<std::string>
+      standing{};  ///< links that may touch what the robot stands on while no joint moves them
   std::vector<NamedState> states{};      ///< of the SRDF, by name
   std::vector<std::string> only_seen{};  ///< links with a shape to look at and none to collide: not checked
   std::vector<Load> loads{};             ///< that ride on it (with_load): the last links and bodies, one each

@@ -33,7 +33,8 @@ bool is_same(const Robot& a, const Robot& b) {
   return std::equal(a.joints.begin(), a.joints.end(), b.joints.begin(), b.joints.end(), is_same_joint) &&
          std::equal(a.links.begin(), a.links.end(), b.links.begin(), b.links.end(), is_same_link) &&
          std::equal(a.bodies.begin(), a.bodies.end(), b.bodies.begin(), b.bodies.end(), is_same_body) &&
-         a.exempt == b.exempt && a.map_from_base.matrix() == b.map_from_base.matrix();
+         a.exempt == b.exempt && a.standing == b.standing &&
+         a.map_from_base.matrix() == b.map_from_base.matrix();
 }
 
 }  // namespace clearway

@@ -10,8 +10,10 @@
 #include <stdexcept>
 
 #include "mapping/system/input_file.hpp"
+#include "mapping/system/nearest_name.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/robot/held_joints.hpp"
+#include "planning/robot/reach.hpp"
 #include "planning/robot_files/allowed_collisions.hpp"
 #include "planning/robot_files/robot_settings.hpp"
 #include "planning/robot_files/srdf_file.hpp"
@@ -136,6 +138,27 @@ Robot hold(const Robot& robot, const RobotRequest& request, const RobotSettings&
   return held.empty() ? robot : with_held_joints(robot, held, settings_file);
 }
 
+/// The links that may touch what the robot stands on. @throws std::invalid_argument for those that move.
+std::vector<std::string> standing_links(const Robot& robot, const RobotRequest& request,
+                                        const RobotSettings& settings) {
+  std::set<std::string> standing(request.standing.begin(), request.standing.end());
+  standing.insert(settings.standing.begin(), settings.standing.end());
+  std::vector<std::string> names;
+  for (const Link& link : robot.links) names.push_back(link.name);
+  for (const std::string& name : standing) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end())
+      throw std::invalid_argument("standing: robot " + quote(robot.name) + " has no link " + quote(name) +
+                                  ", did you mean " + quote(nearest_name(name.substr(0, 100), names)) + "?");
+    if (is_moved(robot, static_cast<int>(found - names.begin())) &&
+        std::find(request.standing.begin(), request.standing.end(), name) != request.standing.end())
+      throw std::invalid_argument("standing: a joint that is planned moves link " + quote(name) +
+                                  " of robot " + quote(robot.name) +
+                                  ", expected one that stands still (--fix, --group)");
+  }
+  return {standing.begin(), standing.end()};
+}
+
 /// Spheres that hold each body, in the frame of its link.
 void cover_bodies(Robot& robot) {
   for (Body& body : robot.bodies) {
@@ -224,6 +247,7 @@ Robot load_robot(const RobotRequest& request) {
   }
   robot.exempt = exempt_pairs(robot, settings, settings_file, srdf);  // while every joint may still move
   robot = hold(robot, request, settings, settings_file, srdf);
+  robot.standing = standing_links(robot, request, settings);
   if (!robot.group.empty() && settings.tip_link.empty()) choose_tip(*srdf, robot.srdf, robot);
   cover_bodies(robot);
   return settings.scale == 1.0 ? robot : scaled(robot, settings.scale);

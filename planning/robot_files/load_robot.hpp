@@ -19,6 +19,8 @@ struct RobotRequest {
   /// Folders of packages that meshes name (package://NAME/…); others are looked for as find_mesh says.
   std::map<std::string, std::filesystem::path> packages{};
   std::map<std::string, std::string> xacro{};  ///< arguments of a .xacro, before the settings' (`xacro:`)
+  std::vector<std::string>
+      standing{};  ///< links on held joints, as wheels; beside the settings' (`standing:`)
 };
 
 /// Loads a robot. Joints that `fixed` or the settings' `fixed:` name and, when a group is chosen, all outside
@@ -27,14 +29,14 @@ struct RobotRequest {
 /// settings', else the parent link of the end effector on the group, else the tip of its chain, else the last
 /// link that the group's joints move.
 /// @throws as load_robot(name_or_path); std::invalid_argument for a group without a SRDF or that it does not
-///         define, a fixed joint that is none or out of its limits, or xacro arguments of a file that is
-///         none.
+///         define, a fixed joint that is none or out of its limits, xacro arguments of a file that is none,
+///         or a standing link that is none or that a joint of configurations moves.
 Robot load_robot(const RobotRequest& request);
 
 /// Loads a robot. `name_or_path` is a name in datasets/robots (a .yaml there: urdf, scale, tip, critical
-/// parts, friction, steps, exempt pairs, inverse kinematics, srdf, group, fixed, xacro) or the path of a
-/// .yaml or .urdf; for a .urdf a .srdf and a .yaml of the same stem beside it are honoured. Meshes (DAE, OBJ,
-/// PLY, STL through assimp) become their convex hulls; package:// is searched upwards.
+/// parts, friction, steps, exempt pairs, inverse kinematics, srdf, group, fixed, standing, xacro) or the path
+/// of a .yaml or .urdf; for a .urdf a .srdf and a .yaml of the same stem beside it are honoured. Meshes (DAE,
+/// OBJ, PLY, STL through assimp) become their convex hulls; package:// is searched upwards.
 /// @throws std::invalid_argument in one sentence naming file and element: no joints, NaN, bodies of no size,
 ///         axis zero, lower > upper, loops, misspelt names, numbers that no robot has, ...
 /// @throws DamagedFile when a mesh file is not whole or has no usable geometry.

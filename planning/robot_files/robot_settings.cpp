@@ -153,7 +153,7 @@ RobotSettings settings_of(const std::filesystem::path& file, const YAML::Node& r
   const Section section(file, "", root,
                         {"description", "urdf", "scale", "base", "tip", "critical_parts", "friction", "step",
                          "max_acceleration", "max_jerk", "position_accuracy", "inverse_kinematics", "exempt",
-                         "srdf", "group", "fixed", "xacro"});
+                         "srdf", "group", "fixed", "standing", "xacro"});
   RobotSettings settings;
   settings.description = section.text("description", "");
   settings.urdf = section.text("urdf", "");
@@ -194,6 +194,11 @@ RobotSettings settings_of(const std::filesystem::path& file, const YAML::Node& r
       const std::string joint = entry.first.as<std::string>("");
       settings.fixed[joint] = fixed.any_number(joint, entry.second);
     }
+  }
+  if (section.has("standing")) {
+    const YAML::Node list = section.node("standing");
+    if (!list.IsSequence()) section.refuse("standing", "a list of links");
+    for (const YAML::Node& link : list) settings.standing.push_back(link.as<std::string>(""));
   }
   if (section.has("xacro")) settings.xacro = xacro_of(file, section.node("xacro"));
   return settings;

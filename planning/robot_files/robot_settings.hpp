@@ -36,6 +36,7 @@ struct RobotSettings {
   std::filesystem::path srdf;                ///< beside the settings; empty: the URDF's name
   std::string group;                         ///< planning group of the SRDF; empty: all joints
   std::map<std::string, double> fixed;       ///< joints that stand still, rad or m
+  std::vector<std::string> standing;         ///< links on such joints that may touch what the robot stands on
   std::map<std::string, std::string> xacro;  ///< arguments of the .xacro
 };
 

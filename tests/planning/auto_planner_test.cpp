@@ -105,5 +105,26 @@ TEST(AutoPlanner, DistinguishesTimeoutFromNoPath) {
   EXPECT_EQ(wrong.status, PlanStatus::goal_invalid);
 }
 
+/// Whose only way is straight: nothing is looked for, nor does the time limit have to end it.
+TEST(AutoPlanner, OfASingleJointEndsWhereTheStraightWayDoes) {
+  const Robot point = load_robot("point");
+  const Robot robot = load_robot({.robot = "point", .fixed = {{point.joints[1].name, 0.0}}});
+  ASSERT_EQ(robot.dof(), 1U);
+  FreeSpaceMap map({.resolution = 0.02});
+  occupy(map, {0.01, 0.01, 0.01});
+  const ConfigurationSpace space(robot, map.snapshot(), {.critical_by_default = false});
+  const auto at = [](double x) { return Configuration(Configuration::Constant(1, x)); };
+  const PlanResult free = plan(space, at(0.5), at(0.8));
+  EXPECT_EQ(free.status, PlanStatus::solved) << free.explanation;
+  int asked = 0;
+  const PlanResult blocked =
+      AutoPlanner(AutoPlannerOptions{}).plan({space, PathCost(robot), at(-0.5), at(0.5), 3, [&] {
+                                                ++asked;
+                                                return false;  // never out of time
+                                              }});
+  EXPECT_EQ(blocked.status, PlanStatus::no_path);
+  EXPECT_NE(blocked.explanation.find("single joint"), std::string::npos) << blocked.explanation;
+}
+
 }  // namespace auto_planner_test
 }  // namespace clearway

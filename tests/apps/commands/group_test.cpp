@@ -78,9 +78,69 @@ TEST_F(Group, PlansInItsOwnJointsBetweenNamedStatesAndSaysWhereTheOthersStood) {
   const std::string motion = read_file(folder_.file("motion.yaml"));
   EXPECT_NE(motion.find("elbow"), std::string::npos);
   EXPECT_EQ(motion.find("grip"), std::string::npos);
-  EXPECT_NE(run.out.find("not known: The robot's file gives the links that move no masses"),
+  EXPECT_NE(run.out.find("not known: The robot's file gives link 'upper' and 2 others that move no mass"),
             std::string::npos)
       << run.out;
+  const CommandRun loaded =
+      this->plan({"--group", "arm", "--start", "home", "--goal", "ready", "--payload", "2"});
+  EXPECT_NE(loaded.out.find("not known: The robot's file"), std::string::npos) << loaded.out;
+}
+
+TEST_F(Group, AWheelThatStandsOnItsFloorIsNamedAndOnlyByTheUser) {
+  std::string urdf = worlds::arm_with_finger();
+  urdf.insert(urdf.rfind("</robot>"),
+              "<link name='wheel'><collision><geometry><sphere radius='0.1'/></geometry></collision></link>"
+              "<joint name='axle' type='continuous'><parent link='base'/><child link='wheel'/>"
+              "<origin xyz='-1 0 0'/><axis xyz='0 1 0'/></joint>");
+  folder_.write("arm.urdf", urdf);
+  FreeSpaceMap map({.resolution = 0.05});
+  Scan scan;
+  scan.points = {{-1.0F, 0.0F, -0.08F}};
+  map.insert(scan);
+  save_map(map.snapshot(), folder_.path() / "map");
+  const Arguments query{"--group", "arm", "--start", "home", "--goal", "ready", "--allow-outside", "all"};
+  const auto with = [&](Arguments arguments) {
+    arguments.insert(arguments.begin(), query.begin(), query.end());
+    return arguments;
+  };
+  const CommandRun held = plan(query);
+  EXPECT_EQ(held.status, exit_no);
+  EXPECT_NE(held.out.find("wheel touches an occupied voxel"), std::string::npos) << held.out;
+  const CommandRun standing = plan(with({"--standing", "wheel"}));
+  EXPECT_EQ(standing.status, exit_done) << standing.out << standing.log;
+  EXPECT_NE(standing.out.find("wheel"), std::string::npos) << standing.out;
+  EXPECT_EQ(check({"--allow-outside", "all"}).status, exit_no);
+  const CommandRun checked = check({"--allow-outside", "all", "--standing", "wheel"});
+  EXPECT_EQ(checked.status, exit_done) << checked.out;
+  EXPECT_EQ(Json::parse(checked.out)["survey"]["standing_in_occupied"][0]["part"], "wheel") << checked.out;
+  EXPECT_EQ(check({"--allow-outside", "all", "--standing", "wheel", "--strict"}).status, exit_no);
+  for (const char* link : {"whel", "lower"}) {
+    const CommandRun refused = plan(with({"--standing", link}));
+    EXPECT_EQ(refused.status, exit_bad_input);
+    EXPECT_TRUE(refused.complains_in_one_sentence()) << refused.log;
+  }
+  folder_.write("arm.yaml", "standing: [wheel]\n");
+  EXPECT_EQ(check({"--allow-outside", "all"}).status, exit_done);
+  const CommandRun whole = plan({"--start", "0,0.1,0,0", "--goal", "0.5,-0.1,0,0", "--allow-outside", "all"});
+  EXPECT_NE(whole.out.find("wheel touches an occupied voxel"), std::string::npos)
+      << whole.out;  // it moves then
+}
+
+TEST_F(Group, AGoalThatTurnsAnEndlessJointFartherThanItHasToIsTold) {
+  std::string urdf = worlds::arm_with_finger();
+  urdf.insert(urdf.rfind("</robot>"),
+              "<link name='wrist'/><joint name='roll' type='continuous'><parent link='lower'/>"
+              "<child link='wrist'/><axis xyz='1 0 0'/></joint>");
+  folder_.write("arm.urdf", urdf);
+  std::filesystem::remove(folder_.path() / "arm.srdf");
+  const CommandRun far = plan({"--start", "0,0.1,0,-3", "--goal", "0,0.1,0,3"});
+  EXPECT_EQ(far.status, exit_done) << far.out << far.log;
+  EXPECT_NE(far.log.find("joint roll turns without limits and is led from -3 to 3 rad, as the goal says; "
+                         "-3.283 rad is the same place"),
+            std::string::npos)
+      << far.log;
+  EXPECT_EQ(plan({"--start", "0,0.1,0,-3", "--goal", "0,0.1,0,-2"}).log.find("without limits"),
+            std::string::npos);
 }
 
 TEST_F(Group, TheCheckStatesGroupAndHeldJointsWithTheirSource) {

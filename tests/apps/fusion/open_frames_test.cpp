@@ -124,6 +124,29 @@ class Scans : public testing::Test {
   TemporaryFolder folder_;
 };
 
+TEST_F(Scans, PointsAreInTheMapsFrameOrTheSensorsAndTurnedViewpointsAreTold) {
+  std::string bytes = format_pcd({{2.0F, 0.0F, 0.25F}});
+  const std::string none = "VIEWPOINT 0 0 0 1 0 0 0";
+  scan("1.pcd");
+  folder_.write("scans/2.pcd",
+                bytes.replace(bytes.find(none), none.size(), "VIEWPOINT 1 0 0.5 0.70710678 0 0 0.70710678"));
+  const auto last_point = [&](std::optional<CloudFrameOf> frame_of, std::size_t warnings) {
+    SourceOptions options;
+    options.clouds = frame_of;
+    const auto source = open_frames(folder_ / "scans", options);
+    Eigen::Vector3d point = Eigen::Vector3d::Zero();
+    while (const auto frame = source->next()) {
+      const auto& cloud = std::get<CloudFrame>(frame->content);
+      point = cloud.world_from_sensor * cloud.points.at(0).cast<double>();
+    }
+    EXPECT_EQ(source->warnings().size(), warnings);
+    return point;
+  };
+  EXPECT_LT((last_point({}, 1) - Eigen::Vector3d(2.0, 0.0, 0.25)).norm(), 1e-6);
+  EXPECT_LT((last_point(CloudFrameOf::map, 0) - Eigen::Vector3d(2.0, 0.0, 0.25)).norm(), 1e-6);
+  EXPECT_LT((last_point(CloudFrameOf::sensor, 0) - Eigen::Vector3d(1.0, 2.0, 0.75)).norm(), 1e-6);
+}
+
 TEST_F(Scans, WhatIsCalledLikeAScanAndIsNoFileIsDamage) {
   const auto scans = folder_ / "scans", odd = scans / "2.pcd";
   for (const char* name : {"1.pcd", "3.PCD"}) scan(name);

@@ -1,0 +1,174 @@
+// What the points of a cloud stand for: stated, usual, or of a surface that was thinned.
+#include "mapping/files/cloud_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <queue>
+#include <set>
+#include <tuple>
+
+#include "mapping/files/cloud_spacing.hpp"
+#include "mapping/files/map_file.hpp"
+#include "mapping/voxels/fused_tree.hpp"
+#include "tests/worlds/random_world.hpp"
+#include "tests/worlds/temporary_folder.hpp"
+
+namespace clearway {
+namespace cloud_file_test {
+
+using Points = std::vector<Eigen::Vector3f>;
+using Cell = std::tuple<int, int, int>;
+
+Cell cell_of(const Eigen::Vector3d& point, double edge) {
+  const Eigen::Array3i cell = (point.array() / edge).floor().cast<int>();
+  return {cell.x(), cell.y(), cell.z()};
+}
+
+/// A wavy sheet across a box of a metre's half edge, tilted, with `count` points strewn over it.
+Points sheet(Random& random, int count, double tilt) {
+  Points points;
+  for (int i = 0; i < count; ++i) {
+    const double x = random.between(-1.0, 1.0), y = random.between(-1.0, 1.0);
+    points.push_back(Eigen::Vector3d(x, y, tilt * x + 0.1 * std::sin(4.0 * y)).cast<float>());
+  }
+  return points;
+}
+
+/// The mean of the points in each cell, as PCL's VoxelGrid keeps it.
+Points thinned(const Points& points, double leaf) {
+  std::map<Cell, std::pair<Eigen::Vector3d, int>> sums;
+  for (const Eigen::Vector3f& point : points) {
+    auto& [sum, count] =
+        sums.try_emplace(cell_of(point.cast<double>(), leaf), Eigen::Vector3d::Zero(), 0).first->second;
+    sum += point.cast<double>();
+    ++count;
+  }
+  Points kept;
+  for (const auto& [cell, sum] : sums) kept.push_back((sum.first / sum.second).cast<float>());
+  return kept;
+}
+
+/// Whether free voxels lead from above the sheet to below it, over faces, within the box but for its rim.
+bool leads_through(const Snapshot& map, double half) {
+  const double edge = map.resolution();
+  const int reach = static_cast<int>(half / edge);
+  std::set<Cell> seen;
+  std::queue<Eigen::Vector3i> open;
+  open.push({0, 0, reach});
+  while (!open.empty()) {
+    const Eigen::Vector3i cell = open.front();
+    open.pop();
+    if (cell.cwiseAbs().maxCoeff() > reach || !seen.insert({cell.x(), cell.y(), cell.z()}).second) continue;
+    if (map.state((cell.cast<double>().array() + 0.5) * edge) == VoxelState::occupied) continue;
+    if (cell.z() == -reach) return true;
+    for (int axis = 0; axis < 3; ++axis)
+      for (const int side : {-1, 1}) open.push(cell + side * Eigen::Vector3i::Unit(axis));
+  }
+  return false;
+}
+
+TEST(CloudVoxels, OfAThinnedSurfaceLeaveNoHoles) {
+  const TemporaryFolder folder;
+  Random random(3);
+  for (const double leaf : {0.025, 0.05, 0.15}) {
+    for (const double tilt : {0.0, 0.3}) {
+      const Points points = thinned(sheet(random, 120'000, tilt), leaf);
+      const std::string file = folder.write("thin.pcd", format_pcd(points));
+      const Snapshot map = load_map(file);
+      EXPECT_GE(map.resolution(), 0.9 * leaf) << leaf << " " << tilt;
+      EXPECT_LE(map.resolution(), 1.6 * leaf) << leaf << " " << tilt;
+      EXPECT_FALSE(leads_through(map, 0.9)) << leaf << " " << tilt;
+      EXPECT_NE(cloud_remark(file, map, false).find("stand for voxels of"), std::string::npos);
+      const Snapshot fine = load_map(file, 0.02);  // as it was asked for
+      EXPECT_EQ(fine.resolution(), 0.02);
+      if (leaf < 0.1) continue;
+      EXPECT_TRUE(leads_through(fine, 0.9)) << leaf;
+      EXPECT_NE(cloud_remark(file, fine, true).find("touch no other"), std::string::npos) << leaf;
+    }
+  }
+}
+
+TEST(CloudVoxels, OfOtherCloudsAreTheUsualOnes) {
+  Random random(4);
+  Points strewn, few, lattice;
+  for (int i = 0; i < 3000; ++i) strewn.push_back(random.point(1.0).cast<float>());  // single things
+  for (int i = 0; i < 20; ++i) few.push_back(Eigen::Vector3f(0.1F * static_cast<float>(i), 0.0F, 0.0F));
+  for (int i = 0; i < 2500; ++i)
+    lattice.push_back(
+        Eigen::Vector3f(0.02F * static_cast<float>(i % 50), 0.02F * static_cast<float>(i / 50), 0.01F));
+  EXPECT_FALSE(thinned_spacing(sheet(random, 100'000, 0.2), 0.02));  // dense
+  EXPECT_FALSE(thinned_spacing(strewn, 0.02));
+  EXPECT_FALSE(thinned_spacing(few, 0.02));
+  EXPECT_FALSE(thinned_spacing(lattice, 0.02));
+  EXPECT_FALSE(thinned_spacing({}, 0.02));
+  const auto apart = thinned_spacing(lattice, 0.013);
+  ASSERT_TRUE(apart);
+  EXPECT_NEAR(*apart, 0.02, 1e-6);
+  Points on_a_plane;
+  for (int i = 0; i < 2000; ++i)
+    on_a_plane.push_back(Eigen::Vector3f(3.0F * static_cast<float>(random.unit()),
+                                         3.0F * static_cast<float>(random.unit()), 0.0F));
+  EXPECT_FALSE(thinned_spacing(on_a_plane, 0.02));
+  const TemporaryFolder folder;
+  const std::string file = folder.write("strewn.ply", format_ply(strewn));
+  EXPECT_EQ(load_map(file).resolution(), 0.02);
+  EXPECT_NE(cloud_remark(file, load_map(file), false).find("touch no other"), std::string::npos);
+  const std::string dense = folder.write("dense.ply", format_ply(sheet(random, 100'000, 0.2)));
+  EXPECT_EQ(cloud_remark(dense, load_map(dense), false), "");
+}
+
+TEST(CloudVoxels, OfAnExportedMapAreItsOwn) {
+  const TemporaryFolder folder;
+  Random random(5);
+  for (const double edge : {0.05, 0.013, 0.1}) {
+    FreeSpaceMap map({.resolution = edge});
+    for (int i = 0; i < 300; ++i) occupy(map, (random.point(1.0).array() / edge).floor() * edge + 0.5 * edge);
+    const Snapshot before = map.snapshot();
+    for (const char* name : {"a.pcd", "a.ply"}) {
+      export_map(before, folder.path() / name);
+      const Snapshot after = load_map(folder.path() / name);
+      EXPECT_EQ(after.resolution(), edge);
+      EXPECT_EQ(after.counts().occupied, before.counts().occupied);
+      for (const Eigen::Vector3f& center : occupied_centers(before.tree(), name))
+        EXPECT_EQ(after.state(center.cast<double>()), VoxelState::occupied);
+    }
+  }
+}
+
+TEST(CloudFile, CoordinatesOfEightBytesAreRead) {
+  const TemporaryFolder folder;
+  const std::vector<double> numbers{0.1, -2.25, 3.0, 1e-3, 5.5, -0.75};
+  std::string raw(numbers.size() * sizeof(double), '\0');
+  std::memcpy(raw.data(), numbers.data(), raw.size());
+  const std::string text = "0.1 -2.25 3\n0.001 5.5 -0.75\n";
+  const std::string pcd =
+      "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\n"
+      "HEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA ";
+  const auto ply = [](const std::string& format) {
+    return "ply\nformat " + format +
+           " 1.0\nelement vertex 2\nproperty double x\nproperty double y\n"
+           "property double z\nend_header\n";
+  };
+  for (const auto& [name, content] :
+       {std::pair{"b.pcd", pcd + "binary\n" + raw}, std::pair{"t.pcd", pcd + "ascii\n" + text},
+        std::pair{"b.ply", ply("binary_little_endian") + raw}, std::pair{"t.ply", ply("ascii") + text}}) {
+    const std::vector<Eigen::Vector3f> points = read_cloud(folder.write(name, content));
+    ASSERT_EQ(points.size(), 2U) << name;
+    for (int i = 0; i < 6; ++i)
+      EXPECT_EQ(points[static_cast<std::size_t>(i / 3)][i % 3],
+                static_cast<float>(numbers[static_cast<std::size_t>(i)]))
+          << name;
+  }
+}
+
+TEST(CloudFile, WithoutAFinitePointIsNoMap) {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("nan.pcd", format_pcd({{std::nanf(""), 0.0F, 0.0F}}));
+  EXPECT_THROW(load_map(file), std::invalid_argument);
+}
+
+}  // namespace cloud_file_test
+}  // namespace clearway
