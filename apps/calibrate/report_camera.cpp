@@ -15,6 +15,36 @@ std::string plus_minus(double value, double sigma, const std::string& unit) {
   return significant(value, 6) + " +- " + significant(sigma, 2) + " " + unit;
 }
 
+/// "k4 0.3 +- 0.1, …" of those that only a rational lens has.
+std::string divisor(const CameraCalibration& found) {
+  std::string text;
+  for (int i = 5; i < 8; ++i)
+    text += (i == 5 ? "k" : ", k") + std::to_string(i - 1) + " " +
+            significant(found.camera.distortion[static_cast<std::size_t>(i)], 3) + " +- " +
+            significant(std::sqrt(found.covariance(4 + i, 4 + i)), 2);
+  return text;
+}
+
+std::string name_of(LensDistortion::Model lens) {
+  return lens == LensDistortion::Model::fisheye ? "fisheye" : "plumb_bob";
+}
+
+/// What simpler lenses do on the same images, beside a rational one.
+void describe_simpler(const CameraCalibration& found, CalibrationReport& report) {
+  std::string text;
+  for (const OtherLens& other : found.simpler) {
+    text += (text.empty() ? "" : ", ") + name_of(other.lens) + " ";
+    if (!std::isfinite(other.held_out_px)) {
+      text += "none of it";
+      continue;
+    }
+    text += significant(other.held_out_px, 3) + " px";
+    if (other.held_out_px < 1.01 * found.held_out_px) text += " (does as well)";
+    report.figures.push_back({"held_out_" + name_of(other.lens) + "_px", other.held_out_px});
+  }
+  report.rows.insert(report.rows.end(), {{"divisor", divisor(found)}, {"other lenses", "held out: " + text}});
+}
+
 void describe_camera(const CameraCalibration& found, CalibrationReport& report) {
   const Camera& camera = found.camera;
   const double f = std::sqrt(camera.fx * camera.fy);
@@ -40,6 +70,7 @@ void describe_camera(const CameraCalibration& found, CalibrationReport& report) 
                     {"held_out_px", found.held_out_px},
                     {"held_out_m", 1e-3 * found.held_out_mm},
                     {"views", static_cast<double>(found.views)}};
+  if (!found.simpler.empty()) describe_simpler(found, report);
 }
 
 }  // namespace
@@ -49,8 +80,14 @@ CalibrationReport report_camera(const CalibrateOptions& options, const Setup& se
   const BoardSetup& board = seen_board(setup, images, options.body);
   const ChosenViews chosen = choose_views(images, board);
   CameraCalibrationOptions how;
-  const bool is_fisheye = options.lens == "fisheye";
-  if (is_fisheye) how.lens = LensDistortion::Model::fisheye;
+  LensModel lens = LensModel::plumb_bob;
+  if (options.lens == "fisheye") {
+    lens = LensModel::fisheye;
+    how.lens = LensDistortion::Model::fisheye;
+  } else if (options.lens == "rational") {
+    lens = LensModel::rational;
+    how.lens = LensDistortion::Model::rational;
+  }
   how.edge_bias = tracking_options(setup).pose.edge_bias;
   const CameraCalibration found =
       calibrate_camera(images.width, images.height, tag_body(board), chosen.views, how);
@@ -72,7 +109,7 @@ CalibrationReport report_camera(const CalibrateOptions& options, const Setup& se
   ErrorsSetup errors = setup.errors;
   errors.camera = {camera.errors.focal, camera.errors.aspect, camera.errors.center, camera.errors.distortion};
   report.blocks = {camera_block({camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy,
-                                 camera.distortion, is_fisheye ? LensModel::fisheye : LensModel::plumb_bob}),
+                                 camera.distortion, lens}),
                    errors_block(errors)};
   report.next = "Put these blocks into the setup of this camera, in place of its `camera` and `errors`.";
   return report;

@@ -32,10 +32,10 @@ Command add_calibrate(CLI::App& app, Console& console) {
   command
       ->add_option(
           "--lens", options->lens,
-          "camera: plumb_bob (k1, k2, p1, p2, k3; the default) or fisheye (k1 to k4 of cv::fisheye); "
-          "rational lenses are read, not calibrated")
-      ->check(CLI::IsMember({"plumb_bob", "fisheye"}))
-      ->type_name("plumb_bob|fisheye");
+          "camera: plumb_bob (k1, k2, p1, p2, k3; the default), rational (k4, k5, k6 too, of a wide lens; "
+          "refused where a simpler one does as well) or fisheye (k1 to k4 of cv::fisheye)")
+      ->check(CLI::IsMember({"plumb_bob", "rational", "fisheye"}))
+      ->type_name("plumb_bob|rational|fisheye");
   command
       ->add_option("--sensor", options->sensor,
                    "hand-eye: the setup's sensor on `link: tip` that stands for the camera")

@@ -99,7 +99,7 @@ struct CalibrateOptions {
   double camera_seconds = 10.0;  ///< of a live camera
   std::filesystem::path setup;
   std::string body;           ///< the board's name; empty: the one that is seen most
-  std::string lens;           ///< of camera: plumb_bob or fisheye; empty: plumb_bob
+  std::string lens;           ///< of camera: plumb_bob, rational or fisheye; empty: plumb_bob
   std::string sensor;         ///< hand-eye: a sensor on the tip that the camera is; empty: none
   std::filesystem::path out;  ///< copy of the setup with what was measured; empty: none
   int threads = 0;            ///< for searching images; 0: as many as the machine has, at most 8

@@ -52,6 +52,22 @@ inline Camera drawn_fisheye(std::mt19937& random) {
   return camera;
 }
 
+/// 100 to 120 degrees wide: bends as atan(g r) / g, g from 0.6 to 1 (by Pade's approximant), and each
+/// coefficient is off by up to 3 %.
+inline Camera drawn_rational(std::mt19937& random) {
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  Camera camera = drawn_camera(random);
+  camera.lens = LensDistortion::Model::rational;
+  const double g = 0.8 + 0.2 * unit(random), s = g * g;
+  camera.distortion = {1.28205 * s,           0.395804 * s * s, 0.001 * unit(random), 0.001 * unit(random),
+                       0.0170496 * s * s * s, 1.61538 * s,      0.734266 * s * s,     0.0815851 * s * s * s};
+  for (const std::size_t i : {0, 1, 4, 5, 6, 7}) camera.distortion[i] *= 1.0 + 0.03 * unit(random);
+  const double half = M_PI / 180.0 * (55.0 + 5.0 * unit(random));
+  camera.fx = 0.5 * camera.width / (std::atan(g * std::tan(half)) / g);
+  camera.fy = camera.fx * (1.0 + 0.01 * unit(random));
+  return camera;
+}
+
 /// `stated` with errors of the size that it states.
 inline TagBody true_body(const TagBody& stated, std::mt19937& random) {
   std::normal_distribution<double> normal;
@@ -85,12 +101,13 @@ inline std::vector<TagDetection> look_at_body(const Camera& camera, const TagBod
   return noisy_detections(camera, seen, noise, random);
 }
 
-/// Views all over a fisheye's image.
-inline DrawnViews draw_fisheye_views(unsigned seed, std::size_t count, const ViewsLook& look = {}) {
+/// Views all over the image of a wide lens. @param draw_camera such as drawn_fisheye
+inline DrawnViews draw_wide_views(Camera (*draw_camera)(std::mt19937&), unsigned seed, std::size_t count,
+                                  const ViewsLook& look = {}) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   DrawnViews drawn;
-  drawn.camera = drawn_fisheye(random);
+  drawn.camera = draw_camera(random);
   drawn.noise = 0.15 + 0.1 * unit(random);
   drawn.stated_board = board("calibration", 0, 4, 5, 0.024, 0.034);
   drawn.stated_board.errors = {0.0, 0.003, 0.0001, 0.002};

@@ -60,9 +60,16 @@ void note_residuals(const BundleProblem& problem, const BundleState& state, cons
 
 }  // namespace
 
-Eigen::Matrix<double, 2, 5> seen_by_coefficients(const Camera& camera, const Eigen::Vector2d& ray) {
+std::size_t tags_of(const std::vector<BoardView>& views) {
+  std::size_t tags = 0;
+  for (const BoardView& view : views) tags += view.tags.size();
+  return tags;
+}
+
+Eigen::Matrix<double, 2, kLensUnknowns> seen_by_coefficients(const Camera& camera,
+                                                             const Eigen::Vector2d& ray) {
   const double x = ray.x(), y = ray.y(), r2 = ray.squaredNorm();
-  Eigen::Matrix<double, 2, 5> by = Eigen::Matrix<double, 2, 5>::Zero();
+  Eigen::Matrix<double, 2, kLensUnknowns> by = Eigen::Matrix<double, 2, kLensUnknowns>::Zero();
   if (camera.lens == LensDistortion::Model::fisheye) {
     const double r = std::sqrt(r2), angle = std::atan(r);
     if (r < 1e-9) return by;
@@ -72,8 +79,16 @@ Eigen::Matrix<double, 2, 5> seen_by_coefficients(const Camera& camera, const Eig
   }
   const auto& k = camera.distortion;
   const double below = 1.0 + r2 * (k[5] + r2 * (k[6] + r2 * k[7]));
-  by << x * r2 / below, x * r2 * r2 / below, 2.0 * x * y, r2 + 2.0 * x * x, x * r2 * r2 * r2 / below,  //
-      y * r2 / below, y * r2 * r2 / below, r2 + 2.0 * y * y, 2.0 * x * y, y * r2 * r2 * r2 / below;
+  const double radial = (1.0 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]))) / below;
+  by.col(0) = r2 / below * ray;
+  by.col(1) = r2 * by.col(0);
+  by.col(2) << 2.0 * x * y, r2 + 2.0 * y * y;
+  by.col(3) << r2 + 2.0 * x * x, 2.0 * x * y;
+  by.col(4) = r2 * by.col(1);
+  if (camera.lens != LensDistortion::Model::rational) return by;
+  by.col(5) = -radial * by.col(0);
+  by.col(6) = -radial * by.col(1);
+  by.col(7) = -radial * by.col(4);
   return by;
 }
 
@@ -94,8 +109,7 @@ std::array<double, kCameraUnknowns> camera_priors(const Camera& camera) {
             px / (f * std::pow(r, 3)),
             px / (f * std::pow(r, 5)),
             px / (f * std::pow(r, 7)),
-            px / (f * std::pow(r, 9)),
-            0.0};
+            px / (f * std::pow(r, 9))};
   return {e.focal,
           e.aspect,
           e.center,
@@ -103,8 +117,7 @@ std::array<double, kCameraUnknowns> camera_priors(const Camera& camera) {
           px / (f * std::pow(r, 3)),
           px / (f * std::pow(r, 5)),
           px / (3.0 * f * r * r),
-          px / (3.0 * f * r * r),
-          0.0};
+          px / (3.0 * f * r * r)};
 }
 
 BundleFit adjust(Bundle& bundle, const BundlePriors& priors, double noise_px, double edge_bias) {

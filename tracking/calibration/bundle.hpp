@@ -17,9 +17,10 @@ struct BoardView {
   Eigen::Isometry3d camera_from_board = Eigen::Isometry3d::Identity();
 };
 
-/// log f (fx and fy together), log(fx / fy), cx, cy, k1, k2, p1, p2, k3; pixels where a length. Of a rational
-/// lens k4, k5, k6 stay as they are; of a fisheye the last five are k1, k2, k3, k4 and one that stays 0.
-constexpr int kCameraUnknowns = 9;
+/// log f (fx and fy together), log(fx / fy), cx, cy, then the coefficients of the lens in OpenCV's order;
+/// pixels where a length. Coefficients that a model does not have are known exactly: 0.
+constexpr int kCameraUnknowns = 12;
+constexpr int kLensUnknowns = 8;  ///< the last of them
 /// Of each tag: log size, place in the board (metres), turn about the tag's axes (radians).
 constexpr int kTagUnknowns = 7;
 
@@ -36,6 +37,9 @@ struct Bundle {
   std::vector<BoardView> views;
 };
 
+/// How many tags views show.
+std::size_t tags_of(const std::vector<BoardView>& views);
+
 struct BundleFit {
   bool is_converged = false;
   double noise_px = 0.0;       ///< standard deviation of a corner per axis, as the residuals show it
@@ -46,11 +50,13 @@ struct BundleFit {
   std::vector<std::vector<double>> tag_squares;  ///< whitened squares of each tag of each view; 8 expected
 };
 
-/// The derivative of a distorted normalised point by the last five unknowns, for a rational or fisheye lens.
-/// @param ray (x/z, y/z), in sight
-Eigen::Matrix<double, 2, 5> seen_by_coefficients(const Camera& camera, const Eigen::Vector2d& ray);
+/// The derivative of a distorted normalised point by the coefficients of the lens; 0 by those that its model
+/// does not have. @param ray (x/z, y/z), in sight
+Eigen::Matrix<double, 2, kLensUnknowns> seen_by_coefficients(const Camera& camera,
+                                                             const Eigen::Vector2d& ray);
 
-/// Standard deviations of a known camera's unknowns by its `errors`.
+/// Standard deviations of a known camera's unknowns by its `errors`; k3 to k6 of a plumb bob or rational lens
+/// are taken as exact.
 std::array<double, kCameraUnknowns> camera_priors(const Camera& camera);
 
 /// Bundle adjustment (Triggs et al. 2000, section 6: the views' poses are eliminated): Levenberg-Marquardt

@@ -27,25 +27,11 @@ Eigen::Vector3d log_of(const Eigen::Matrix3d& turn) {
 
 /// The derivative of a pixel by the camera's unknowns. @param point in the camera, in sight
 Eigen::MatrixXd pixel_by_camera(const Camera& camera, const Eigen::Vector3d& point) {
-  const double x = point.x() / point.z(), y = point.y() / point.z(), r2 = x * x + y * y;
-  if (camera.lens != LensDistortion::Model::plumb_bob) {
-    const Eigen::Vector2d off = *camera.project(point) - Eigen::Vector2d(camera.cx, camera.cy);
-    Eigen::MatrixXd by(2, kCameraUnknowns);
-    by.leftCols<4>() << off.x(), 0.5 * off.x(), 1.0, 0.0, off.y(), -0.5 * off.y(), 0.0, 1.0;
-    by.rightCols<5>() =
-        Eigen::Vector2d(camera.fx, camera.fy).asDiagonal() * seen_by_coefficients(camera, {x, y});
-    return by;
-  }
-  const auto& k = camera.distortion;
-  const double radial = 1.0 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
-  const double xd = x * radial + 2.0 * k[2] * x * y + k[3] * (r2 + 2.0 * x * x);
-  const double yd = y * radial + k[2] * (r2 + 2.0 * y * y) + 2.0 * k[3] * x * y;
-  const double fx = camera.fx, fy = camera.fy;
+  const Eigen::Vector2d off = *camera.project(point) - Eigen::Vector2d(camera.cx, camera.cy);
   Eigen::MatrixXd by(2, kCameraUnknowns);
-  by << fx * xd, 0.5 * fx * xd, 1.0, 0.0, fx * x * r2, fx * x * r2 * r2, 2.0 * fx * x * y,
-      fx * (r2 + 2.0 * x * x), fx * x * r2 * r2 * r2,  //
-      fy * yd, -0.5 * fy * yd, 0.0, 1.0, fy * y * r2, fy * y * r2 * r2, fy * (r2 + 2.0 * y * y),
-      2.0 * fy * x * y, fy * y * r2 * r2 * r2;
+  by.leftCols<4>() << off.x(), 0.5 * off.x(), 1.0, 0.0, off.y(), -0.5 * off.y(), 0.0, 1.0;
+  by.rightCols<kLensUnknowns>() = Eigen::Vector2d(camera.fx, camera.fy).asDiagonal() *
+                                  seen_by_coefficients(camera, point.head<2>() / point.z());
   return by;
 }
 
@@ -54,7 +40,7 @@ void move_camera(Camera& camera, const Eigen::VectorXd& step) {
   camera.fy *= std::exp(step[0] - 0.5 * step[1]);
   camera.cx += step[2];
   camera.cy += step[3];
-  for (int i = 0; i < 5; ++i) camera.distortion[static_cast<std::size_t>(i)] += step[4 + i];
+  for (int i = 0; i < kLensUnknowns; ++i) camera.distortion[static_cast<std::size_t>(i)] += step[4 + i];
 }
 
 }  // namespace

@@ -7,27 +7,41 @@
 #include <set>
 #include <stdexcept>
 
+#include "tracking/calibration/camera_judgement.hpp"
+#include "tracking/calibration/held_out.hpp"
 #include "tracking/calibration/initial_camera.hpp"
 #include "tracking/calibration/words.hpp"
 #include "tracking/dense.hpp"
 #include "tracking/pose_errors.hpp"
-#include "tracking/pose_refinement.hpp"
 #include "tracking/tag_pose.hpp"
 
 namespace clearway {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kCells = 4;
+constexpr int kCells = cells_a_side;
 
-/// The camera as free as lenses differ, so that it decides only what the images leave entirely open; k3 as
-/// asked; the board as well known as it says.
+using Lens = LensDistortion::Model;
+
+/// For each coefficient of a rational lens, what of it shifts the image's corner by so many pixels.
+void free_rational(const Camera& camera, double pixels, BundlePriors& priors) {
+  const double f = std::sqrt(camera.fx * camera.fy);
+  const auto corner = camera.undistort({-0.5, -0.5});
+  const bool is_seen = corner && corner->norm() < 2.0;
+  const auto by = seen_by_coefficients(camera, is_seen ? *corner : Eigen::Vector2d(2.0, 0.0));
+  for (int i = 0; i < kLensUnknowns; ++i)
+    priors.camera[static_cast<std::size_t>(4 + i)] = pixels / (f * by.col(i).norm());
+}
+
+/// The camera as free as lenses differ, so that it decides only what the images leave entirely open; k3 of a
+/// plumb bob as asked; the board as well known as it says.
 BundlePriors priors_of(Camera camera, const TagBody& board, bool with_k3) {
   BundlePriors priors;
-  camera.errors = {0.5, 0.5, 0.5 * camera.width, 0.5 * std::hypot(camera.width, camera.height)};
+  const double diagonal = std::hypot(camera.width, camera.height);
+  camera.errors = {0.5, 0.5, 0.5 * camera.width, 0.5 * diagonal};
   priors.camera = camera_priors(camera);
-  const bool is_fisheye = camera.lens == LensDistortion::Model::fisheye;
-  priors.camera.back() = with_k3 && !is_fisheye ? priors.camera[5] : 0.0;
+  if (camera.lens == Lens::rational) free_rational(camera, 0.5 * diagonal, priors);
+  if (camera.lens == Lens::plumb_bob && with_k3) priors.camera[8] = priors.camera[5];
   const TagErrors& e = board.errors;
   priors.tags.assign(board.tags.size(), {e.size, e.place, e.place, e.place, e.turn, e.turn, e.turn});
   return priors;
@@ -133,7 +147,8 @@ CameraErrors errors_of(const Camera& camera, const Eigen::MatrixXd& covariance) 
   errors.aspect = std::sqrt(covariance(1, 1));
   errors.center = std::sqrt(std::max(covariance(2, 2), covariance(3, 3)));
   // Distortion: its covariance alone, what centre and focal length explain of it taken away (Schur).
-  const Eigen::MatrixXd own = covariance.bottomRightCorner(5, 5), cross = covariance.block(4, 0, 5, 4);
+  const Eigen::MatrixXd own = covariance.block(4, 4, kLensUnknowns, kLensUnknowns);
+  const Eigen::MatrixXd cross = covariance.block(4, 0, kLensUnknowns, 4);
   const Eigen::MatrixXd known = solve_symmetric(covariance.topLeftCorner(4, 4), cross.transpose());
   const Eigen::MatrixXd left = own - product(cross, known);
   errors.distortion = 1.0;
@@ -146,101 +161,12 @@ CameraErrors errors_of(const Camera& camera, const Eigen::MatrixXd& covariance) 
       const Eigen::Vector2d pixel(camera.width * i / 12.0 - 0.5, camera.height * j / 12.0 - 0.5);
       const auto ray = camera.undistort(pixel);
       if (!ray || ray->norm() < 1e-3) continue;
-      const double x = ray->x(), y = ray->y(), r2 = ray->squaredNorm();
-      Eigen::Matrix<double, 2, 5> by;
-      if (camera.lens == LensDistortion::Model::fisheye)
-        by = seen_by_coefficients(camera, *ray);
-      else
-        by << x * r2, x * r2 * r2, 2 * x * y, r2 + 2 * x * x, x * r2 * r2 * r2,  //
-            y * r2, y * r2 * r2, r2 + 2 * y * y, 2 * x * y, y * r2 * r2 * r2;
-      const double actual = f * f * sandwich(by, left).trace();
+      const double actual = f * f * sandwich(seen_by_coefficients(camera, *ray), left).trace();
       const double stated = unit.shift_by_errors(pixel).squaredNorm();
       if (stated > 1e-4) most = std::max(most, actual / stated);
     }
   errors.distortion = std::sqrt(most);
   return errors;
-}
-
-std::vector<CornerMatch> matches(const TagBody& board, const BoardView& view) {
-  std::vector<CornerMatch> corners;
-  for (const TagDetection& tag : view.tags) {
-    const auto points = tag_corners(board.tags.at(tag.id).size);
-    for (std::size_t i = 0; i < 4; ++i)
-      corners.push_back({board.tags.at(tag.id).body_from_tag * points[i], tag.corners[i]});
-  }
-  return corners;
-}
-
-/// Sums over views that a calibration has not seen.
-struct HeldOut {
-  double squared_px = 0.0, squared_mm = 0.0, freedom = 0.0;
-
-  void add(const Camera& camera, const TagBody& board, const BoardView& view) {
-    const std::vector<CornerMatch> corners = matches(board, view);
-    const auto pose = refine_pose(camera, corners, view.camera_from_board);
-    if (!pose || corners.size() < 4) return;
-    for (const CornerMatch& corner : corners) {
-      const Eigen::Vector3d at = pose->camera_from_body * corner.in_body;
-      const auto pixel = camera.project(at);
-      if (!pixel) return;
-      const double squared = (*pixel - corner.pixel).squaredNorm();
-      squared_px += squared;
-      const double distance = camera.lens == LensDistortion::Model::fisheye ? at.norm() : at.z();
-      squared_mm += squared * std::pow(1e3 * distance / std::sqrt(camera.fx * camera.fy), 2);
-    }
-    freedom += static_cast<double>(corners.size()) - 3.0;  // corners, less half the pose's unknowns
-  }
-};
-
-void test_held_out(const Bundle& fitted, const TagBody& reported, const BundlePriors& priors,
-                   const CameraCalibrationOptions& options, CameraCalibration& calibration) {
-  HeldOut sums;
-  const std::size_t folds = static_cast<std::size_t>(std::max(2, options.folds));
-  for (std::size_t fold = 0; fold < folds; ++fold) {
-    Bundle others = fitted;
-    others.board = reported;
-    others.views.clear();
-    for (std::size_t v = 0; v < fitted.views.size(); ++v)
-      if (v % folds != fold) others.views.push_back(fitted.views[v]);
-    if (!adjust(others, priors, calibration.noise_px, options.edge_bias).is_converged) continue;
-    for (std::size_t v = fold; v < fitted.views.size(); v += folds)
-      sums.add(others.camera, others.board, fitted.views[v]);
-  }
-  if (sums.freedom <= 0.0) return;
-  calibration.held_out_px = std::sqrt(sums.squared_px / sums.freedom);
-  calibration.held_out_mm = std::sqrt(sums.squared_mm / sums.freedom);
-}
-
-constexpr double kLeastTilt = 0.35;  // radians
-
-/// What would make the focal length better known.
-std::string advice(const CameraCalibration& c) {
-  if (c.widest_tilt >= kLeastTilt)
-    return ": take more images, nearer to the camera and to the image's corners";
-  return words(": the board is tilted by at most ", std::lround(180.0 / M_PI * c.widest_tilt),
-               " degrees in 9 of 10 images; tilt it by 20 to 45 degrees to all sides");
-}
-
-std::string judge_coverage(const CameraCalibration& c, const CameraCalibrationOptions& options) {
-  if (c.coverage < options.least_coverage)
-    return words("the board was seen in ", std::lround(kCells * kCells * c.coverage), " of ", kCells * kCells,
-                 " parts of the image, expected ", std::ceil(kCells * kCells * options.least_coverage),
-                 " or more: hold it into the corners, too");
-  return "";
-}
-
-std::string judge(const CameraCalibration& c, const CameraCalibrationOptions& options) {
-  if (!(c.camera.errors.focal <= options.most_focal_sigma))
-    return words("the focal length is known to ", 100.0 * c.camera.errors.focal, " % only, expected ",
-                 100.0 * options.most_focal_sigma, " % or better", advice(c));
-  if (const std::string unseen = judge_coverage(c, options); !unseen.empty()) return unseen;
-  try {
-    c.camera.validate();
-  } catch (const std::invalid_argument&) {
-    return "the distortion that fits the images does not hold in the image's corners, where the board was "
-           "not seen: hold it into the corners, too";
-  }
-  return "";
 }
 
 struct Fitted {
@@ -259,19 +185,58 @@ void free_k3_where_it_shows(const TagBody& board, double edge_bias, Fitted& fitt
   if (std::abs(freed.bundle.camera.distortion[4]) > 4.0 * sigma) fitted = std::move(freed);
 }
 
-/// Why no camera was found at all.
-std::string judge_images(const CameraCalibration& c, const CameraCalibrationOptions& options) {
-  if (const std::string unseen = judge_coverage(c, options); !unseen.empty()) return unseen;
-  return "no camera explains the images: expected 8 or more sharp images of the board, tilted to all sides";
+/// Where a bundle adjustment begins.
+bool find_initial(Bundle& bundle, const BoardPlane& plane) {
+  switch (bundle.camera.lens) {
+    case Lens::fisheye:
+      return find_initial_fisheye(bundle, plane);
+    case Lens::rational:
+      return find_initial_rational(bundle, plane);
+    case Lens::plumb_bob:
+      break;
+  }
+  return find_initial_camera(bundle, plane, false) || find_initial_camera(bundle, plane, true);
 }
 
-/// Why a camera was not found from its initial one. @param bundle what is left of the images
-std::string judge_failure(const Bundle& bundle, const BoardPlane& plane, CameraCalibration& c,
-                          const CameraCalibrationOptions& options) {
-  if (bundle.views.empty()) return judge_images(c, options);
-  c.widest_tilt = widest_tilt(bundle, plane);
-  const bool is_frontal = c.widest_tilt < kLeastTilt;
-  return is_frontal ? "the focal length cannot be determined" + advice(c) : judge_images(c, options);
+HeldOut held_out(const Fitted& fitted, const TagBody& board, const CameraCalibrationOptions& options) {
+  return test_held_out(fitted.bundle, board, fitted.priors, fitted.fit.noise_px, options.edge_bias,
+                       options.folds);
+}
+
+/// What another lens explains of the very views that `fitted` explains; infinity where it does not see all.
+double held_out_by(Lens lens, const Fitted& fitted, const TagBody& board, const BoardPlane& plane,
+                   const CameraCalibrationOptions& options) {
+  Fitted other{fitted.bundle, {}, {}};
+  Bundle& bundle = other.bundle;
+  bundle.camera.lens = lens;
+  bundle.camera.distortion = {};
+  bundle.board = board;
+  if (!find_initial(bundle, plane)) return kInfinity;
+  std::erase_if(bundle.views, [&](const BoardView& view) { return !has_sight(bundle, view); });
+  if (tags_of(bundle.views) < tags_of(fitted.bundle.views)) return kInfinity;
+  other.priors = priors_of(bundle.camera, board, false);
+  other.fit = adjust_with_noise(bundle, other.priors, options.edge_bias);
+  if (!other.fit.is_converged) return kInfinity;
+  if (lens == Lens::plumb_bob) free_k3_where_it_shows(board, options.edge_bias, other);
+  return held_out(other, board, options).px;
+}
+
+void note_held_out(const Fitted& fitted, const TagBody& board, const CameraCalibrationOptions& options,
+                   CameraCalibration& c) {
+  const HeldOut unseen = held_out(fitted, board, options);
+  c.held_out_px = unseen.px;
+  c.held_out_mm = unseen.mm;
+}
+
+void add_simpler(const Fitted& fitted, const TagBody& board, const BoardPlane& plane,
+                 const CameraCalibrationOptions& options, CameraCalibration& c) {
+  for (const Lens simpler : {Lens::plumb_bob, Lens::fisheye})
+    c.simpler.push_back({simpler, held_out_by(simpler, fitted, board, plane, options)});
+}
+
+CameraCalibration refused(CameraCalibration c, const std::string& reason) {
+  c.refusal = reason;
+  return c;
 }
 
 void note_fit(const Fitted& fitted, const BoardPlane& plane, CameraCalibration& c) {
@@ -298,8 +263,6 @@ void require_flat(const TagBody& board, const BoardPlane& plane) {
 CameraCalibration calibrate_camera(int width, int height, const TagBody& board, std::vector<BoardView> views,
                                    const CameraCalibrationOptions& options) {
   if (width < 32 || height < 32) throw std::invalid_argument("camera: expected images of 32 pixels or more");
-  if (options.lens == LensDistortion::Model::rational)
-    throw std::invalid_argument("camera: rational lenses are not calibrated, expected plumb_bob or fisheye");
   board.validate();
   const BoardPlane plane = plane_of(board);
   require_flat(board, plane);
@@ -307,35 +270,36 @@ CameraCalibration calibrate_camera(int width, int height, const TagBody& board, 
   calibration.camera.width = width;
   calibration.camera.height = height;
   calibration.camera.lens = options.lens;
-  const bool is_fisheye = options.lens == LensDistortion::Model::fisheye;
   std::erase_if(views, [&](const BoardView& view) { return view.tags.size() < 2; });
   if (views.size() < options.least_views) {
-    calibration.refusal = words(views.size(), " images show two tags of the board or more, expected ",
-                                options.least_views, " or more");
-    return calibration;
+    return refused(calibration, words(views.size(), " images show two tags of the board or more, expected ",
+                                      options.least_views, " or more"));
   }
   const std::size_t may = views.size() / 3;
   Fitted fitted{{calibration.camera, board, std::move(views)}, {}, {}};
   Bundle& bundle = fitted.bundle;
   calibration.coverage = coverage_of(bundle);
-  const bool is_found =
-      is_fisheye ? find_initial_fisheye(bundle, plane)
-                 : find_initial_camera(bundle, plane, false) || find_initial_camera(bundle, plane, true);
-  if (!is_found) {
-    calibration.refusal = judge_images(calibration, options);
-    return calibration;
-  }
+  if (!find_initial(bundle, plane)) return refused(calibration, judge_images(calibration, options));
   std::erase_if(bundle.views, [&](const BoardView& view) { return !has_sight(bundle, view); });
   fitted.priors = priors_of(bundle.camera, board, false);
   fitted.fit = fit_all(bundle, fitted.priors, options, may, calibration.refused);
   if (!fitted.fit.is_converged || bundle.views.size() < options.least_views) {
-    calibration.refusal = judge_failure(bundle, plane, calibration, options);
-    return calibration;
+    if (bundle.views.empty()) return refused(calibration, judge_images(calibration, options));
+    calibration.widest_tilt = widest_tilt(bundle, plane);
+    if (options.lens == Lens::rational) add_simpler(fitted, board, plane, options, calibration);
+    return refused(calibration, judge_failed_fit(calibration, options));
   }
-  if (!is_fisheye) free_k3_where_it_shows(board, options.edge_bias, fitted);
+  if (options.lens == Lens::plumb_bob) free_k3_where_it_shows(board, options.edge_bias, fitted);
   note_fit(fitted, plane, calibration);
-  calibration.refusal = judge(calibration, options);
-  if (calibration.refusal.empty()) test_held_out(bundle, board, fitted.priors, options, calibration);
+  const bool is_rational = options.lens == Lens::rational;
+  if (is_rational && judge_coverage(calibration, options).empty()) {
+    note_held_out(fitted, board, options, calibration);
+    add_simpler(fitted, board, plane, options, calibration);
+    calibration.refusal = judge_rational(calibration);
+  }
+  if (calibration.refusal.empty()) calibration.refusal = judge(calibration, options);
+  if (calibration.refusal.empty() && is_rational) calibration.refusal = judge_corners(calibration);
+  if (calibration.refusal.empty() && !is_rational) note_held_out(fitted, board, options, calibration);
   return calibration;
 }
 

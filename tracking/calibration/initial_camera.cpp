@@ -81,6 +81,55 @@ std::optional<PlacedView> place(const Camera& camera, const TagBody& board, cons
   return is_placed ? std::optional(placed) : std::nullopt;
 }
 
+/// atan(r) = r N / D to 0.1 % at 60 degrees, N and D of degree 3 in r^2 (Pade's approximant).
+constexpr LensDistortion::Coefficients kPadeOfArctangent{
+    19250.0 / 15015, 5943.0 / 15015, 0, 0, 256.0 / 15015, 24255.0 / 15015, 11025.0 / 15015, 1225.0 / 15015};
+
+/// All views of a bundle as a camera sees them, and the middle of their squared errors: images that
+/// contradict do not count; infinity where it sees less than half of them.
+struct PlacedViews {
+  std::vector<BoardView> views;
+  double error = std::numeric_limits<double>::infinity();
+};
+
+PlacedViews place_all(const Camera& camera, const Bundle& bundle, const BoardPlane& plane) {
+  PlacedViews all;
+  std::vector<double> errors(bundle.views.size(), all.error);
+  for (std::size_t v = 0; v < bundle.views.size(); ++v)
+    if (const auto placed = place(camera, bundle.board, plane, bundle.views[v])) {
+      all.views.push_back(placed->view);
+      errors[v] = placed->squared_error;
+    }
+  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
+  std::nth_element(errors.begin(), middle, errors.end());
+  all.error = *middle;
+  return all;
+}
+
+/// @param model what bends as an equidistant fisheye does: that one, or a rational lens
+bool find_equidistant(Bundle& bundle, const BoardPlane& plane, LensDistortion::Model model) {
+  constexpr int steps = 32;
+  constexpr double narrowest = 0.6, widest = 2.2;  // radians in the corner
+  Camera camera = bundle.camera;
+  camera.lens = model;
+  camera.distortion = {};
+  if (model == LensDistortion::Model::rational) camera.distortion = kPadeOfArctangent;
+  camera.cx = 0.5 * (camera.width - 1);
+  camera.cy = 0.5 * (camera.height - 1);
+  const Bundle given = bundle;
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i <= steps; ++i) {
+    const double corner = narrowest * std::pow(widest / narrowest, static_cast<double>(i) / steps);
+    camera.fx = camera.fy = std::hypot(camera.cx, camera.cy) / corner;
+    const PlacedViews placed = place_all(camera, given, plane);
+    if (!(placed.error < least)) continue;
+    least = placed.error;
+    bundle.camera = camera;
+    bundle.views = placed.views;
+  }
+  return std::isfinite(least);
+}
+
 }  // namespace
 
 BoardPlane plane_of(const TagBody& board) {
@@ -152,33 +201,23 @@ bool find_initial_camera(Bundle& bundle, const BoardPlane& plane, bool is_guess)
 }
 
 bool find_initial_fisheye(Bundle& bundle, const BoardPlane& plane) {
-  constexpr int steps = 32;
-  constexpr double narrowest = 0.6, widest = 2.2;  // radians in the corner
-  Camera camera = bundle.camera;
-  camera.lens = LensDistortion::Model::fisheye;
-  camera.distortion = {};
-  camera.cx = 0.5 * (camera.width - 1);
-  camera.cy = 0.5 * (camera.height - 1);
-  const std::vector<BoardView> given = bundle.views;
-  double least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i <= steps; ++i) {
-    const double corner = narrowest * std::pow(widest / narrowest, static_cast<double>(i) / steps);
-    camera.fx = camera.fy = std::hypot(camera.cx, camera.cy) / corner;
-    std::vector<BoardView> views;
-    std::vector<double> errors(given.size(), std::numeric_limits<double>::infinity());
-    for (std::size_t v = 0; v < given.size(); ++v)
-      if (const auto placed = place(camera, bundle.board, plane, given[v])) {
-        views.push_back(placed->view);
-        errors[v] = placed->squared_error;
-      }
-    const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-    std::nth_element(errors.begin(), middle, errors.end());  // images that contradict do not count
-    if (!(*middle < least)) continue;
-    least = *middle;
-    bundle.camera = camera;
-    bundle.views = views;
-  }
-  return std::isfinite(least);
+  return find_equidistant(bundle, plane, LensDistortion::Model::fisheye);
+}
+
+bool find_initial_rational(Bundle& bundle, const BoardPlane& plane) {
+  const Bundle given = bundle;
+  const bool is_wide = find_equidistant(bundle, plane, LensDistortion::Model::rational);
+  Bundle narrow = given;
+  narrow.camera.lens = LensDistortion::Model::plumb_bob;
+  if (!find_initial_camera(narrow, plane, false) && !find_initial_camera(narrow, plane, true)) return is_wide;
+  narrow.camera.lens = LensDistortion::Model::rational;
+  const PlacedViews placed = place_all(narrow.camera, given, plane);
+  if (is_wide && (tags_of(placed.views) < tags_of(bundle.views) ||
+                  !(placed.error < place_all(bundle.camera, given, plane).error)))
+    return true;
+  bundle.camera = narrow.camera;
+  bundle.views = placed.views;
+  return std::isfinite(placed.error);
 }
 
 }  // namespace clearway

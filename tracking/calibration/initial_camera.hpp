@@ -23,4 +23,8 @@ bool find_initial_camera(Bundle& bundle, const BoardPlane& plane, bool is_guess)
 /// less than half of the views.
 bool find_initial_fisheye(Bundle& bundle, const BoardPlane& plane);
 
+/// The same of a rational lens: one that bends as the equidistant fisheye does, or the plumb bob that
+/// find_initial_camera finds, whichever explains the views better.
+bool find_initial_rational(Bundle& bundle, const BoardPlane& plane);
+
 }  // namespace clearway

@@ -86,6 +86,40 @@ TEST_F(CalibratePictures, AFisheyeIsFoundWithinItsErrorsAndTheSetupNamesItsLens)
   EXPECT_LT(*found.errors.camera.focal, 0.005);
 }
 
+TEST_F(CalibratePictures, ARationalLensIsFoundAndReadBackByOtherCommands) {
+  std::mt19937 random(2);
+  camera_ = scene::drawn_rational(random);
+  render("pictures", 24, 0.7, 0.35);
+  const std::vector<std::string> command{"calibrate", "camera", folder_.file("pictures"), "--board", setup_,
+                                         "--threads", "2"};
+  std::vector<std::string> rational = command;
+  rational.insert(rational.end(), {"--lens", "rational", "--out", folder_.file("mine.yaml")});
+  const CommandRun run = run_command(rational);
+  ASSERT_EQ(run.status, exit_done) << run.log << run.out;
+  for (const char* words : {"held out", "divisor", "other lenses", "plumb_bob "})
+    EXPECT_NE(run.out.find(words), std::string::npos) << run.out;
+  const clearway::Setup found = load_setup(folder_.file("mine.yaml"));
+  EXPECT_EQ(found.camera->lens, LensModel::rational);
+  EXPECT_LT(std::abs(std::log(found.camera->fx / camera_.fx)), 4.0 * *found.errors.camera.focal);
+  EXPECT_LT(std::abs(found.camera->cx - camera_.cx), 4.0 * *found.errors.camera.center + 0.1);
+  const CommandRun track =
+      run_command({"track", folder_.file("pictures"), "--setup", folder_.file("mine.yaml"), "--json"});
+  ASSERT_EQ(track.status, exit_done) << track.log;
+  EXPECT_EQ(Json::parse(track.out)["images"].size(), 24U);
+}
+
+TEST_F(CalibratePictures, ARationalLensOfANarrowCameraIsRefusedAndWritesNothing) {
+  render("pictures", 16, 0.7);
+  const CommandRun run = run_command({"calibrate", "camera", folder_.file("pictures"), "--board", setup_,
+                                      "--lens", "rational", "--out", folder_.file("none.yaml"), "--json"});
+  EXPECT_EQ(run.status, exit_no);
+  const Json json = Json::parse(run.out);
+  EXPECT_EQ(json["accepted"], false);
+  EXPECT_LT(json["held_out_plumb_bob_px"].get<double>(), 1.01 * json["held_out_px"].get<double>());
+  EXPECT_NE(run.log.find("do not determine a rational lens"), std::string::npos) << run.log;
+  EXPECT_FALSE(std::filesystem::exists(folder_.file("none.yaml")));
+}
+
 TEST_F(CalibratePictures, FrontalPicturesAndBadInputAreRefusedWithTheReasonAndWriteNothing) {
   render("frontal", 10, 0.02);
   const CommandRun frontal = run_command({"calibrate", "camera", folder_.file("frontal"), "--setup", setup_,
@@ -99,7 +133,7 @@ TEST_F(CalibratePictures, FrontalPicturesAndBadInputAreRefusedWithTheReasonAndWr
            {{"board", folder_.file("frontal"), "--setup", setup_}, "has the camera"},
            {{"probe", folder_.file("frontal"), "--setup", setup_}, "has the camera"},
            {{"board", folder_.file("frontal"), "--setup", setup_, "--lens", "fisheye"}, "--lens is of"},
-           {{"camera", folder_.file("frontal"), "--setup", setup_, "--lens", "rational"}, "--lens"},
+           {{"camera", folder_.file("frontal"), "--setup", setup_, "--lens", "omni"}, "--lens"},
            {{"lens", folder_.file("frontal"), "--setup", setup_}, "calibrate: "},
            {{"camera", folder_.file("nowhere"), "--setup", setup_}, "nowhere"}}) {
     std::vector<std::string> command{"calibrate"};
