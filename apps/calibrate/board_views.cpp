@@ -87,7 +87,7 @@ Camera known_camera(const Setup& setup, const SearchedImages& images) {
     throw std::invalid_argument(
         "neither setup nor source has the camera: expected `camera` in the setup (see "
         "clearway calibrate camera)");
-  if (images.intrinsics) intrinsics->is_rectified = images.intrinsics->is_rectified;
+  if (images.intrinsics && images.intrinsics->is_rectified) intrinsics->is_rectified = true;
   const Camera camera = tracking_camera(*intrinsics, setup.errors.camera);
   camera.validate();
   if (camera.width != images.width || camera.height != images.height)

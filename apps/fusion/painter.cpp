@@ -55,7 +55,7 @@ CameraIntrinsics intrinsics_of(const Setup& setup, const ImageFrame& image) {
     throw std::invalid_argument(
         "the recording does not have the camera of its images: expected `camera` in the setup");
   CameraIntrinsics camera = setup.camera ? *setup.camera : image.intrinsics;
-  camera.is_rectified = image.intrinsics.is_rectified;
+  camera.is_rectified = camera.is_rectified || image.intrinsics.is_rectified;
   return camera;
 }
 

@@ -5,6 +5,7 @@
 
 #include "datasets/descriptions/setup.hpp"
 #include "datasets/descriptions/yaml_fields.hpp"
+#include "datasets/ros/ros_camera.hpp"
 #include "datasets/sources/lens.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -35,7 +36,7 @@ LensModel read_lens(const YamlFields& fields, const std::string& key, const std:
   return *lens;
 }
 
-CameraIntrinsics read_camchain(const YamlFields& file, const std::string& wanted) {
+CameraIntrinsics read_camchain(const YamlFields& file, const std::string& wanted, bool is_rectified) {
   std::vector<std::string> cameras = file.keys();
   std::erase_if(cameras, [](const std::string& key) { return !key.starts_with("cam"); });
   const std::string name = wanted.empty() && cameras.size() == 1 ? cameras.front() : wanted;
@@ -54,10 +55,36 @@ CameraIntrinsics read_camchain(const YamlFields& file, const std::string& wanted
     take_distortion(fields, "distortion_coeffs", lens, camera);
   if (camera.fx <= 0.0 || camera.fy <= 0.0)
     fields.fail("intrinsics", "expected [fx, fy, cx, cy], fx and fy > 0");
+  if (is_rectified && has_distortion(camera))
+    fields.fail("",
+                "it says nothing of rectified pictures: expected ROS's camera_info with a projection_matrix");
+  camera.is_rectified = is_rectified;
   return camera;
 }
 
-CameraIntrinsics read_camera_info(const YamlFields& file) {
+/// Of the pictures that ROS rectifies with this file.
+CameraIntrinsics read_rectified(const YamlFields& file, const CameraIntrinsics& raw) {
+  RosCameraInfo info;
+  info.width = static_cast<std::uint32_t>(raw.width);
+  info.height = static_cast<std::uint32_t>(raw.height);
+  info.distortion_model = lens_name(raw.lens);
+  info.d.assign(raw.distortion.begin(), raw.distortion.end());
+  info.k = {raw.fx, 0, raw.cx, 0, raw.fy, raw.cy, 0, 0, 1};
+  const auto take = [&file](const std::string& key, auto& matrix) {
+    if (!file.has(key)) return;
+    const std::vector<double> values = file.map(key).numbers("data", within_reach, matrix.size());
+    std::copy(values.begin(), values.end(), matrix.begin());
+  };
+  take("rectification_matrix", info.r);
+  take("projection_matrix", info.p);
+  try {
+    return rectified_camera(info).intrinsics;
+  } catch (const std::runtime_error& error) {
+    file.fail("projection_matrix", error.what());
+  }
+}
+
+CameraIntrinsics read_camera_info(const YamlFields& file, bool is_rectified) {
   CameraIntrinsics camera;
   camera.width = file.integer("image_width", {32, 20000});
   camera.height = file.integer("image_height", {32, 20000});
@@ -72,23 +99,24 @@ CameraIntrinsics read_camera_info(const YamlFields& file) {
   camera.cy = k[5];
   if (file.has("distortion_coefficients") || lens == LensModel::fisheye)
     take_distortion(file.map("distortion_coefficients"), "data", lens, camera);
-  return camera;
+  return is_rectified ? read_rectified(file, camera) : camera;
 }
 
 }  // namespace
 
 CameraIntrinsics parse_camera_file(const std::string& text, const std::string& name,
-                                   const std::string& camera) {
+                                   const std::string& camera, bool is_rectified) {
   const YamlFields file(text, "camera file " + quote_path(name));
-  if (file.has("image_width") || file.has("camera_matrix")) return read_camera_info(file);
+  if (file.has("image_width") || file.has("camera_matrix")) return read_camera_info(file, is_rectified);
   const std::vector<std::string> keys = file.keys();
   if (std::any_of(keys.begin(), keys.end(), [](const std::string& key) { return key.starts_with("cam"); }))
-    return read_camchain(file, camera);
+    return read_camchain(file, camera, is_rectified);
   file.fail("", "expected kalibr's camchain (`cam0`) or ROS's camera_info (`image_width`, `camera_matrix`)");
 }
 
-CameraIntrinsics load_camera_file(const std::filesystem::path& file, const std::string& camera) {
-  return parse_camera_file(read_text(file, "camera file"), file.string(), camera);
+CameraIntrinsics load_camera_file(const std::filesystem::path& file, const std::string& camera,
+                                  bool is_rectified) {
+  return parse_camera_file(read_text(file, "camera file"), file.string(), camera, is_rectified);
 }
 
 }  // namespace clearway

@@ -6,6 +6,7 @@
 #include "datasets/descriptions/query_fields.hpp"
 #include "datasets/descriptions/setup_tracking.hpp"
 #include "datasets/descriptions/yaml_fields.hpp"
+#include "datasets/ros/bag_frames.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -100,11 +101,18 @@ std::vector<VolumeSetup> read_volumes(const YamlFields& fields) {
   return volumes;
 }
 
-DepthOptions read_depth(const YamlFields& fields, const std::filesystem::path& folder) {
+/// Whether depth is, in the bag or, where it names none, in the folder.
+bool is_depth_rectified(const BagTopics& bag, const DepthOptions& depth) {
+  return bag.depth.empty() ? depth.rectified : is_depth_rectified(bag);
+}
+
+DepthOptions read_depth(const YamlFields& fields, const std::filesystem::path& folder, const BagTopics& bag) {
   DepthOptions depth;
   depth.scale = fields.number("scale", {1e-7, 10}, depth.scale);
   depth.max_range = fields.number("max_range", not_negative, depth.max_range);
-  if (fields.has("camera")) depth.camera = read_camera(fields.map("camera"));
+  if (fields.has("rectified")) depth.rectified = fields.boolean("rectified");
+  if (fields.has("camera"))
+    depth.camera = read_camera_of_setup(fields.map("camera"), folder, is_depth_rectified(bag, depth));
   if (fields.has("poses")) depth.poses = folder / fields.file("poses");
   depth.tolerance = fields.number("tolerance", {1e-6, 1e3}, depth.tolerance);
   fields.finish();
@@ -132,7 +140,6 @@ BagTopics read_bag(const YamlFields& fields) {
 SourceOptions read_source(const YamlFields& fields, const std::filesystem::path& folder) {
   SourceOptions source;
   source.rate = fields.optional_number("rate", {1e-3, 1e5});
-  if (fields.has("depth")) source.depth = read_depth(fields.map("depth"), folder);
   if (fields.has("bag")) source.bag = read_bag(fields.map("bag"));
   if (fields.has("clouds")) {
     const std::string frame = fields.text("clouds");
@@ -140,8 +147,23 @@ SourceOptions read_source(const YamlFields& fields, const std::filesystem::path&
       fields.fail("clouds", "expected map or sensor, got " + quote(frame));
     source.clouds = frame == "map" ? CloudFrameOf::map : CloudFrameOf::sensor;
   }
+  if (fields.has("depth")) source.depth = read_depth(fields.map("depth"), folder, source.bag);
   fields.finish();
   return source;
+}
+
+/// The camera of the images, and of depth where it has no other. What a file says of a rectified camera is
+/// taken for what is rectified. @pre setup.source
+void read_cameras(const YamlFields& fields, const std::filesystem::path& folder, Setup& setup) {
+  SourceOptions& source = setup.source;
+  const BagTopics& bag = source.bag;
+  const bool is_depth_alone = bag.images.empty() && !bag.depth.empty();
+  const bool of_depth = is_depth_rectified(bag, source.depth);
+  const bool of_images = is_depth_alone ? of_depth : !bag.images.empty() && are_images_rectified(bag);
+  setup.camera = read_camera_of_setup(fields, folder, of_images);
+  const bool has_depth = bag.images.empty() || !bag.depth.empty();
+  if (has_depth && !source.depth.camera && bag.depth_camera_info.empty() && of_depth != of_images)
+    source.depth.camera = read_camera_of_setup(fields, folder, of_depth);
 }
 
 RobotSetup read_robot(const YamlFields& fields, const std::filesystem::path& folder) {
@@ -292,8 +314,10 @@ Setup parse_setup(const std::string& text, const std::string& name) {
   Setup setup;
   setup.title = fields.prose("title", "");
   if (fields.has("map")) setup.map = read_map(fields.map("map"));
+  if (fields.has("source"))
+    setup.source = read_source(fields.map("source"), std::filesystem::path(name).parent_path());
   if (fields.has("camera"))
-    setup.camera = read_camera_of_setup(fields.map("camera"), std::filesystem::path(name).parent_path());
+    read_cameras(fields.map("camera"), std::filesystem::path(name).parent_path(), setup);
   if (fields.has("errors")) setup.errors = read_errors(fields.map("errors"));
   if (fields.has("detector")) setup.detector = read_detector(fields.map("detector"));
   setup.boards = read_boards(fields, setup.errors.boards, tag_family_ids().at(setup.detector.family) - 1);
@@ -303,8 +327,6 @@ Setup parse_setup(const std::string& text, const std::string& name) {
   if (fields.has("hands")) setup.hands = read_hands_setup(fields.map("hands"));
   setup.volumes = read_volumes(fields);
   if (fields.has("acceptance")) setup.acceptance = read_acceptance(fields.map("acceptance"));
-  if (fields.has("source"))
-    setup.source = read_source(fields.map("source"), std::filesystem::path(name).parent_path());
   setup.source.camera = setup.camera;
   for (const SensorSetup& sensor : setup.sensors) setup.source.placed.push_back(sensor.name);
   setup.source.places_depth = setup.sensor("depth", "depth") != nullptr;

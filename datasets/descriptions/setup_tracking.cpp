@@ -68,10 +68,12 @@ CameraIntrinsics read_camera(const YamlFields& fields) {
   return camera;
 }
 
-CameraIntrinsics read_camera_of_setup(const YamlFields& fields, const std::filesystem::path& folder) {
+CameraIntrinsics read_camera_of_setup(const YamlFields& fields, const std::filesystem::path& folder,
+                                      bool is_rectified) {
   if (!fields.has("file")) return read_camera(fields);
-  const CameraIntrinsics camera =
-      load_camera_file(folder / fields.file("file"), fields.has("name") ? fields.text("name") : "");
+  if (fields.has("rectified")) is_rectified = fields.boolean("rectified");
+  const CameraIntrinsics camera = load_camera_file(
+      folder / fields.file("file"), fields.has("name") ? fields.text("name") : "", is_rectified);
   fields.finish();
   return camera;
 }

@@ -16,8 +16,10 @@ class YamlFields;
 /// {width, height, fx, fy, cx, cy, lens, distortion: [k1, k2, p1, p2, k3]} of a setup or scene.
 CameraIntrinsics read_camera(const YamlFields& fields);
 
-/// In the setup itself, or in a file that it names.
-CameraIntrinsics read_camera_of_setup(const YamlFields& fields, const std::filesystem::path& folder);
+/// In the setup itself, or in a file that it names, which may say whether pictures are `rectified`.
+/// @param is_rectified what they are otherwise; nothing but a file tells both cameras apart
+CameraIntrinsics read_camera_of_setup(const YamlFields& fields, const std::filesystem::path& folder,
+                                      bool is_rectified);
 
 /// A list of {from, to, radius} under `key`; empty when absent.
 std::vector<CapsuleSetup> read_capsules(const YamlFields& fields, const std::string& key);

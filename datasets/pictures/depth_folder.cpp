@@ -75,15 +75,9 @@ bool has_pose_files(const fs::path& folder) {
 /// The rays (1, y, z) of all pixels, row by row: x forward, y left, z up; 0 where the lens sees nothing.
 std::vector<Eigen::Vector3f> rays_of(const CameraIntrinsics& camera) {
   std::vector<Eigen::Vector3f> rays;
-  rays.reserve(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height));
-  const Lens lens(camera);
-  for (int row = 0; row < camera.height; ++row) {
-    for (int column = 0; column < camera.width; ++column) {
-      const auto optical = lens.pixel_ray({column, row});
-      rays.push_back(optical ? Eigen::Vector3d(1.0, -optical->x(), -optical->y()).cast<float>()
-                             : Eigen::Vector3f(0.0F, 0.0F, 0.0F));
-    }
-  }
+  for (const Eigen::Vector2d& optical : depth_rays(camera))
+    rays.push_back(optical.allFinite() ? Eigen::Vector3d(1.0, -optical.x(), -optical.y()).cast<float>()
+                                       : Eigen::Vector3f(0.0F, 0.0F, 0.0F));
   return rays;
 }
 
@@ -265,6 +259,12 @@ std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const Dep
     throw std::invalid_argument(name +
                                 " has depth pictures, which do not hold their camera: expected `camera`, or "
                                 "`camera` of `source: {depth: …}`, in the setup");
+  if (options.depth.rectified && has_distortion(*camera))
+    throw std::invalid_argument(
+        name +
+        " has rectified depth pictures, by 'rectified' of 'source: {depth: …}', and their camera has a "
+        "distortion; expected `camera` of 'source: {depth: …}' to be the rectified one without it, or ROS's "
+        "camera_info with a projection_matrix as its `file`, or 'rectified: false'");
   auto source = std::make_unique<DepthFolder>(layout, *camera, options);
   if (!source->has_poses() && !options.places_depth)
     throw std::invalid_argument(

@@ -24,9 +24,11 @@ struct DepthLayout {
 std::optional<DepthLayout> depth_layout(const std::filesystem::path& folder);
 
 /// Depth pictures (16-bit PNG: the distance along the optical axis, 0 and 65535: none) as scans of kind and
-/// sensor "depth", colour pictures as images of sensor "colour", in the order of their times. Scans for which
-/// no pose is known are left out and counted, unless the setup places the sensor.
-/// @throws std::invalid_argument when the camera or the poses are not given, or they cannot be read.
+/// sensor "depth", cast through the lens of their camera (depth_rays), colour pictures as images of sensor
+/// "colour", in the order of their times. Scans for which no pose is known are left out and counted, unless
+/// the setup places the sensor.
+/// @throws std::invalid_argument when the camera or the poses are not given, or they cannot be read, or the
+/// camera of rectified pictures has a distortion
 std::unique_ptr<FrameSource> open_depth_folder(const std::filesystem::path& folder, const DepthLayout& layout,
                                                const SourceOptions& options);
 

@@ -6,6 +6,7 @@
 
 #include "datasets/ros/compressed_depth.hpp"
 #include "datasets/ros/sensor_frames.hpp"
+#include "datasets/sources/lens.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {

@@ -241,11 +241,7 @@ void require_topic(const std::filesystem::path& file, const std::vector<BagTopic
 /// @param kind of the keys in 'source: bag:'
 void refuse_distortion(const std::filesystem::path& file, const std::string& topic,
                        const std::optional<CameraIntrinsics>& camera, const std::string& kind) {
-  if (!camera) return;
-  const auto lens = coefficients_of(*camera);
-  const bool is_bent = camera->lens == LensModel::fisheye ||
-                       std::any_of(lens.begin(), lens.end(), [](double value) { return value != 0.0; });
-  if (!is_bent) return;
+  if (!camera || !has_distortion(*camera)) return;
   throw std::invalid_argument(sentence(
       file, "has rectified images in topic " + quote(topic) + ", by its name or '" + kind +
                 "rectified', and the setup's camera has a distortion; expected the rectified camera "

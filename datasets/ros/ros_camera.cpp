@@ -1,9 +1,9 @@
 #include "datasets/ros/ros_camera.hpp"
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <span>
 #include <stdexcept>
 
@@ -56,6 +56,11 @@ void set_lens_of(const RosCameraInfo& info, CameraIntrinsics& camera) {
 /// From the whole sensor to what is read out of it.
 CameraIntrinsics read_out(const RosCameraInfo& info, CameraIntrinsics camera) {
   const bool is_part = info.roi_width > 0 && info.roi_height > 0;
+  if (!is_part && (info.roi_width > 0 || info.roi_height > 0 || info.roi_x > 0 || info.roi_y > 0))
+    throw std::runtime_error("its region of interest begins at " + std::to_string(info.roi_x) + ", " +
+                             std::to_string(info.roi_y) + " and has " + std::to_string(info.roi_width) +
+                             " x " + std::to_string(info.roi_height) +
+                             " pixels, expected all of them 0, or a size");
   if (is_part && (info.roi_x > info.width || info.roi_width > info.width - info.roi_x ||
                   info.roi_y > info.height || info.roi_height > info.height - info.roi_y))
     throw std::runtime_error("its region of interest lies beyond its sensor");
@@ -75,15 +80,19 @@ CameraIntrinsics read_out(const RosCameraInfo& info, CameraIntrinsics camera) {
   return camera;
 }
 
-/// R, or no turn where it was left zero.
+/// The rotation nearest to R, or no turn where it was left zero.
 Eigen::Matrix3d rectification_of(const RosCameraInfo& info) {
   if (is_zero(info.r)) return Eigen::Matrix3d::Identity();
-  const Eigen::Matrix3d turn = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>(info.r.data());
-  constexpr double rounding = 1e-4;  // of calibrations that were written with few digits
-  const bool is_turn = is_finite(info.r) && turn.determinant() > 0.0 &&
-                       (turn * turn.transpose() - Eigen::Matrix3d::Identity()).norm() < rounding;
-  if (!is_turn) throw std::runtime_error("its R is not a rotation");
-  return turn;
+  if (!is_finite(info.r)) throw std::runtime_error("its R is not a rotation");
+  const Eigen::Matrix3d stated = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>(info.r.data());
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(stated, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Matrix3d turn = svd.matrixU() * svd.matrixV().transpose();
+  // Each of nine numbers that were rounded to four decimals is off by at most half a step, and the nearest
+  // rotation is no farther than the true one.
+  constexpr double rounding = 3.0 * 0.5e-4 + 1e-12;
+  if (!(turn.determinant() > 0.0 && (turn - stated).norm() <= rounding))
+    throw std::runtime_error("its R is not a rotation, even if its numbers were rounded to four decimals");
+  return stated.isUnitary(1e-12) ? stated : turn;
 }
 
 /// The rows of a projection without skew: fx 0 cx Tx, 0 fy cy Ty, 0 0 1 0.
@@ -135,28 +144,14 @@ RosCamera rectified_camera(const RosCameraInfo& info) {
           "P, or raw images ('rectified: false')");
     camera = pinhole(info, info.k, 3);
   }
+  const bool is_part = info.roi_width > 0 && (info.roi_width < info.width || info.roi_height < info.height);
+  if (is_part && info.do_rectify)
+    throw std::runtime_error(
+        "its region of interest has do_rectify, so that its rectified images show another window of which "
+        "nothing says where it begins; expected the whole image, do_rectify false, or raw images "
+        "('rectified: false')");
   camera.is_rectified = true;
   return {read_out(info, camera), Eigen::Matrix3d::Identity()};
-}
-
-std::vector<Eigen::Vector2d> depth_rays(const CameraIntrinsics& camera) {
-  const bool is_bent = camera.lens == LensModel::fisheye || !is_zero(camera.distortion);
-  CameraIntrinsics limited = camera;  // a plumb bob is a rational lens, and as such it has an end
-  if (is_bent && camera.lens == LensModel::plumb_bob) limited.lens = LensModel::rational;
-  const Lens lens(limited);
-  const Eigen::Vector2d nowhere = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
-  std::vector<Eigen::Vector2d> rays;
-  for (int row = 0; row < camera.height; ++row) {
-    for (int column = 0; column < camera.width; ++column) {
-      if (!is_bent) {
-        rays.emplace_back((column - camera.cx) / camera.fx, (row - camera.cy) / camera.fy);
-        continue;
-      }
-      const auto ray = lens.pixel_ray({column, row});
-      rays.push_back(ray ? Eigen::Vector2d(ray->head<2>()) : nowhere);
-    }
-  }
-  return rays;
 }
 
 }  // namespace clearway

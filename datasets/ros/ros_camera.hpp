@@ -28,17 +28,16 @@ struct RosCamera {
 /// The camera of raw images: K, D and R. The distortion models are plumb_bob, rational_polynomial,
 /// equidistant (fisheye), and any other whose numbers are all 0. As in image_geometry, the region of interest
 /// is taken off the principal point first, then binning divides: size, focal lengths and principal point are
-/// those of the images. @throws std::runtime_error with a clause where the message is no calibration
+/// those of the images. R is taken for the nearest
+/// rotation, from which rounding to four decimals may lead away. @throws std::runtime_error with a clause
+/// where the message is no calibration
 RosCamera raw_camera(const RosCameraInfo& info);
 
 /// The camera of rectified images: P, without distortion; D is that of the raw lens and counts for nothing. A
 /// P of which all is 0 is K where the lens has no distortion and R is no turn, and refused elsewhere: nothing
 /// says then what the images follow. P's last column, which places the second camera of a pair in the frame
-/// of the first, is left out, as in depth_image_proc. @throws as raw_camera
+/// of the first, is left out, as in depth_image_proc. A part of the image with do_rectify is refused: its
+/// window is not stated. @throws as raw_camera
 RosCamera rectified_camera(const RosCameraInfo& info);
-
-/// Where a depth camera's pixels look, row by row: right and down at a distance of 1 m along the optical
-/// axis, by its lens. What lies beyond the lens's field, or where its formula folds over, is not finite.
-std::vector<Eigen::Vector2d> depth_rays(const CameraIntrinsics& camera);
 
 }  // namespace clearway

@@ -69,6 +69,7 @@ RosCameraInfo read_camera_info(WireReader& in) {
   for (std::uint32_t* number :
        {&info.binning_x, &info.binning_y, &info.roi_x, &info.roi_y, &info.roi_height, &info.roi_width})
     *number = in.number<std::uint32_t>();
+  info.do_rectify = in.number<std::uint8_t>() != 0;
   return info;
 }
 

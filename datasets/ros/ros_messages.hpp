@@ -51,6 +51,7 @@ struct RosCameraInfo {
   std::array<double, 12> p{};
   std::uint32_t binning_x = 0, binning_y = 0;  ///< pixels of the sensor in one of the image; 0: 1
   std::uint32_t roi_x = 0, roi_y = 0, roi_height = 0, roi_width = 0;  ///< read out; 0 x 0: all
+  bool do_rectify = false;  ///< of the region of interest: rectified images show another window than it
 };
 RosCameraInfo read_camera_info(WireReader& in);
 

@@ -42,6 +42,7 @@ struct DepthOptions {
   double scale = 0.001;                    ///< m per step of the stored 16 bit number
   double max_range = 0;                    ///< m, of the sensor; 0: not known
   std::optional<CameraIntrinsics> camera;  ///< of the depth pictures; empty: the setup's camera
+  bool rectified = false;                  ///< pictures of a folder were freed of the lens's distortion
   std::filesystem::path poses;             ///< TUM text, world_from_camera; empty: what lies in the folder
   double tolerance = 0.02;                 ///< s between a picture and a pose
 };

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace clearway {
@@ -111,6 +112,10 @@ std::span<const double> coefficients_of(const CameraIntrinsics& camera) {
   return std::span(camera.distortion).first(coefficient_count(camera.lens));
 }
 
+bool has_distortion(const CameraIntrinsics& camera) {
+  return camera.lens == LensModel::fisheye || camera.distortion != Coefficients{};
+}
+
 void set_lens(CameraIntrinsics& camera, LensModel model, std::span<const double> coefficients) {
   const std::size_t count = std::min(coefficients.size(), coefficient_count(model));
   const auto rest = coefficients.subspan(count);
@@ -214,6 +219,26 @@ std::optional<Eigen::Vector3d> Lens::ray_of_fisheye(const Eigen::Vector2d& seen)
     angle = next;
   }
   return Eigen::Vector2d(std::tan(angle) / radius * seen).homogeneous();
+}
+
+std::vector<Eigen::Vector2d> depth_rays(const CameraIntrinsics& camera) {
+  const bool is_bent = has_distortion(camera);
+  CameraIntrinsics limited = camera;  // a plumb bob is a rational lens, and as such it has an end
+  if (is_bent && camera.lens == LensModel::plumb_bob) limited.lens = LensModel::rational;
+  const Lens lens(limited);
+  const Eigen::Vector2d nowhere = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+  std::vector<Eigen::Vector2d> rays;
+  for (int row = 0; row < camera.height; ++row) {
+    for (int column = 0; column < camera.width; ++column) {
+      if (!is_bent) {
+        rays.emplace_back((column - camera.cx) / camera.fx, (row - camera.cy) / camera.fy);
+        continue;
+      }
+      const auto ray = lens.pixel_ray({column, row});
+      rays.push_back(ray ? Eigen::Vector2d(ray->head<2>()) : nowhere);
+    }
+  }
+  return rays;
 }
 
 }  // namespace clearway

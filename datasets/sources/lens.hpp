@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "datasets/sources/recording.hpp"
 
@@ -19,6 +20,9 @@ constexpr const char* known_lenses =
 std::size_t coefficient_count(LensModel model);
 /// Those of a camera, without the rest that is 0.
 std::span<const double> coefficients_of(const CameraIntrinsics& camera);
+
+/// Whether it bends rays: a fisheye does, even where all its coefficients are 0.
+bool has_distortion(const CameraIntrinsics& camera);
 
 /// Gives a camera its lens. A rational one whose last three are 0 is a plumb bob, and is called so.
 /// @param coefficients of the model, or fewer: the rest is 0. What stands behind them must be 0, too.
@@ -52,5 +56,9 @@ class Lens {
   CameraIntrinsics camera_;
   double widest_;
 };
+
+/// Where a depth camera's pixels look, row by row: right and down at a distance of 1 m along the optical
+/// axis, by its lens. What lies beyond the lens's field, or where its formula folds over, is not finite.
+std::vector<Eigen::Vector2d> depth_rays(const CameraIntrinsics& camera);
 
 }  // namespace clearway

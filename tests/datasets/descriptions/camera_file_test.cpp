@@ -80,6 +80,55 @@ TEST(CameraFile, a_setup_takes_it_relative_to_its_own_folder) {
   EXPECT_EQ(load_setup(folder.file("setup.yaml")).camera, parse_camera_file(ros, "", ""));
 }
 
+TEST(CameraFile, rectified_pictures_follow_the_projection_matrix) {
+  CameraIntrinsics expected{752, 480, 400, 400, 360, 240, {}};
+  expected.is_rectified = true;
+  EXPECT_EQ(parse_camera_file(ros, "c.yaml", "", true), expected);
+  const std::string bare = with(ros, ros.substr(ros.find("projection_matrix")), "");
+  const auto refusal = [](const std::string& text) {
+    return complaint([&] { parse_camera_file(text, "c.yaml", "", true); });
+  };
+  EXPECT_NE(refusal(bare).find("its P is all 0"), std::string::npos) << refusal(bare);
+  EXPECT_NE(refusal(kalibr).find("expected ROS's camera_info with a projection_matrix"), std::string::npos);
+  // Where nothing was to be rectified, K will do.
+  CameraIntrinsics pinhole{752, 480, 458.6, 457.2, 367.2, 248.3, {}};
+  pinhole.is_rectified = true;
+  EXPECT_EQ(
+      parse_camera_file(with(bare, "-0.28, 0.07, 0.0001, -0.0002, 0]", "0, 0, 0, 0, 0]"), "c.yaml", "", true),
+      pinhole);
+  EXPECT_EQ(
+      parse_camera_file(with(kalibr, "-0.28, 0.07, 0.0001, -0.0002]", "0, 0, 0, 0]"), "c.yaml", "", true),
+      pinhole);
+}
+
+TEST(CameraFile, a_setup_says_which_pictures_are_rectified) {
+  const TemporaryFolder folder;
+  folder.write("ros.yaml", ros);
+  const CameraIntrinsics raw = parse_camera_file(ros, "", ""),
+                         rectified = parse_camera_file(ros, "", "", true);
+  const auto setup = [&](const std::string& camera, const std::string& source) {
+    folder.write("setup.yaml", "camera: {file: ros.yaml" + camera + "}\n" + source);
+    return load_setup(folder.file("setup.yaml"));
+  };
+  EXPECT_EQ(setup("", "").camera, raw);
+  EXPECT_EQ(setup(", rectified: true", "").camera, rectified);
+  const auto bag = [&](const std::string& topics) { return setup("", "source: {bag: {" + topics + "}}\n"); };
+  EXPECT_EQ(bag("images: /image_raw").camera, raw);
+  EXPECT_EQ(bag("images: /image_rect").camera, rectified);
+  EXPECT_EQ(bag("images: /image_rect, rectified: false").camera, raw);
+  EXPECT_EQ(bag("images: /image_raw, rectified: true").camera, rectified);
+  EXPECT_EQ(bag("depth: /image_rect_raw").camera, rectified);
+  EXPECT_FALSE(bag("images: /image_raw").source.depth.camera);
+  const clearway::Setup both = bag("images: /image_raw, depth: /image_rect");
+  EXPECT_EQ(both.camera, raw);
+  EXPECT_EQ(both.source.depth.camera, rectified);
+  const clearway::Setup own = setup("", "source: {depth: {rectified: true, camera: {file: ros.yaml}}}\n");
+  EXPECT_EQ(own.camera, raw);
+  EXPECT_EQ(own.source.depth.camera, rectified);
+  EXPECT_EQ(setup("", "source: {depth: {rectified: true}}\n").source.depth.camera, rectified);
+  EXPECT_EQ(setup("", "source: {depth: {camera: {file: ros.yaml}}}\n").source.depth.camera, raw);
+}
+
 TEST(CameraFile, other_lenses_and_damaged_files_are_refused_in_a_sentence) {
   for (const auto& [text, words] : std::vector<std::pair<std::string, std::string>>{
            {with(kalibr, "radtan", "fov"), "the lens 'fov' is not known, expected plumb_bob"},

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <opencv2/calib3d.hpp>
+
 #include "tests/datasets/complaint.hpp"
 #include "tests/worlds/picture_bytes.hpp"
 #include "tests/worlds/temporary_folder.hpp"
@@ -149,6 +151,86 @@ TEST_F(DepthFolders, PicturesOfAnotherKindOrSizeAreDamaged) {
   EXPECT_FALSE(source->next());
   EXPECT_NE(source->damage()->find("1.png' is damaged: it is not a grey picture of 16 bits"),
             std::string::npos);
+}
+
+/// A lens of each kind, of pictures 48 x 36.
+std::vector<CameraIntrinsics> bent_cameras() {
+  CameraIntrinsics plumb_bob{48, 36, 50, 52, 24, 18, {-0.28, 0.09, 0.001, -0.002, 0.01}};
+  CameraIntrinsics rational{48, 36, 50, 52, 24, 18, {0.42, -2.1, 0.0005, -0.0003, 1.3, 0.31, -1.9, 1.2}};
+  rational.lens = LensModel::rational;
+  CameraIntrinsics fisheye{48, 36, 22, 22.5, 24, 18, {-0.012, 0.021, -0.017, 0.003}};
+  fisheye.lens = LensModel::fisheye;
+  return {plumb_bob, rational, fisheye};
+}
+
+/// Rays (x, y, 1) of all pixels by OpenCV.
+std::vector<cv::Point2d> rays_by_opencv(const CameraIntrinsics& c) {
+  std::vector<cv::Point2d> pixels, rays;
+  for (int row = 0; row < c.height; ++row)
+    for (int column = 0; column < c.width; ++column) pixels.emplace_back(column, row);
+  const cv::Matx33d matrix(c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1);
+  const std::vector<double> d(c.distortion.begin(),
+                              c.distortion.begin() + (c.lens == LensModel::fisheye ? 4 : 8));
+  if (c.lens == LensModel::fisheye)
+    cv::fisheye::undistortPoints(pixels, rays, matrix, d);
+  else
+    cv::undistortPoints(pixels, rays, matrix, d, cv::noArray(), cv::noArray(),
+                        {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 200, 1e-12});
+  return rays;
+}
+
+const Eigen::Vector3d slanted = Eigen::Vector3d(0.3, -0.2, 1).normalized();  ///< of a wall 1.2 m away
+
+/// The slanted wall, steps of 0.02 mm.
+std::string wall_png(const std::vector<cv::Point2d>& rays) {
+  cv::Mat depth(36, 48, CV_16UC1);
+  for (std::size_t i = 0; i < rays.size(); ++i)
+    depth.at<std::uint16_t>(static_cast<int>(i) / 48, static_cast<int>(i) % 48) =
+        cv::saturate_cast<std::uint16_t>(1.2 / slanted.dot(Eigen::Vector3d(rays[i].x, rays[i].y, 1)) / 2e-5);
+  return picture_bytes(depth, ".png");
+}
+
+/// How far the farthest point of the only picture is from the wall, metres.
+double off_the_wall(FrameSource& source) {
+  const auto frame = source.next();
+  if (!frame) return HUGE_VAL;
+  double off = 0;
+  for (const Eigen::Vector3f& point : std::get<CloudFrame>(frame->content).points)
+    off = std::max(off, std::abs(slanted.dot(Eigen::Vector3d(-point.y(), -point.z(), point.x())) - 1.2));
+  return off;
+}
+
+TEST_F(DepthFolders, PixelsAreCastThroughTheLensOfTheCamera) {
+  make("depth");
+  for (const CameraIntrinsics& bent : bent_cameras()) {
+    folder_.write("depth/1.png", wall_png(rays_by_opencv(bent)));
+    SourceOptions by_lens = options(2e-5);
+    by_lens.places_depth = true;
+    by_lens.camera = bent;
+    EXPECT_LT(off_the_wall(*open(by_lens)), 2e-5);
+    SourceOptions by_own = by_lens;  // that of the depth pictures comes first
+    by_own.camera = camera;
+    by_own.depth.camera = bent;
+    EXPECT_LT(off_the_wall(*open(by_own)), 2e-5);
+    by_lens.camera->distortion = {};
+    by_lens.camera->lens = LensModel::plumb_bob;
+    EXPECT_GT(off_the_wall(*open(by_lens)), 1e-3) << "a pinhole would do";
+  }
+}
+
+TEST_F(DepthFolders, RectifiedPicturesHaveACameraWithoutDistortion) {
+  make("depth");
+  folder_.write("depth/1.png", wall_png(rays_by_opencv(camera)));
+  SourceOptions rectified = options(2e-5);
+  rectified.places_depth = true;
+  rectified.depth.rectified = true;
+  EXPECT_LT(off_the_wall(*open(rectified)), 2e-5);
+  for (const CameraIntrinsics& bent : bent_cameras()) {
+    rectified.camera = bent;
+    const std::string refusal = complaint([&] { open(rectified); });
+    EXPECT_NE(refusal.find("rectified depth pictures, by 'rectified'"), std::string::npos) << refusal;
+    EXPECT_NE(refusal.find("projection_matrix"), std::string::npos) << refusal;
+  }
 }
 
 TEST_F(DepthFolders, LayoutsOfPublishedDataAreFound) {

@@ -6,6 +6,7 @@
 #include <opencv2/calib3d.hpp>
 
 #include "datasets/ros/ros_camera.hpp"
+#include "datasets/sources/lens.hpp"
 
 namespace clearway {
 namespace sensor_frames_test {

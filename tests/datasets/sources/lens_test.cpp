@@ -141,5 +141,39 @@ TEST(Lens, ItsNamesAreOursAndThoseOfRosAndKalibr) {
   EXPECT_FALSE(lens_named("omni"));
 }
 
+TEST(Lens, DepthRaysAreThoseThatOpenCvFinds) {
+  for (CameraIntrinsics c : cameras()) {
+    c.width = 64;
+    c.height = 48;
+    c.fx = 60;
+    c.fy = 61;
+    c.cx = 31.5;
+    c.cy = 23.5;
+    const std::vector<Eigen::Vector2d> rays = depth_rays(c);
+    std::vector<cv::Point2d> pixels, expected;
+    for (int row = 0; row < 48; ++row)
+      for (int column = 0; column < 64; ++column) pixels.emplace_back(column, row);
+    const cv::Matx33d matrix(60, 0, 31.5, 0, 61, 23.5, 0, 0, 1);
+    if (c.lens == LensModel::fisheye)
+      cv::fisheye::undistortPoints(pixels, expected, matrix, coefficients_for_opencv(c));
+    else
+      cv::undistortPoints(pixels, expected, matrix, coefficients_for_opencv(c), cv::noArray(), cv::noArray(),
+                          {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 200, 1e-12});
+    ASSERT_EQ(rays.size(), expected.size());
+    double bent = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      EXPECT_LT(std::hypot(rays[i].x() - expected[i].x, rays[i].y() - expected[i].y), 1e-7) << i;
+      bent = std::max(bent, std::abs(rays[i].x() - (pixels[i].x - 31.5) / 60));
+    }
+    EXPECT_GT(bent, 1e-3) << "a pinhole would do";
+  }
+}
+
+TEST(Lens, APixelWhereALensFoldsOverHasNoDepthRay) {
+  const auto rays = depth_rays({64, 48, 20, 21, 31.5, 23.5, {-0.4, 0, 0, 0, 0}});
+  EXPECT_FALSE(rays.front().allFinite()) << "r (1 - 0.4 r^2) is nowhere 1.9";
+  EXPECT_TRUE(rays[24 * 64 + 32].allFinite());
+}
+
 }  // namespace lens_test
 }  // namespace clearway
