@@ -17,6 +17,7 @@
 #include "apps/fusion/open_frames.hpp"
 #include "apps/fusion/painter.hpp"
 #include "apps/fusion/tag_search.hpp"
+#include "apps/fusion/taken_cameras.hpp"
 #include "apps/track/image_poses.hpp"
 #include "apps/track/pose_marks.hpp"
 #include "apps/track/pose_text.hpp"
@@ -46,7 +47,8 @@ class TrackReport {
     if (!options.draw.empty()) drawn_.emplace(options.draw, is_drawn);
   }
 
-  void add(const ImagePoses& poses, const ImageFrame& image) {
+  void add(const Frame& frame, const ImagePoses& poses, const ImageFrame& image) {
+    cameras_.see(frame, setup_);
     ++images_;
     refused_images_ += poses.refusal.empty() ? 0 : 1;
     if (refusal_.empty()) refusal_ = poses.refusal;
@@ -67,10 +69,15 @@ class TrackReport {
     if (drawn_) drawn_->publish();
   }
 
-  std::string json(const std::string& setup_source) const {
+  std::string json(const std::string& setup_source, const FrameSource& source) const {
     Json head{{"source", options_.source.string()},
               {"setup", setup_source},
               {"covariance", "of (v, w), m and rad: true pose = pose * [Exp(w), v]"}};
+    head["cameras"] = Json::array();
+    for (const TakenCamera& camera : cameras(source))
+      head["cameras"].push_back({{"sensor", camera.sensor},
+                                 {"taken_as", camera.is_rectified ? "rectified" : "raw"},
+                                 {"known_by", camera.known_by}});
     head["summary"] = Json::array();
     for (const auto& [name, tally] : tallies_)
       head["summary"].push_back({{"what", name}, {"accepted", tally.accepted}, {"refused", tally.refused}});
@@ -79,6 +86,13 @@ class TrackReport {
   }
   const std::string& csv() const { return csv_; }
   std::size_t images() const { return images_; }
+
+  /// Of the images; depth is not tracked.
+  std::vector<TakenCamera> cameras(const FrameSource& source) const {
+    std::vector<TakenCamera> all = cameras_.all(source);
+    std::erase_if(all, [&](const TakenCamera& camera) { return !cameras_.has_seen(camera.sensor); });
+    return all;
+  }
 
   std::vector<std::vector<std::string>> table() const {
     std::vector<std::vector<std::string>> rows{{"what", "accepted", "median rms px", "refused"}};
@@ -147,6 +161,7 @@ class TrackReport {
   std::string csv_, json_, tum_camera_, tum_probe_, refusal_;
   std::size_t images_ = 0, refused_images_ = 0, poses_ = 0;
   std::set<int> ids_;
+  TakenCameras cameras_;
   std::map<std::string, PoseTally> tallies_;
 };
 
@@ -191,7 +206,7 @@ int run_track(const TrackOptions& options, Console& console) {
   const auto progress = console.bar("tracking");
   while (const auto searched = search.next()) {
     if (const auto* image = std::get_if<ImageFrame>(&searched->frame.content))
-      report.add(finder.find(searched->frame, *image, searched->tags), *image);
+      report.add(searched->frame, finder.find(searched->frame, *image, searched->tags), *image);
     progress(frames->progress());
   }
   progress(1.0);
@@ -199,13 +214,17 @@ int run_track(const TrackOptions& options, Console& console) {
   if (report.images() == 0 && !frames->damage())
     throw std::invalid_argument(options.source.string() + ": " + report.why_nothing());
   report.write();
-  const std::string json = console.json || !options.json.empty() ? report.json(chosen.source) : "";
+  const std::string json = console.json || !options.json.empty() ? report.json(chosen.source, *frames) : "";
   if (!options.json.empty()) save_file(options.json, json);
   if (console.json) {
     console.out() << json;
   } else if (options.csv.empty() && options.json.empty()) {
     console.out() << report.csv();
   } else {
+    std::vector<std::pair<std::string, std::string>> cameras;
+    for (const TakenCamera& camera : report.cameras(*frames))
+      cameras.emplace_back("camera " + camera.sensor, shown(camera));
+    print_rows(console.out(), cameras);
     print_table(console.out(), report.table());
   }
   if (const auto damage = frames->damage()) {

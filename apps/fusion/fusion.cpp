@@ -112,6 +112,7 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
                      options.observer);
   TagSearch search(*frames, tracking_options(fusion.setup).detector, search_threads(options, fusion, boards));
   TimelineKeeper timeline(fusion.timeline);
+  TakenCameras cameras;
   std::optional<double> start;
   FusionCounts& counts = fusion.counts;
   if (options.guide != nullptr) options.guide->begin(fusion.setup, fusion.map, counts);
@@ -155,6 +156,7 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
     } else if (std::holds_alternative<OdometryFrame>(frame->content)) {
       ++counts.odometry;
     }
+    cameras.see(*frame, fusion.setup);
     progress(frames->progress());
   }
   timeline.finish();
@@ -172,6 +174,7 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
     throw std::invalid_argument(*fusion.damage + "; nothing gets into the map");
   if (fusion.damage) fusion.map.note_damaged_recording(fusion.counts.frames);
   fusion.warnings = frames->warnings();
+  fusion.cameras = cameras.all(*frames);
   if (!fusion.damage) require_content(fusion, recording);
   if (const std::string caveat = frames->time_caveat(); !caveat.empty()) fusion.warnings.push_back(caveat);
   warn_of_leftovers(fusion);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "apps/fusion/recording_timeline.hpp"
+#include "apps/fusion/taken_cameras.hpp"
 #include "datasets/descriptions/setup.hpp"
 #include "datasets/sources/recording.hpp"
 #include "mapping/free_space_map.hpp"
@@ -127,7 +128,8 @@ struct Fusion {
   std::optional<std::string>
       damage;  ///< one sentence when the recording is damaged; what came before it is kept
   std::vector<std::string> warnings;
-  RecordingTimeline timeline;  ///< of the images and scans that were used
+  std::vector<TakenCamera> cameras;  ///< whether pictures were taken as raw or rectified
+  RecordingTimeline timeline;        ///< of the images and scans that were used
 };
 
 /// Recording -> tag poses -> painted spheres and integrated scans -> one fused map.

@@ -32,6 +32,7 @@ class RecordedFrames final : public FrameSource {
   std::optional<std::string> damage() const override { return frames_->damage(); }
   std::vector<std::string> warnings() const override { return frames_->warnings(); }
   std::string time_caveat() const override { return frames_->time_caveat(); }
+  std::vector<TakenCamera> cameras() const override { return frames_->cameras(); }
   double progress() const override { return frames_->progress(); }
   bool is_live() const override { return frames_->is_live(); }
 

@@ -123,6 +123,11 @@ std::string report_json(const ReplayReport& report) {
                     {"images", counts.images},
                     {"scans", counts.scans},
                     {"odometry", counts.odometry}};
+  json["cameras"] = Json::array();
+  for (const TakenCamera& camera : report.fusion->cameras)
+    json["cameras"].push_back({{"sensor", camera.sensor},
+                               {"taken_as", camera.is_rectified ? "rectified" : "raw"},
+                               {"known_by", camera.known_by}});
   json["tracking"] = tracking_json(counts, report.fusion->setup);
   json["balls"] = counts.spheres;
   if (counts.body_spheres > 0) json["balls_of_the_robot"] = counts.body_spheres;
@@ -175,6 +180,8 @@ std::vector<std::pair<std::string, std::string>> report_figures(const ReplayRepo
   rows.emplace_back("frames", grouped(counts.frames) + " (" + grouped(counts.images) + " images, " +
                                   grouped(counts.scans) + " scans, " + grouped(counts.odometry) +
                                   " odometry), " + significant(counts.duration, 3) + " s");
+  for (const TakenCamera& camera : report.fusion->cameras)
+    rows.emplace_back("camera " + camera.sensor, shown(camera));
   if (report.fusion->setup.probe) {
     std::string refused;
     for (const auto& [reason, count] : counts.samples) {

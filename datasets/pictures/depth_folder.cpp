@@ -164,6 +164,11 @@ class DepthFolder final : public FrameSource {
       for (const std::string& warning : colour_->warnings()) sentences.push_back(warning);
     return sentences;
   }
+  std::vector<TakenCamera> cameras() const override {
+    return {
+        {"depth", options_.depth.rectified,
+         options_.depth.rectified ? "'rectified' of 'depth' in the setup" : "no 'rectified' in the setup"}};
+  }
   std::string time_caveat() const override {
     return timed_.time_caveat.empty() && colour_ ? colour_->time_caveat() : timed_.time_caveat;
   }

@@ -152,11 +152,25 @@ std::string list_of(const std::vector<BagTopic>& topics) {
   return list.empty() ? "no topic" : list;
 }
 
+/// Those of images and depth.
+std::vector<TakenCamera> taken_cameras(const BagTopics& bag) {
+  std::vector<TakenCamera> cameras;
+  const auto add = [&](const std::string& topic, bool is_rectified, bool is_stated, const char* key) {
+    if (topic.empty()) return;
+    cameras.push_back(
+        {topic, is_rectified, is_stated ? "'" + std::string(key) + "' of the setup" : "its topic's name"});
+  };
+  add(bag.images, are_images_rectified(bag), bag.rectified.has_value(), "rectified");
+  add(bag.depth, is_depth_rectified(bag), bag.depth_rectified.has_value(), "depth_rectified");
+  return cameras;
+}
+
 class BagSource final : public FrameSource {
  public:
   BagSource(const std::filesystem::path& file, const SourceOptions& options)
       : file_(file),
         input_(file),
+        cameras_(taken_cameras(options.bag)),
         child_(limits_of(input_.size()), input_.descriptor(),
                [this, options](const ChildReport& report, int descriptor) {
                  work(input_, options, report, descriptor);
@@ -182,6 +196,7 @@ class BagSource final : public FrameSource {
   }
   std::optional<std::string> damage() const override { return damage_; }
   std::vector<std::string> warnings() const override { return warnings_; }
+  std::vector<TakenCamera> cameras() const override { return cameras_; }
   double progress() const override {
     return finished_ ? 1.0 : static_cast<double>(offset_) / static_cast<double>(input_.size());
   }
@@ -214,6 +229,7 @@ class BagSource final : public FrameSource {
 
   std::filesystem::path file_;
   BagFiles input_;
+  std::vector<TakenCamera> cameras_;
   DecodingChild child_;
   std::vector<std::string> warnings_;
   std::optional<std::string> damage_;

@@ -9,6 +9,13 @@
 
 namespace clearway {
 
+/// How the pictures of a camera are taken: as its lens bent them, or rectified.
+struct TakenCamera {
+  std::string sensor;  ///< the label of its frames
+  bool is_rectified = false;
+  std::string known_by;  ///< what says so, as "its topic's name"
+};
+
 /// Frames in the order they were taken, from whatever holds them.
 class FrameSource {
  public:
@@ -21,6 +28,8 @@ class FrameSource {
   virtual std::vector<std::string> warnings() const = 0;
   /// One sentence when nothing says the frames' times and they are made up; else "".
   virtual std::string time_caveat() const { return ""; }
+  /// The cameras of which the source says how their pictures are taken; others by their frames alone.
+  virtual std::vector<TakenCamera> cameras() const { return {}; }
   virtual double progress() const = 0;  ///< how much has been read, 0 to 1
   /// Whether frames come as they are taken: who reads ahead waits for what has not happened yet.
   virtual bool is_live() const { return false; }

@@ -118,6 +118,14 @@ double farthest(const std::map<std::string, Eigen::Isometry3d>& poses,
   return far;
 }
 
+/// What a report says of its only camera.
+std::string said_of(const Json& report) {
+  const Json& cameras = report["cameras"];
+  if (cameras.size() != 1) return cameras.dump();
+  const std::string sensor = cameras[0]["sensor"], as = cameras[0]["taken_as"], by = cameras[0]["known_by"];
+  return sensor + " " + as + " by " + by;
+}
+
 TEST(RectifiedBags, TagsOfRawAndRectifiedImagesStandWhereTheyAre) {
   const TemporaryFolder folder;
   for (const Rig& rig : rigs()) {
@@ -143,6 +151,24 @@ TEST(RectifiedBags, TheSetupOverrulesTheNameOfATopic) {
       farthest(tracked(rig, folder.file("a.mcap"), "/camera/undistorted", ", rectified: true"), rig.turn),
       1e-3);
   EXPECT_GT(farthest(tracked(rig, folder.file("a.mcap"), "/camera/undistorted"), rig.turn), 5e-3);
+}
+
+TEST(RectifiedBags, ReportsSayHowEachCameraWasTakenAndByWhat) {
+  const TemporaryFolder folder;
+  const Rig rig = rigs()[0];
+  write_tags(folder / "a.mcap", rig, "/image_rect");
+  const auto report = [&](const std::string& topics) {
+    folder.write("s.yaml", boards(rig.tag) + "source: {bag: {images: " + topics + "}}\n");
+    const CommandRun run = run_command({"track", folder.file("a.mcap"), "--setup", folder.file("s.yaml"),
+                                        "--json", folder.file("t.json"), "--csv", folder.file("t.csv")});
+    EXPECT_NE(run.out.find("camera /"), std::string::npos) << run.out;
+    return Json::parse(read_file(folder.file("t.json")));
+  };
+  const std::string info = ", camera_info: /camera/camera_info";
+  EXPECT_EQ(said_of(report("/image_rect" + info)), "/image_rect rectified by its topic's name");
+  EXPECT_EQ(said_of(report("/camera/image_raw" + info)), "/camera/image_raw raw by its topic's name");
+  EXPECT_EQ(said_of(report("/image_rect, rectified: false" + info)),
+            "/image_rect raw by 'rectified' of the setup");
 }
 
 TEST(RectifiedBags, ThatARectifiedImageHasNoDistortionIsKnownUnlessTheSetupStatesAnError) {
@@ -208,6 +234,9 @@ Mapped mapped(const std::string& bag, const std::string& topic, const Eigen::Iso
   EXPECT_EQ(run.status, exit_done) << run.log;
   Mapped result;
   if (run.status != exit_done) return result;
+  const std::string as = topic.ends_with("image_rect") ? " rectified" : " raw";
+  EXPECT_EQ(said_of(Json::parse(read_file(folder.file("out/report.json")))),
+            topic + as + " by its topic's name");
   load_map(folder / "out/map.ot").visit_leaves([&](const Voxel& leaf) {
     if (leaf.state != VoxelState::occupied) return;
     const Eigen::Vector3d in_raw = raw_from_map * leaf.center;
