@@ -84,11 +84,63 @@ CameraIntrinsics read_rectified(const YamlFields& file, const CameraIntrinsics& 
   }
 }
 
+/// The lens of a file that OpenCV wrote: by the number of its coefficients.
+LensModel read_opencv_lens(const YamlFields& file, const std::vector<double>& coefficients) {
+  if (file.integer("fisheye_model", {0, 1}, 0) == 1) return LensModel::fisheye;
+  return coefficients.size() > 5 ? LensModel::rational : LensModel::plumb_bob;
+}
+
+/// As a matrix with `data`, or as a plain list.
+void take_coefficients(const YamlFields& file, CameraIntrinsics& camera) {
+  const std::string key = "distortion_coefficients";
+  const bool is_list = file.is_list(key);
+  const YamlFields fields = is_list ? file : file.map(key);
+  const std::string numbers = is_list ? key : "data";
+  const LensModel lens = file.has("distortion_model")
+                             ? read_lens(file, "distortion_model", "plumb_bob")
+                             : read_opencv_lens(file, fields.numbers(numbers, within_reach));
+  take_distortion(fields, numbers, lens, camera);
+}
+
+/// What `rostopic echo` and `ros2 topic echo` print of a CameraInfo: one message.
+CameraIntrinsics read_echo(const YamlFields& file, bool is_rectified) {
+  RosCameraInfo info;
+  info.width = static_cast<std::uint32_t>(file.integer("width", {32, 20000}));
+  info.height = static_cast<std::uint32_t>(file.integer("height", {32, 20000}));
+  info.distortion_model = file.text("distortion_model", "");
+  const bool is_ros1 = file.has("K");
+  info.d = file.numbers(is_ros1 ? "D" : "d", within_reach);
+  const auto take = [&](const char* ros1, const char* ros2, auto& matrix) {
+    const std::vector<double> values = file.numbers(is_ros1 ? ros1 : ros2, within_reach, matrix.size());
+    std::copy(values.begin(), values.end(), matrix.begin());
+  };
+  take("K", "k", info.k);
+  take("R", "r", info.r);
+  take("P", "p", info.p);
+  const auto count = [](const YamlFields& fields, const char* key) {
+    return static_cast<std::uint32_t>(fields.integer(key, {0, 20000}, 0));
+  };
+  info.binning_x = count(file, "binning_x");
+  info.binning_y = count(file, "binning_y");
+  if (file.has("roi")) {
+    const YamlFields roi = file.map("roi");
+    info.roi_x = count(roi, "x_offset");
+    info.roi_y = count(roi, "y_offset");
+    info.roi_width = count(roi, "width");
+    info.roi_height = count(roi, "height");
+    if (roi.has("do_rectify")) info.do_rectify = roi.boolean("do_rectify");
+  }
+  try {
+    return (is_rectified ? rectified_camera(info) : raw_camera(info)).intrinsics;
+  } catch (const std::runtime_error& error) {
+    file.fail("", error.what());
+  }
+}
+
 CameraIntrinsics read_camera_info(const YamlFields& file, bool is_rectified) {
   CameraIntrinsics camera;
   camera.width = file.integer("image_width", {32, 20000});
   camera.height = file.integer("image_height", {32, 20000});
-  const LensModel lens = read_lens(file, "distortion_model", "plumb_bob");
   const YamlFields matrix = file.map("camera_matrix");
   const std::vector<double> k = matrix.numbers("data", within_reach, 9);
   if (k[0] <= 0.0 || k[4] <= 0.0 || k[1] != 0.0 || k[8] != 1.0)
@@ -97,8 +149,10 @@ CameraIntrinsics read_camera_info(const YamlFields& file, bool is_rectified) {
   camera.cx = k[2];
   camera.fy = k[4];
   camera.cy = k[5];
-  if (file.has("distortion_coefficients") || lens == LensModel::fisheye)
-    take_distortion(file.map("distortion_coefficients"), "data", lens, camera);
+  if (file.has("distortion_coefficients"))
+    take_coefficients(file, camera);
+  else if (file.has("distortion_model") && file.text("distortion_model") != "none")
+    file.fail("distortion_coefficients", "expected those of its distortion_model, got nothing of that name");
   return is_rectified ? read_rectified(file, camera) : camera;
 }
 
@@ -106,12 +160,18 @@ CameraIntrinsics read_camera_info(const YamlFields& file, bool is_rectified) {
 
 CameraIntrinsics parse_camera_file(const std::string& text, const std::string& name,
                                    const std::string& camera, bool is_rectified) {
-  const YamlFields file(text, "camera file " + quote_path(name));
+  // OpenCV's FileStorage begins with a directive that YAML does not have.
+  const bool is_opencv = text.starts_with("%YAML:1.0");
+  const YamlFields file(is_opencv ? text.substr(std::min(text.find('\n'), text.size())) : text,
+                        "camera file " + quote_path(name));
+  if (file.has("K") || file.has("k")) return read_echo(file, is_rectified);
   if (file.has("image_width") || file.has("camera_matrix")) return read_camera_info(file, is_rectified);
   const std::vector<std::string> keys = file.keys();
   if (std::any_of(keys.begin(), keys.end(), [](const std::string& key) { return key.starts_with("cam"); }))
     return read_camchain(file, camera, is_rectified);
-  file.fail("", "expected kalibr's camchain (`cam0`) or ROS's camera_info (`image_width`, `camera_matrix`)");
+  file.fail("",
+            "expected kalibr's camchain (`cam0`), ROS's camera_info or OpenCV's calibration (`image_width`, "
+            "`camera_matrix`), or a CameraInfo as `ros2 topic echo` prints it (`width`, `k`)");
 }
 
 CameraIntrinsics load_camera_file(const std::filesystem::path& file, const std::string& camera,

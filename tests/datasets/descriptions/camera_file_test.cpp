@@ -101,6 +101,56 @@ TEST(CameraFile, rectified_pictures_follow_the_projection_matrix) {
       pinhole);
 }
 
+TEST(CameraFile, opencv_names_its_lens_by_the_number_of_its_coefficients) {
+  const auto file = [](const std::string& coefficients, const std::string& more = "") {
+    return "%YAML:1.0\n---\ncalibration_time: \"Thu Jan  1 00:00:00 2026\"\nimage_width: 752\nimage_height: "
+           "480\n" +
+           more +
+           "camera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n"
+           "   data: [ 4.586e+02, 0., 367.2, 0., 457.2, 248.3, 0., 0., 1. ]\n"
+           "distortion_coefficients: !!opencv-matrix\n   rows: 5\n   cols: 1\n   dt: d\n   data: [ " +
+           coefficients + " ]\n";
+  };
+  CameraIntrinsics expected{752, 480, 458.6, 457.2, 367.2, 248.3, {-0.28, 0.07, 0.0001, -0.0002, 0.01}};
+  EXPECT_EQ(parse_camera_file(file("-0.28, 7.0e-02, 0.0001, -0.0002, 0.01"), "c.yml", ""), expected);
+  expected.distortion = {-0.28, 0.07, 0.0001, -0.0002, 0.01, 0.1, 0.2, 0.3};
+  expected.lens = LensModel::rational;
+  EXPECT_EQ(parse_camera_file(file("-0.28, 7.0e-02, 0.0001, -0.0002, 0.01, 0.1, 0.2, 0.3"), "c.yml", ""),
+            expected);
+  expected.distortion = {-0.28, 0.07, 0.0001, -0.0002};
+  expected.lens = LensModel::fisheye;
+  EXPECT_EQ(parse_camera_file(file("-0.28, 0.07, 0.0001, -0.0002", "fisheye_model: 1\n"), "c.yml", ""),
+            expected);
+}
+
+TEST(CameraFile, an_echo_of_a_camera_info_message_is_read_as_the_message_is) {
+  const std::string ros2 =
+      "header:\n  stamp: {sec: 7, nanosec: 9}\n  frame_id: optical\nheight: 480\nwidth: 752\n"
+      "distortion_model: plumb_bob\nd:\n- -0.28\n- 0.07\n- 0.0001\n- -0.0002\n- 0.0\n"
+      "k: [458.6, 0, 367.2, 0, 457.2, 248.3, 0, 0, 1]\nr: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n"
+      "p: [400, 0, 360, 0, 0, 400, 240, 0, 0, 0, 1, 0]\nbinning_x: 2\nbinning_y: 2\n"
+      "roi: {x_offset: 0, y_offset: 0, height: 0, width: 0, do_rectify: false}\n---\n";
+  const CameraIntrinsics raw{376, 240, 229.3, 228.6, 183.6, 124.15, {-0.28, 0.07, 0.0001, -0.0002, 0}};
+  EXPECT_EQ(parse_camera_file(ros2, "c.yaml", ""), raw);
+  std::string ros1 = ros2;
+  for (const auto& [small, big] :
+       {std::pair{"\nd:", "\nD:"}, {"\nk:", "\nK:"}, {"\nr:", "\nR:"}, {"\np:", "\nP:"}})
+    ros1 = with(ros1, small, big);
+  EXPECT_EQ(parse_camera_file(ros1, "c.yaml", ""), raw);
+  CameraIntrinsics rectified{376, 240, 200, 200, 180, 120, {}};
+  rectified.is_rectified = true;
+  EXPECT_EQ(parse_camera_file(ros2, "c.yaml", "", true), rectified);
+  EXPECT_NE(refusal_of(with(ros2, "plumb_bob", "omni")).find("'omni' is not known here"), std::string::npos);
+}
+
+TEST(CameraFile, coefficients_may_be_a_list_and_a_lens_without_any_is_refused) {
+  const std::string map = "distortion_coefficients:\n  rows: 1\n  cols: 5\n  data: ";
+  EXPECT_EQ(parse_camera_file(with(ros, map, "distortion_coefficients: "), "c.yaml", ""),
+            parse_camera_file(ros, "c.yaml", ""));
+  const std::string misspelt = refusal_of(with(ros, "distortion_coefficients", "distortion_coefficents"));
+  EXPECT_NE(misspelt.find("expected those of its distortion_model"), std::string::npos) << misspelt;
+}
+
 TEST(CameraFile, a_setup_says_which_pictures_are_rectified) {
   const TemporaryFolder folder;
   folder.write("ros.yaml", ros);
