@@ -56,9 +56,11 @@ void describe_camera(const CameraCalibration& found, CalibrationReport& report) 
        {"distortion", "+- " + significant(*camera.errors.distortion, 2) + " px in the image's corner"},
        {"covered", std::to_string(std::lround(16.0 * found.coverage)) + " of 16 parts of the image"},
        {"tilt", "up to " + std::to_string(std::lround(180.0 / M_PI * found.widest_tilt)) + " degrees"},
-       {"residuals", significant(found.rms_px, 3) + " px rms"},
-       {"held out", significant(found.held_out_px, 3) + " px, " + significant(found.held_out_mm, 3) +
-                        " mm at the board (rms of images not used)"}});
+       {"residuals", significant(found.rms_px, 3) + " px rms"}});
+  if (found.held_out_px > 0.0)
+    report.rows.push_back({"held out", significant(found.held_out_px, 3) + " px, " +
+                                           significant(found.held_out_mm, 3) +
+                                           " mm at the board (rms of images not used)"});
   report.figures = {{"focal_px", f},
                     {"focal_sigma", camera.errors.focal},
                     {"center_sigma_px", camera.errors.center},

@@ -20,7 +20,7 @@ void TakenCameras::see(const Frame& frame, const Setup& setup) {
   else if (setup.camera && setup.camera->is_rectified)
     seen_.push_back({frame.sensor, true, "'rectified' of 'camera' in the setup"});
   else
-    seen_.push_back({frame.sensor, false, "nothing that says otherwise"});
+    seen_.push_back({frame.sensor, false, "default"});
 }
 
 bool TakenCameras::has_seen(const std::string& sensor) const { return holds(seen_, sensor); }

@@ -165,9 +165,8 @@ class DepthFolder final : public FrameSource {
     return sentences;
   }
   std::vector<TakenCamera> cameras() const override {
-    return {
-        {"depth", options_.depth.rectified,
-         options_.depth.rectified ? "'rectified' of 'depth' in the setup" : "no 'rectified' in the setup"}};
+    return {{"depth", options_.depth.rectified,
+             options_.depth.rectified ? "'rectified' of 'depth' in the setup" : "default"}};
   }
   std::string time_caveat() const override {
     return timed_.time_caveat.empty() && colour_ ? colour_->time_caveat() : timed_.time_caveat;

@@ -13,7 +13,7 @@ namespace clearway {
 struct TakenCamera {
   std::string sensor;  ///< the label of its frames
   bool is_rectified = false;
-  std::string known_by;  ///< what says so, as "its topic's name"
+  std::string known_by;  ///< what says so, as "its topic's name"; "default": nothing
 };
 
 /// Frames in the order they were taken, from whatever holds them.

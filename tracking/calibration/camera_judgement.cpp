@@ -57,8 +57,12 @@ std::string judge(const CameraCalibration& c, const CameraCalibrationOptions& op
   try {
     c.camera.validate();
   } catch (const std::invalid_argument&) {
+    const std::string wide = c.camera.lens == LensDistortion::Model::plumb_bob
+                                 ? ", or take a rational or fisheye lens, if it is a wide one"
+                                 : "";
     return "the distortion that fits the images does not hold in the image's corners, where the board was "
-           "not seen: hold it into the corners, too";
+           "not seen: hold it into the corners, too" +
+           wide;
   }
   return "";
 }

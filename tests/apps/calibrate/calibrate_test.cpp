@@ -102,6 +102,9 @@ TEST_F(CalibratePictures, ARationalLensIsFoundAndReadBackByOtherCommands) {
   EXPECT_EQ(found.camera->lens, LensModel::rational);
   EXPECT_LT(std::abs(std::log(found.camera->fx / camera_.fx)), 4.0 * *found.errors.camera.focal);
   EXPECT_LT(std::abs(found.camera->cx - camera_.cx), 4.0 * *found.errors.camera.center + 0.1);
+  const CommandRun plumb_bob = run_command(command);
+  EXPECT_EQ(plumb_bob.status, exit_no) << plumb_bob.out;
+  EXPECT_NE(plumb_bob.log.find("take a rational or fisheye lens"), std::string::npos) << plumb_bob.log;
   const CommandRun track =
       run_command({"track", folder_.file("pictures"), "--setup", folder_.file("mine.yaml"), "--json"});
   ASSERT_EQ(track.status, exit_done) << track.log;
