@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -13,8 +12,6 @@
 #include "mapping/system/atomic_folder.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
-#include "planning/robot/kinematics.hpp"
-#include "planning/robot/reach.hpp"
 #include "planning/robot_files/srdf_file.hpp"
 
 namespace clearway {
@@ -36,40 +33,42 @@ ForeignSet read_json_sets(const ImportOptions& options) {
   return all;
 }
 
-/// Where the robot's links stand that no joint moves, and what its SRDF calls the world.
-SceneContext scene_context(const RobotRequest& request) {
-  const Robot robot =
+SceneContext scene_context(const ImportOptions& options, const RobotRequest& request) {
+  Robot robot =
       load_robot(RobotRequest{request.robot, request.srdf, "", {}, request.packages, request.xacro});
-  SceneContext context{{}, request.packages, {robot.name, robot.model}};
-  if (!robot.srdf.empty())
-    for (const std::string& frame : read_srdf(robot.srdf).outer_frames)
-      context.frames[frame] = Eigen::Isometry3d::Identity();
-  Configuration q(static_cast<Eigen::Index>(robot.dof()));
-  for (std::size_t j = 0; j < robot.dof(); ++j)
-    q[static_cast<Eigen::Index>(j)] = std::clamp(0.0, robot.joints[j].lower, robot.joints[j].upper);
-  const LinkPoses poses = forward_kinematics(robot, q);
-  for (std::size_t i = 0; i < robot.links.size(); ++i)
-    if (!is_moved(robot, static_cast<int>(i))) context.frames[robot.links[i].name] = poses[i];
+  SceneContext context{std::move(robot), {}, request.packages, options.leave_out_unknown_frames};
+  if (!context.robot.srdf.empty()) context.planning_frames = read_srdf(context.robot.srdf).outer_frames;
   return context;
 }
 
-/// Scenes, as YAML or as MoveIt's text, and requests.
+/// Scenes, as YAML or as MoveIt's text, and then requests, each in the frames of its scene.
 ForeignSet read_scenes(const ImportOptions& options, const RobotRequest& request) {
-  const SceneContext context = scene_context(request);
+  const SceneContext context = scene_context(options, request);
   ForeignSet set;
+  std::vector<std::pair<std::filesystem::path, std::string>> requests;
   for (const std::filesystem::path& file : options.files) {
-    const std::string text = read_input(file, "scene or request", largest_scene);
-    const bool is_text = extension_of(file) == ".scene", is_request = !is_text && is_request_text(text, file);
-    if (is_text)
-      set.worlds.push_back(read_scene_text(text, file, set.left_out));
-    else if (is_request)
-      set.problems.push_back(read_motion_request(text, file, context, set.left_out));
-    else
-      set.worlds.push_back(read_planning_scene(text, file, context, set.left_out));
-    (is_request ? set.problems.back().folder : set.worlds.back().folder) = file.parent_path();
+    std::string text = read_input(file, "scene or request", largest_scene);
+    const bool is_text = extension_of(file) == ".scene";
+    if (!is_text && is_request_text(text, file)) {
+      requests.emplace_back(file, std::move(text));
+      continue;
+    }
+    set.worlds.push_back(is_text ? read_scene_text(text, file, set.left_out)
+                                 : read_planning_scene(text, file, context, set.left_out));
+    ForeignWorld& world = set.worlds.back();
+    world.folder = file.parent_path();
+    if (!is_text) continue;
+    world.frames = SceneFrames(context.planning_frames);
+    world.frames.place_links(context.robot, {});
   }
   if (set.worlds.empty()) throw std::invalid_argument("import: no file is a scene, expected at least one");
-  pair_requests(set);
+  for (const auto& [file, text] : requests) {
+    const std::size_t scene = scene_of(file, set.worlds);
+    ForeignProblem problem = read_motion_request(text, file, context, set.worlds[scene], set.left_out);
+    problem.world = scene;
+    take_scene(set.worlds[scene], problem, set.left_out);
+    set.problems.push_back(std::move(problem));
+  }
   return set;
 }
 
@@ -137,6 +136,8 @@ Command add_import(CLI::App& app, Console& console) {
   command->add_option("--resolution", options->resolution, "edge of a voxel, metres; default: 0.02")
       ->check(number("a length from 0.001 to 1 (metres)", 1e-3, 1.0))
       ->type_name("M");
+  command->add_flag("--leave-out-unknown-frames", options->leave_out_unknown_frames,
+                    "import scenes without what stands in a frame that is unknown, and list it");
   add_model_flags(*command, options->robot);
   return [options](Console& c) { return run_import(*options, c); };
 }

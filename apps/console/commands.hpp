@@ -243,6 +243,7 @@ struct ImportOptions {
   RobotChoice robot;
   double resolution = 0.02;   ///< metres
   std::filesystem::path out;  ///< folder, created
+  bool leave_out_unknown_frames = false;
 };
 int run_import(const ImportOptions& options, Console& console);
 

@@ -24,9 +24,13 @@ struct ImportOutcome {
   std::vector<std::string> left_out;  ///< the set's, and what did not fit the robot
 };
 
-/// Pairs requests with scenes: each with the scene whose name ends in the same digits, all with the scene
-/// when there is one alone. @throws std::invalid_argument naming the request that has no scene, or several.
-void pair_requests(ForeignSet& set);
+/// Which scene a request goes with: the one whose name ends in the same digits, or any when it is alone; of
+/// several the one in the same folder. @throws std::invalid_argument naming the request where none or several
+/// would do.
+std::size_t scene_of(const std::filesystem::path& request, const std::vector<ForeignWorld>& scenes);
+
+/// Adds to a problem what its request does not say of the robot, and its scene does: joints, and the hand.
+void take_scene(const ForeignWorld& scene, ForeignProblem& problem, std::vector<std::string>& left_out);
 
 /// Writes OUT/maps/WORLD for each world, OUT/suite.yaml with OUT/problems/EXPERIMENT.yaml, OUT/hulls/LOAD.txt
 /// for loads of many corners, and OUT/import.json, which names objects, groups and what was left out.

@@ -3,6 +3,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "apps/problem_sets/own_names.hpp"
 #include "apps/problem_sets/planning_scene.hpp"
 #include "apps/problem_sets/scene_fields.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -39,9 +40,8 @@ void allow_turns(const Eigen::Array3d& tolerance, bool is_vector, GoalPose& goal
 /// Goals of one request.
 class GoalReader {
  public:
-  GoalReader(const std::filesystem::path& file, const SceneContext& context,
-             std::vector<std::string>& left_out)
-      : file_(file), frames_(known_frames(context)), left_out_(left_out) {}
+  GoalReader(const std::filesystem::path& file, const SceneFrames& frames, std::vector<std::string>& left_out)
+      : file_(file), frames_(frames), left_out_(left_out) {}
 
   void add(const YamlFields& goal, std::vector<ForeignGoal>& goals) const {
     const auto joints = goal.list_of_maps("joint_constraints");
@@ -60,13 +60,12 @@ class GoalReader {
  private:
   void leave(const std::string& what) const { left_out_.push_back(file_.filename().string() + ": " + what); }
 
-  /// Where the frame of a constraint stands in the map; none, reported: it is none that stands still.
+  /// Where the frame of a constraint stands in the map at the start; none, reported: it is unknown.
   const Eigen::Isometry3d* frame_of(const YamlFields& constraint) const {
     const std::string frame = ros_frame(constraint);
-    const auto known = frames_.find(frame);
-    if (known != frames_.end()) return &known->second;
-    leave("a goal in frame " + quote(frame) + ", which is not the map's");
-    return nullptr;
+    const Eigen::Isometry3d* known = frames_.find(frame);
+    if (known == nullptr) leave("a goal in frame " + quote(frame) + ", " + frames_.why_unknown(frame));
+    return known;
   }
 
   /// None, reported where there is something to report: the goal places no link, or says more than a pose
@@ -129,16 +128,31 @@ class GoalReader {
   }
 
   const std::filesystem::path& file_;
-  const std::map<std::string, Eigen::Isometry3d> frames_;
+  const SceneFrames& frames_;
   std::vector<std::string>& left_out_;
 };
 
+/// What the request says, and of other joints what its scene does, be it by other names.
+std::map<std::string, double> start_of(const ForeignProblem& problem, const ForeignWorld& scene,
+                                       const Robot& robot) {
+  std::map<std::string, double> start = problem.start.by_joint;
+  const OwnJoints own = own_joints(robot, start), left = own_joints(robot, scene.joints);
+  for (const auto& [joint, value] : left.values)
+    if (!own.values.contains(joint)) start.emplace(joint, value);
+  return start;
+}
+
 /// A state that is no diff, and says where the robot stands, says all that is in its hand, as MoveIt has it.
 void read_hand(const YamlFields& state, const std::filesystem::path& file, const SceneContext& context,
-               ForeignProblem& problem, std::vector<std::string>& left_out) {
+               const SceneFrames& frames, ForeignProblem& problem, std::vector<std::string>& left_out) {
   RosAttached bodies = ros_attached(state, context.packages, file.parent_path());
   for (const std::string& what : bodies.left_out) left_out.push_back(file.filename().string() + ": " + what);
-  for (ForeignAttached& body : bodies.added) put_into_map(known_frames(context), body);
+  for (ForeignAttached& body : bodies.added) {
+    const std::string why = put_on_link(frames, body);
+    if (!why.empty() && !context.leaves_unknown_frames)
+      state.fail("attached_collision_objects", "attached body " + quote(body.name) + " stands in frame " +
+                                                   quote(body.frame) + ", " + why + or_leave_out_frames);
+  }
   problem.attached = std::move(bodies.added);
   problem.detached = std::move(bodies.removed);
   problem.keeps_attached = problem.start.by_joint.empty() || ros_truth(ros_word(state, "is_diff"));
@@ -147,18 +161,21 @@ void read_hand(const YamlFields& state, const std::filesystem::path& file, const
 }  // namespace
 
 ForeignProblem read_motion_request(const std::string& text, const std::filesystem::path& file,
-                                   const SceneContext& context, std::vector<std::string>& left_out) {
+                                   const SceneContext& context, const ForeignWorld& scene,
+                                   std::vector<std::string>& left_out) {
   const YamlFields request(text, "request " + quote_path(file.string()));
   ForeignProblem problem;
   problem.name = file.stem().string();
   problem.group = ros_word(request, "group_name");
+  SceneFrames frames = scene.frames;
   if (request.has("start_state")) {
     const YamlFields state = request.map("start_state");
     require_base_at_origin(state);
     problem.start.by_joint = ros_joints(state);
-    read_hand(state, file, context, problem, left_out);
+    frames.place_links(context.robot, start_of(problem, scene, context.robot));
+    read_hand(state, file, context, frames, problem, left_out);
   }
-  const GoalReader reader(file, context, left_out);
+  const GoalReader reader(file, frames, left_out);
   for (const YamlFields& goal : request.list_of_maps("goal_constraints")) reader.add(goal, problem.goals);
   if (request.has("path_constraints")) {
     const YamlFields path = request.map("path_constraints");

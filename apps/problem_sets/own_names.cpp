@@ -101,4 +101,20 @@ ForeignProblem with_names_of(const Robot& robot, const ForeignProblem& problem) 
   return own;
 }
 
+OwnJoints own_joints(const Robot& robot, const std::map<std::string, double>& joints) {
+  Names beside;
+  for (const auto& [joint, value] : joints) beside.insert(joint);
+  beside = foreign(robot.joints, beside);
+  OwnJoints own;
+  Names twice;
+  for (const auto& [joint, value] : joints) {
+    const std::string name = own_name(robot.joints, joint, beside);
+    if (!own.values.emplace(name, value).second) twice.insert(name);
+    if (name != joint) own.prefixes.insert(joint.substr(0, joint.size() - name.size()));
+  }
+  for (const std::string& name : twice) own.values.erase(name);
+  if (!twice.empty()) own.prefixes.clear();
+  return own;
+}
+
 }  // namespace clearway

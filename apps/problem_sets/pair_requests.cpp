@@ -34,24 +34,25 @@ void take_attached(const std::vector<ForeignAttached>& bodies, ForeignProblem& p
 
 }  // namespace
 
-void pair_requests(ForeignSet& set) {
-  for (ForeignProblem& problem : set.problems) {
-    std::vector<std::size_t> found, beside;  // sets of several folders count from 1 in each
-    for (std::size_t i = 0; i < set.worlds.size(); ++i) {
-      const std::string digits = digits_of(problem.name);
-      if (set.worlds.size() > 1 && (digits.empty() || digits_of(set.worlds[i].name) != digits)) continue;
-      found.push_back(i);
-      if (set.worlds[i].folder == problem.folder) beside.push_back(i);
-    }
-    if (beside.size() == 1) found = beside;
-    if (found.size() != 1)
-      throw std::invalid_argument("request " + quote(problem.name) + ": " + std::to_string(found.size()) +
-                                  " scenes have names that end in its number, expected one");
-    problem.world = found.front();
-    const auto& stands = set.worlds[problem.world].joints;
-    problem.start.by_joint.insert(stands.begin(), stands.end());  // of what the request does not say
-    take_attached(set.worlds[problem.world].attached, problem, set.left_out);
+std::size_t scene_of(const std::filesystem::path& request, const std::vector<ForeignWorld>& scenes) {
+  const std::string name = request.stem().string(), digits = digits_of(name);
+  std::vector<std::size_t> found, beside;  // sets of several folders count from 1 in each
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    if (scenes.size() > 1 && (digits.empty() || digits_of(scenes[i].name) != digits)) continue;
+    found.push_back(i);
+    if (scenes[i].folder == request.parent_path()) beside.push_back(i);
   }
+  if (beside.size() == 1) found = beside;
+  if (found.size() != 1)
+    throw std::invalid_argument("request " + quote(name) + ": " + std::to_string(found.size()) +
+                                " scenes have names that end in its number, expected one");
+  return found.front();
+}
+
+void take_scene(const ForeignWorld& scene, ForeignProblem& problem, std::vector<std::string>& left_out) {
+  problem.start.by_joint.insert(scene.joints.begin(),
+                                scene.joints.end());  // of what the request does not say
+  take_attached(scene.attached, problem, left_out);
 }
 
 }  // namespace clearway

@@ -45,6 +45,13 @@ struct AllowedPairs {
   std::vector<std::string> by_default;  ///< objects that may collide with whatever no pair names
 };
 
+/// An entry of fixed_frame_transforms.
+struct FixedFrame {
+  YamlFields entry;
+  std::string header, child;
+  Eigen::Isometry3d pose;
+};
+
 class SceneReader {
  public:
   SceneReader(const std::string& text, const std::filesystem::path& file, const SceneContext& context,
@@ -53,46 +60,68 @@ class SceneReader {
 
   ForeignWorld read() {
     world_.name = file_.stem().string();
+    if (scene_.has("robot_state")) {
+      require_base_at_origin(scene_.map("robot_state"));
+      world_.joints = ros_joints(scene_.map("robot_state"));
+    }
     read_frames();
     const YamlFields world = scene_.map("world");
     if (world.has("octomap")) leave_octomap(world.map("octomap"));
     const auto objects = world.list_of_maps("collision_objects");
     if (objects.size() > most_objects) world.fail("collision_objects", "expected at most 100000 of them");
     for (const YamlFields& object : objects) add_object(object);
-    if (scene_.has("robot_state")) {
-      require_base_at_origin(scene_.map("robot_state"));
-      add_attached(scene_.map("robot_state"));
-      world_.joints = ros_joints(scene_.map("robot_state"));
-    }
+    if (scene_.has("robot_state")) add_attached(scene_.map("robot_state"));
     leave_robot_name();
     take_allowed_pairs();
     leave_link_sizes("link_padding", "padding", 0.0);
     leave_link_sizes("link_scale", "scale", 1.0);
+    world_.frames = std::move(frames_);
     return std::move(world_);
   }
 
  private:
   void leave(const std::string& what) { left_out_.push_back(file_.filename().string() + ": " + what); }
 
+  /// Links first, where the scene has the robot, then frames that are placed in themselves, which are the
+  /// planning frame, then all that hang on a known one.
   void read_frames() {
-    frames_ = known_frames(context_);
-    for (const YamlFields& entry : scene_.list_of_maps("fixed_frame_transforms"))
-      if (entry.has("transform")) read_frame(entry);
+    frames_ = SceneFrames(context_.planning_frames);
+    frames_.place_links(context_.robot, world_.joints);
+    std::vector<FixedFrame> others;
+    for (const YamlFields& entry : scene_.list_of_maps("fixed_frame_transforms")) {
+      if (!entry.has("transform")) continue;
+      FixedFrame frame{entry, ros_frame(entry), ros_word(entry, "child_frame_id"),
+                       ros_pose(entry.map("transform"), "translation", "rotation")};
+      if (frame.child.starts_with('/')) frame.child.erase(0, 1);
+      if (frame.header != frame.child)
+        others.push_back(std::move(frame));
+      else if (frame.pose.isApprox(Eigen::Isometry3d::Identity(), 1e-9))
+        frames_.add_planning_frame(frame.header);
+      else
+        entry.fail("transform", "expected none that moves frame " + quote(frame.header) + " against itself");
+    }
+    for (bool is_named = true; !others.empty();) {
+      const std::size_t before = others.size();
+      std::erase_if(others, [&](const FixedFrame& frame) { return is_placed(frame, is_named); });
+      if (others.size() == before && !is_named) break;
+      is_named = others.size() < before;
+    }
   }
 
   /// MoveIt calls the frame that it places `header`, and the known one that it is placed in `child`; where
   /// only the other one is known, the names mean what tf means by them.
-  void read_frame(const YamlFields& entry) {
-    std::string placed = ros_frame(entry), in = ros_word(entry, "child_frame_id");
-    if (in.starts_with('/')) in.erase(0, 1);
-    if (!frames_.contains(in)) std::swap(placed, in);
-    const auto known = frames_.find(in);
-    if (known == frames_.end()) return;
-    const Eigen::Isometry3d pose =
-        known->second * ros_pose(entry.map("transform"), "translation", "rotation");
-    const auto [frame, is_new] = frames_.emplace(placed, pose);
-    if (!is_new && !frame->second.isApprox(pose, 1e-9))
-      entry.fail("transform", "expected none for frame " + quote(placed) + ", which is the map's own");
+  bool is_placed(const FixedFrame& frame, bool is_named) {
+    const bool is_usual = frames_.find(frame.child, is_named) != nullptr;
+    const std::string& placed = is_usual ? frame.header : frame.child;
+    const Eigen::Isometry3d* known = frames_.find(is_usual ? frame.child : frame.header, is_named);
+    if (known == nullptr) return false;
+    const Eigen::Isometry3d pose = *known * frame.pose;
+    const Eigen::Isometry3d* other = frames_.find(placed, true);
+    if (other == nullptr)
+      frames_.place(placed, pose);
+    else if (!other->isApprox(pose, 1e-9))
+      frame.entry.fail("transform", "expected none for frame " + quote(placed) + ", which is the map's own");
+    return true;
   }
 
   void leave_octomap(const YamlFields& octomap) {
@@ -114,16 +143,19 @@ class SceneReader {
         std::erase_if(world_.solids, is_taken);
         objects_.erase(body.name);
         body.frame.clear();
-      } else {
-        put_into_map(frames_, body);
       }
+      const std::string why = put_on_link(frames_, body);
+      if (!why.empty() && !context_.leaves_unknown_frames)
+        state.fail("attached_collision_objects", "attached body " + quote(body.name) + " stands in frame " +
+                                                     quote(body.frame) + ", " + why + or_leave_out_frames);
       world_.attached.push_back(std::move(body));
     }
   }
 
   void leave_robot_name() {
     const std::string name = ros_word(scene_, "robot_model_name");
-    if (name.empty() || context_.robot_names.empty() || context_.robot_names.contains(name)) return;
+    if (name.empty() || context_.robot.name.empty()) return;
+    if (name == context_.robot.name || name == context_.robot.model) return;
     leave("its robot_model_name, " + quote(name) + ", which is not the robot's name");
   }
 
@@ -156,16 +188,19 @@ class SceneReader {
     const std::string operation = ros_operation(object);
     if (operation != "add" && operation != "append")
       return leave("object " + quote(name) + ", which is not added (operation " + quote(operation) + ")");
-    const std::string frame = ros_frame(object);
-    const auto known = frames_.find(frame);
-    if (known == frames_.end())
-      return leave("object " + quote(name) + " in frame " + quote(frame) + ", which is not the map's");
-    const Eigen::Isometry3d map_from_object =
-        known->second * (object.has("pose") ? ros_pose(object.map("pose")) : Eigen::Isometry3d::Identity());
-    auto solids = ros_solids(object, name, map_from_object, context_.packages, file_.parent_path());
     const auto planes = object.list_of_maps("planes");
-    if (solids.empty() && planes.empty())
-      leave("object " + quote(name) + ", which has neither primitives nor meshes");
+    if (object.list_of_maps("primitives").empty() && object.list_of_maps("meshes").empty() && planes.empty())
+      return leave("object " + quote(name) + ", which has neither primitives nor meshes");
+    const std::string frame = ros_frame(object);
+    const Eigen::Isometry3d* map_from_frame = frames_.find(frame);
+    if (map_from_frame == nullptr) {
+      const std::string what = "object " + quote(name) + " in frame " + quote(frame) + ", ";
+      if (context_.leaves_unknown_frames) return leave(what + "which is not the map's");
+      object.fail("header", what + frames_.why_unknown(frame) + or_leave_out_frames);
+    }
+    const Eigen::Isometry3d map_from_object =
+        *map_from_frame * (object.has("pose") ? ros_pose(object.map("pose")) : Eigen::Isometry3d::Identity());
+    auto solids = ros_solids(object, name, map_from_object, context_.packages, file_.parent_path());
     std::move(solids.begin(), solids.end(), std::back_inserter(world_.solids));
     if (!planes.empty()) leave("planes of object " + quote(name));
   }
@@ -174,7 +209,7 @@ class SceneReader {
   const std::filesystem::path& file_;
   const SceneContext& context_;
   std::vector<std::string>& left_out_;
-  std::map<std::string, Eigen::Isometry3d> frames_;
+  SceneFrames frames_;
   std::set<std::string> objects_;  ///< names
   ForeignWorld world_;
 };

@@ -12,9 +12,10 @@ namespace clearway {
 
 /// What scene files are read with.
 struct SceneContext {
-  std::map<std::string, Eigen::Isometry3d> frames;  ///< where they stand in the map; "" and "world" at 0
-  PackageFolders packages;                          ///< of meshes
-  std::set<std::string> robot_names = {};           ///< what scenes may call the robot; empty: anything
+  Robot robot = {};                            ///< whole; its links are frames
+  std::set<std::string> planning_frames = {};  ///< what the SRDF calls the map
+  PackageFolders packages = {};                ///< of meshes
+  bool leaves_unknown_frames = false;          ///< what stands in one is left out, and not refused
 };
 
 /// A file of YAML: a scene has `world`, a motion request has `goal_constraints` or `start_state`.
@@ -23,21 +24,24 @@ bool is_request_text(const std::string& text, const std::filesystem::path& file)
 
 /// Reads a planning scene as YAML, of ROS messages (moveit_msgs/PlanningScene) or as MotionBenchMaker and
 /// Robowflex write them: world.collision_objects of primitives and meshes, and what its robot_state has in
-/// the hand. Planes, octomaps, objects that are not added, objects in frames that are not the map's, pairs of
-/// links and objects that may collide, paddings and scales of links, and the name of another robot are left
-/// out, and reported.
+/// the hand. Frames are those of SceneFrames, with the robot as
+/// robot_state says, and what `fixed_frame_transforms` states. Planes, octomaps, objects that are not added,
+/// pairs of links and objects that may collide, paddings and scales of links, and the name of another robot
+/// are left out, and reported; so is what stands in an unknown frame, where the context allows it.
 /// @throws std::invalid_argument in one sentence naming file, line, field and what was expected.
 ForeignWorld read_planning_scene(const std::string& text, const std::filesystem::path& file,
                                  const SceneContext& context, std::vector<std::string>& left_out);
 
-/// Reads a motion request (moveit_msgs/MotionPlanRequest): start_state with what it has in the hand (all of
+/// Reads a motion request (moveit_msgs/MotionPlanRequest) of a scene, whose frames it uses, with the links
+/// where its own start has them: start_state with what it has in the hand (all of
 /// it, or, of a diff, in place of and beside what the scene has there), group_name, and of each goal its
 /// joint constraints, else the position and orientation constraints of one link. Such a goal becomes a pose
 /// with tolerances that lie within what the constraints allow: of a region the ball about its middle, of the
 /// tolerances about the axes the least, and a free axis for one of pi. Path constraints and other goals are
 /// left out, and reported; without any goal `goals` is empty.
 ForeignProblem read_motion_request(const std::string& text, const std::filesystem::path& file,
-                                   const SceneContext& context, std::vector<std::string>& left_out);
+                                   const SceneContext& context, const ForeignWorld& scene,
+                                   std::vector<std::string>& left_out);
 
 /// Reads MoveIt's text of a scene (.scene), both of its forms: with and without poses of objects.
 /// @throws std::invalid_argument in one sentence naming file, line and what was expected.

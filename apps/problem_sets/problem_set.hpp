@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/problem_sets/scene_frames.hpp"
 #include "planning/geometry/shape.hpp"
 #include "planning/robot/goal_configurations.hpp"
 
@@ -25,7 +26,7 @@ struct ForeignSolid {
 /// An object that rides on a link from the start on.
 struct ForeignAttached {
   std::string name, link;
-  std::string frame;  ///< of its pieces' poses: a link, where it is at the start; empty: the map
+  std::string frame;  ///< of its pieces' poses: a link, where it is at the start; empty: the map there
   std::vector<std::string> touches;  ///< links, and what else is named, that may touch it
   std::vector<ForeignSolid> pieces;  ///< none: the file shows no shape of it
 };
@@ -41,6 +42,7 @@ struct ForeignWorld {
   std::map<std::string, double> joints = {};   ///< where the robot stands, unless a problem says otherwise
   std::vector<ForeignAttached> attached = {};  ///< in the robot's hand, unless a problem says otherwise
   std::filesystem::path folder = {};           ///< of its file
+  SceneFrames frames = {};                     ///< where the robot stands as `joints` say
 };
 
 /// A configuration as a problem set states it: by the joints' names, or in the robot's own order.
@@ -70,8 +72,7 @@ struct ForeignProblem {
   std::vector<ForeignGoal> goals;  ///< any of them counts, the first before others
   std::vector<ForeignAttached> attached = {};
   std::vector<ForeignDetached> detached = {};  ///< of what the world has in the robot's hand
-  bool keeps_attached = true;         ///< what the world has in the robot's hand is there, but for `detached`
-  std::filesystem::path folder = {};  ///< of its file
+  bool keeps_attached = true;  ///< what the world has in the robot's hand is there, but for `detached`
 };
 
 /// What a foreign file holds, and one sentence for each thing that stays behind.

@@ -206,18 +206,18 @@ RosAttached ros_attached(const YamlFields& state, const PackageFolders& packages
   return bodies;
 }
 
-std::map<std::string, Eigen::Isometry3d> known_frames(const SceneContext& context) {
-  std::map<std::string, Eigen::Isometry3d> frames = context.frames;
-  frames.try_emplace("", Eigen::Isometry3d::Identity());
-  frames.try_emplace("world", Eigen::Isometry3d::Identity());
-  return frames;
-}
+const std::string or_leave_out_frames = "; --leave-out-unknown-frames imports the rest";
 
-void put_into_map(const std::map<std::string, Eigen::Isometry3d>& frames, ForeignAttached& body) {
-  const auto known = frames.find(body.frame);
-  if (body.frame == body.link || known == frames.end()) return;
-  for (ForeignSolid& piece : body.pieces) piece.map_from_shape = known->second * piece.map_from_shape;
-  body.frame.clear();
+std::string put_on_link(const SceneFrames& frames, ForeignAttached& body) {
+  if (body.frame == body.link) return "";
+  const Eigen::Isometry3d* map_from_frame = frames.find(body.frame);
+  if (map_from_frame == nullptr) return frames.is_link(body.frame) ? "" : frames.why_unknown(body.frame);
+  const Eigen::Isometry3d* map_from_link = frames.find(body.link);
+  const Eigen::Isometry3d moved =
+      map_from_link ? map_from_link->inverse() * *map_from_frame : *map_from_frame;
+  for (ForeignSolid& piece : body.pieces) piece.map_from_shape = moved * piece.map_from_shape;
+  body.frame = map_from_link ? body.link : "";
+  return "";
 }
 
 }  // namespace clearway

@@ -63,11 +63,12 @@ struct RosAttached {
 RosAttached ros_attached(const YamlFields& state, const PackageFolders& packages,
                          const std::filesystem::path& folder);
 
-/// Frames by name: those of the context, with the map as "" and "world".
-std::map<std::string, Eigen::Isometry3d> known_frames(const SceneContext& context);
+/// Gives the pieces of a body poses in the frame of its link, where both the link and the body's frame stand
+/// in the map; else in the map, where the frame alone does. A frame of a link whose place is unknown stays.
+/// @return a sentence's end that says what is wrong with the frame, empty: nothing
+std::string put_on_link(const SceneFrames& frames, ForeignAttached& body);
 
-/// Gives pieces of a body in a frame that stands still their poses in the map; a body in its link's frame
-/// stays.
-void put_into_map(const std::map<std::string, Eigen::Isometry3d>& frames, ForeignAttached& body);
+/// How to go on where a frame is unknown, for sentences.
+extern const std::string or_leave_out_frames;
 
 }  // namespace clearway

@@ -218,8 +218,9 @@ TEST_F(MutatedReaders, foreign_problem_sets) {
   expect_read_or_refused("scene.yaml", example("scene0001.yaml"),
                          [&](const auto& file) { read_planning_scene(text(file), file, {}, left_out); });
   for (const char* request : {"request0001.yaml", "request0002.yaml"})
-    expect_read_or_refused("request.yaml", example(request),
-                           [&](const auto& file) { read_motion_request(text(file), file, {}, left_out); });
+    expect_read_or_refused("request.yaml", example(request), [&](const auto& file) {
+      read_motion_request(text(file), file, {}, {}, left_out);
+    });
   expect_read_or_refused("table.scene", example("table.scene"),
                          [&](const auto& file) { read_scene_text(text(file), file, left_out); });
   expect_read_or_refused("problems.json", example("problems.json"),

@@ -15,10 +15,10 @@ namespace motion_request_test {
 constexpr double pi = std::numbers::pi;
 
 ForeignProblem request_of(const std::string& goal, std::vector<std::string>& left_out) {
-  SceneContext context;
-  context.frames["mount"] =
-      Eigen::Translation3d(1.0, 2.0, 3.0) * Eigen::AngleAxisd(0.5 * pi, Eigen::Vector3d::UnitZ());
-  return read_motion_request("goal_constraints: [" + goal + "]", "r.yaml", context, left_out);
+  ForeignWorld scene;
+  scene.frames.place(
+      "mount", Eigen::Translation3d(1.0, 2.0, 3.0) * Eigen::AngleAxisd(0.5 * pi, Eigen::Vector3d::UnitZ()));
+  return read_motion_request("goal_constraints: [" + goal + "]", "r.yaml", {}, scene, left_out);
 }
 
 struct Asked {
@@ -166,7 +166,7 @@ TEST(MotionRequest, GoalsThatAreNoPoseOfALinkAreLeftOutAndSaidToBe) {
         {"{position_constraints: [" + at + "], orientation_constraints: [{link_name: arm}]}",
          "r.yaml: a goal that places several links, or one link twice"},
         {"{position_constraints: [{link_name: hand, header: {frame_id: tray}, " + region + "}]}",
-         "r.yaml: a goal in frame 'tray', which is not the map's"},
+         "r.yaml: a goal in frame 'tray', which is unknown, expected one of mount, map, odom, world"},
         {"{position_constraints: [{link_name: hand, constraint_region: {meshes: [{}]}}]}",
          "r.yaml: a goal whose region is no box, sphere or cylinder"},
         {"{visibility_constraints: [{sensor: a}], position_constraints: [" + at + "]}",
