@@ -1,3 +1,8 @@
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
@@ -17,26 +22,74 @@ double length_of(const JsonField& field) {
   return value;
 }
 
-/// Position, and a turn as a quaternion or as angles about the fixed axes x, y, z.
+constexpr const char* turn_keys[] = {"orientation_quat_xyzw", "orientation_quat_wxyz", "quaternion_xyzw",
+                                     "orientation_euler_xyz", "rpy"};
+
+Eigen::Matrix3d turn_of(const JsonField& turn, std::string_view key) {
+  if (key == "orientation_euler_xyz" || key == "rpy") {
+    const Eigen::VectorXd angles = turn.numbers(3);
+    return rotation_from_rpy(angles[0], angles[1], angles[2]);
+  }
+  const Eigen::Vector4d given = turn.numbers(4);
+  const bool is_w_first = key == "orientation_quat_wxyz";
+  const Eigen::Vector4d xyzw = is_w_first ? Eigen::Vector4d(given[1], given[2], given[3], given[0]) : given;
+  if (xyzw.isZero(0.0) || std::abs(xyzw.norm() - 1.0) > 0.01)
+    turn.refuse(is_w_first ? "a unit quaternion w, x, y, z" : "a unit quaternion x, y, z, w");
+  return pose_of_quaternion(Eigen::Vector3d::Zero(), xyzw).linear();
+}
+
+/// Position, and a turn as a quaternion or as angles about the fixed axes x, y, z; where there are several,
+/// they agree.
 Eigen::Isometry3d pose_of_object(const JsonField& object) {
-  const Eigen::Vector3d position = object.at("position").numbers(3);
-  if (position.cwiseAbs().maxCoeff() > 1e3) object.at("position").refuse("a place within 1000 metres");
-  if (object.has("orientation_quat_xyzw")) {
-    try {
-      return pose_of_quaternion(position, object.at("orientation_quat_xyzw").numbers(4));
-    } catch (const std::invalid_argument&) {
-      object.at("orientation_quat_xyzw").refuse("a unit quaternion x, y, z, w");
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.translation() = object.at("position").numbers(3);
+  if (pose.translation().cwiseAbs().maxCoeff() > 1e3)
+    object.at("position").refuse("a place within 1000 metres");
+  const char* first = nullptr;
+  for (const char* key : turn_keys) {
+    if (!object.has(key)) continue;
+    const Eigen::Matrix3d turn = turn_of(object.at(key), key);
+    if (first == nullptr) {
+      first = key;
+      pose.linear() = turn;
+    } else if (!turn.isApprox(pose.linear(), 1e-3)) {
+      object.at(key).refuse("the same turn as " + quote(first) + " says");
     }
   }
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.translation() = position;
-  if (!object.has("orientation_euler_xyz")) return pose;
-  const Eigen::VectorXd turn = object.at("orientation_euler_xyz").numbers(3);
-  pose.linear() = rotation_from_rpy(turn[0], turn[1], turn[2]);
   return pose;
 }
 
-void add_solids(const JsonField& problem, const char* kind, ForeignWorld& world) {
+/// Refuses keys that would say where or how large a solid is, and are not known; returns other unknown ones.
+std::vector<std::string> unknown_keys(const JsonField& object, const std::set<std::string>& sizes) {
+  static const char* const telling[] = {"orient", "rot",   "quat",   "euler",  "rpy",    "angle", "yaw",
+                                        "pose",   "pos",   "center", "centre", "origin", "trans", "offset",
+                                        "frame",  "axis",  "size",   "dim",    "extent", "radi",  "length",
+                                        "height", "width", "depth",  "scale",  "matrix"};
+  std::vector<std::string> unknown;
+  for (const auto& [key, value] : object.members()) {
+    const bool is_turn = std::find(std::begin(turn_keys), std::end(turn_keys), key) != std::end(turn_keys);
+    if (value.is_null() || key == "name" || key == "position" || is_turn || sizes.contains(key)) continue;
+    if (key == "orientation")
+      value.refuse(
+          "'orientation_quat_xyzw', 'orientation_quat_wxyz' or 'orientation_euler_xyz' in its place, as it "
+          "does "
+          "not say in which order its numbers are");
+    std::string word;
+    for (const char c : key) word += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    for (const char* part : telling)
+      if (word.find(part) != std::string::npos)
+        value.refuse("no such key, or one of position, " +
+                     listed({std::begin(turn_keys), std::end(turn_keys)}) + ", " +
+                     listed({sizes.begin(), sizes.end()}));
+    unknown.push_back(key);
+  }
+  return unknown;
+}
+
+void add_solids(const JsonField& problem, const char* kind, ForeignWorld& world,
+                std::vector<std::string>& left_out) {
+  static const std::map<std::string, std::set<std::string>> sizes{
+      {"sphere", {"radius"}}, {"cylinder", {"radius", "length"}}, {"box", {"half_extents"}}};
   if (!problem.has(kind)) return;
   std::size_t number = 0;
   for (const JsonField& object : problem.at(kind).items()) {
@@ -44,6 +97,8 @@ void add_solids(const JsonField& problem, const char* kind, ForeignWorld& world)
     solid.kind = kind;
     ++number;
     solid.object = object.has("name") ? object.at("name").text() : kind + std::to_string(number);
+    for (const std::string& key : unknown_keys(object, sizes.at(kind)))
+      left_out.push_back(world.name + ": " + quote(key) + " of " + kind + " " + quote(solid.object));
     solid.map_from_shape = pose_of_object(object);
     if (solid.kind == "sphere") {
       solid.shape = Shape::sphere(length_of(object.at("radius")));
@@ -86,7 +141,7 @@ void add_problem(const std::string& experiment, std::size_t number, const JsonFi
     return;
   }
   ForeignWorld world{name, {}};
-  for (const char* kind : {"sphere", "cylinder", "box"}) add_solids(problem, kind, world);
+  for (const char* kind : {"sphere", "cylinder", "box"}) add_solids(problem, kind, world, set.left_out);
   ForeignProblem ready{name, experiment, set.worlds.size(), "", {}, {}};
   ready.start.values = values_of(problem.at("start"));
   for (const JsonField& goal : goals) ready.goals.push_back({{{}, values_of(goal)}});

@@ -71,6 +71,21 @@ TEST_F(Import, WhatIsWrongIsReportedInOneSentence) {
   expect_refused("scene", "a.scene", "name\n* a\n1e9\n", "number of shapes");
   expect_refused("json", "a.json",
                  "{\"problems\": {\"a\": [{\"start\": [0], \"goals\": [[1]], \"box\": [{}]}]}}", "position");
+  const auto box_with = [](const std::string& more) {
+    return "{\"problems\": {\"a\": [{\"start\": [0, 0, 0], \"goals\": [[1, 0, 0]], \"box\": [{\"position\": "
+           "[1, "
+           "0, 0], \"half_extents\": [0.2, 0.02, 0.02], " +
+           more + "}]}]}}";
+  };
+  expect_refused("json", "a.json", box_with("\"orientation\": [0, 0, 0.7071, 0.7071]"),
+                 "box[0].orientation': expected 'orientation_quat_xyzw', 'orientation_quat_wxyz' or "
+                 "'orientation_euler_xyz' in its place");
+  for (const char* key : {"rotation", "Quat", "pose", "size", "yaw", "height", "half_extents_m", "radius"})
+    expect_refused("json", "a.json", box_with("\"" + std::string(key) + "\": 1"), "expected no such key");
+  expect_refused("json", "a.json", box_with("\"orientation_quat_wxyz\": [1, 1, 0, 0]"),
+                 "expected a unit quaternion w, x, y, z");
+  expect_refused("json", "a.json", box_with("\"rpy\": [0, 0, 1], \"quaternion_xyzw\": [0, 0, 0, 1]"),
+                 "expected the same turn as 'quaternion_xyzw'");
   expect_refused("json", "a.json", "{\"problems\": 3}", "problems");
   expect_refused("json", "a.json", "[", "not valid JSON");
 }

@@ -257,6 +257,45 @@ TEST_F(Import, ProblemsOfJsonAreOneExperimentForEachNameWithAWorldEach) {
 }
 
 TEST_F(Import, WhatItDoesNotUnderstandIsNeverTakenForFreeSpaceInSilence) {
+/// Turns by angles about the fixed axes x, y, z, and by their quaternion, computed by hand here: a quarter
+/// turn about x, then one about z, takes z to x, and x to y.
+TEST_F(Import, ASolidsTurnIsReadInEachFormThatIsUnambiguous) {
+  const double quarter = 1.5707963267948966;
+  const std::vector<std::pair<std::string, std::vector<double>>> forms{
+      {"orientation_euler_xyz", {quarter, 0.0, quarter}},
+      {"rpy", {quarter, 0.0, quarter}},
+      {"orientation_quat_xyzw", {0.5, 0.5, 0.5, 0.5}},
+      {"quaternion_xyzw", {0.5, 0.5, 0.5, 0.5}},
+      {"orientation_quat_wxyz", {0.5, 0.5, 0.5, 0.5}}};
+  for (auto [key, turn] : forms) {
+    for (const bool is_mixed : {false, true}) {
+      const bool is_quaternion = turn.size() == 4;
+      if (is_mixed && !is_quaternion) continue;
+      // All four numbers are alike above; a quarter turn about x alone tells their order.
+      if (is_mixed)
+        turn = key.ends_with("wxyz") ? std::vector<double>{0.7071068, 0.7071068, 0.0, 0.0}
+                                     : std::vector<double>{0.7071068, 0.0, 0.0, 0.7071068};
+      std::filesystem::remove_all(folder_ / "out");
+      const Json set = {{"problems",
+                         {{"a",
+                           {{{"start", {0, 0, 0}},
+                             {"goals", {{0.1, 0.1, 0}}},
+                             {"box",
+                              {{{"position", {0.05, 3.05, 0.05}},
+                                {"half_extents", {0.04, 0.04, 0.44}},
+                                {key, turn},
+                                {"colour", "red"}}}}}}}}}};
+      const CommandRun run = import("json", {folder_.write("a.json", set.dump())}, {"--json"});
+      ASSERT_EQ(run.status, exit_done) << run.log << key;
+      EXPECT_EQ(Json::parse(run.out)["left_out"], Json{"a 1: 'colour' of box 'box1'"});
+      EXPECT_EQ(map("a_1").counts().occupied, 9U) << key;
+      const Eigen::Vector3d end =
+          is_mixed ? Eigen::Vector3d(0.05, 3.45, 0.05) : Eigen::Vector3d(0.45, 3.05, 0.05);
+      EXPECT_EQ(map("a_1").state(end), VoxelState::occupied) << key;
+    }
+  }
+}
+
   const std::string sets = folder_.write(
       "a.json",
       "{\"problems\": {\"a\": [{\"start\": [0, 0, 0], \"goals\": [[0.1, 0.1, 0]], \"cuboid\": [{}]}]}}");
