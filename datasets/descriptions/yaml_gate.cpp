@@ -26,9 +26,21 @@ class Counter : public YAML::EventHandler {
  public:
   explicit Counter(const std::string& name) : name_(name) {}
 
-  void OnDocumentStart(const YAML::Mark&) override {}
-  void OnDocumentEnd() override {}
-  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override { leaf(mark, anchor); }
+  void OnDocumentStart(const YAML::Mark& mark) override {
+    if (!begins_.empty() && begins_.back().pos == mark.pos)  // yaml-cpp would stay here for ever
+      refuse(name_, mark, "not valid YAML, expected the end of the file");
+    begins_.push_back(mark);
+    nodes_ = 0;
+    sizes_.clear();
+  }
+  void OnDocumentEnd() override {
+    if (nodes_ > nulls_) documents_ = begins_.size();
+    nulls_ = 0;
+  }
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    leaf(mark, anchor);
+    ++nulls_;
+  }
   void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
                 const std::string&) override {
     leaf(mark, anchor);
@@ -48,6 +60,14 @@ class Counter : public YAML::EventHandler {
     begin(mark, anchor);
   }
   void OnMapEnd() override { end(); }
+
+  /// Tools end each message that they print with "---": behind the last one is nothing.
+  void require_one_document() const {
+    if (documents_ > 1)
+      refuse(
+          name_, begins_[1],
+          "expected one document, got " + std::to_string(documents_) + ", of which the second begins here");
+  }
 
  private:
   void add(const YAML::Mark& mark, size_t nodes) {
@@ -71,7 +91,9 @@ class Counter : public YAML::EventHandler {
   }
 
   const std::string& name_;
-  size_t nodes_ = 0;
+  size_t nodes_ = 0, nulls_ = 0;
+  size_t documents_ = 0;            ///< up to the last one that holds something
+  std::vector<YAML::Mark> begins_;  ///< of all documents
   std::vector<std::pair<YAML::anchor_t, size_t>> open_;
   std::map<YAML::anchor_t, size_t> sizes_;  ///< of what is complete
 };
@@ -101,7 +123,9 @@ void require_yaml(const std::string& text, const std::string& name) {
   Counter counter(name);
   try {
     YAML::Parser parser(stream);
-    parser.HandleNextDocument(counter);
+    while (parser.HandleNextDocument(counter)) {
+    }
+    counter.require_one_document();
   } catch (const YAML::Exception& error) {
     refuse(name, error.mark, expected(error.msg));
   }

@@ -34,6 +34,20 @@ TEST(YamlGate, what_an_alias_repeats_counts_as_often_as_it_is_repeated) {
   EXPECT_NE(refusal("[" + repeated("0,", 260'000) + "0]").find("at most 250,000"), std::string::npos);
 }
 
+/// `ros2 topic echo` ends each message with "---": one is a document, of two the second would be lost.
+TEST(YamlGate, several_documents_are_refused_with_their_count) {
+  for (const char* one :
+       {"a: 1\n", "a: 1\n---\n", "---\na: 1\n", "a: 1\n---\n---\n", "---\na: 1\n...\n", "", "---\n"})
+    EXPECT_EQ(refusal(one), "accepted") << one;
+  EXPECT_EQ(refusal("a: 1\n---\nb: 2\n---\n"),
+            "suite 's', line 2, column 1: expected one document, got 2, of which the second begins here.");
+  EXPECT_NE(refusal("a: 1\n---\nb: 2\n---\n[]\n---\n").find("got 3,"), std::string::npos);
+  EXPECT_NE(refusal("---\n---\na: 1\n").find("got 2,"), std::string::npos);
+  EXPECT_NE(refusal("a: 1\n---\nb: [\n").find("not valid YAML"), std::string::npos);
+  for (const char* stray : {"[1]\n]\n", "{a: 1}}\n", "[1]: [2]]\n"})  // yaml-cpp sees documents without end
+    EXPECT_NE(refusal(stray), "accepted") << stray;
+}
+
 TEST(YamlGate, deep_nesting_is_refused_whichever_way_it_is_written) {
   EXPECT_EQ(refusal(repeated("[", 32) + repeated("]", 32)), "accepted");
   for (const std::string& text :
