@@ -255,6 +255,17 @@ void choose_experiment(const std::string& name, Suite& suite) {
                 [&](const SuiteExperiment& experiment) { return name_as_file(experiment.name) != name; });
 }
 
+/// The planner of that name, with or without the number of a run, where the experiment does not list it:
+/// `--planners` had named it.
+void add_printed_planner(const std::string& name, Suite& suite) {
+  const std::string without_number = name.substr(0, name.find_last_not_of("0123456789") + 1);
+  for (const PlannerEntry& planner : planner_table()) {
+    const std::string label = name_as_file(std::string(planner.name));
+    if (label == name || label + "-" == without_number)
+      add_chosen_planners({std::string(planner.name)}, suite);
+  }
+}
+
 /// Leaves the planner of that name alone. Returns the number of the run.
 int choose_planner(const std::string& name, PreparedExperiment& experiment) {
   std::vector<std::string> known;
@@ -292,6 +303,7 @@ int rerun(const CompareOptions& options, Console& console) {
                                 "' exists: expected a new folder for --out, or none");
   Suite suite = chosen_suite(options);
   choose_experiment(id.experiment, suite);
+  add_printed_planner(id.planner, suite);
   suite.experiments.front().plots = {"animation"};
   std::vector<PreparedExperiment> prepared = prepare_all(suite, options);
   const int number = choose_planner(id.planner, prepared.front());

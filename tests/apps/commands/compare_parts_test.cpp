@@ -261,6 +261,24 @@ TEST_F(CompareParts, OneRunIsRepeatedByItsId) {
   refused("swing/swnig/beam", "no problem 'swnig'");
 }
 
+TEST_F(CompareParts, ARunOfAPlannerThatOnlyAFlagNamedIsRepeatedByItsId) {
+  const std::string suite = folder_.file("small.yaml");
+  ASSERT_EQ(compare({suite, "--planners", "auto", "--out", folder_.file("whole")}).status, 0);
+  const auto all = findings(folder_.path() / "whole");
+  std::size_t repeated = 0;
+  for (const auto& [name, plan] : all) {
+    if (!name.starts_with("plans/")) continue;
+    const std::string id = name.substr(6, name.size() - 11);  // the page shows the same, as --rerun takes it
+    EXPECT_NE(read_file(folder_.path() / "whole/report.html").find(id), std::string::npos) << id;
+    const std::string out = folder_.file("one" + std::to_string(repeated++));
+    const CommandRun run = compare({suite, "--rerun", id, "--out", out});
+    EXPECT_NE(run.status, exit_bad_input) << run.log;  // not every path is valid
+    ASSERT_TRUE(findings(out).contains(name)) << name;
+    EXPECT_EQ(findings(out).at(name), plan) << name;
+  }
+  EXPECT_GT(repeated, 1U);
+}
+
 TEST_F(CompareParts, FlagsThatContradictAreRefused) {
   const auto refused = [&](const std::vector<std::string>& flags, const std::string& because) {
     const CommandRun run = compare(flags);
