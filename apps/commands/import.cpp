@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -12,6 +13,7 @@
 #include "mapping/system/atomic_folder.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "planning/robot/reach.hpp"
 #include "planning/robot_files/srdf_file.hpp"
 
 namespace clearway {
@@ -37,6 +39,7 @@ SceneContext scene_context(const ImportOptions& options, const RobotRequest& req
   Robot robot =
       load_robot(RobotRequest{request.robot, request.srdf, "", {}, request.packages, request.xacro});
   SceneContext context{std::move(robot), {}, request.packages, options.leave_out_unknown_frames};
+  context.plane_reach = std::max(context.plane_reach, 1.5 * tip_reach(context.robot));
   if (!context.robot.srdf.empty()) context.planning_frames = read_srdf(context.robot.srdf).outer_frames;
   return context;
 }
@@ -53,13 +56,9 @@ ForeignSet read_scenes(const ImportOptions& options, const RobotRequest& request
       requests.emplace_back(file, std::move(text));
       continue;
     }
-    set.worlds.push_back(is_text ? read_scene_text(text, file, set.left_out)
+    set.worlds.push_back(is_text ? read_scene_text(text, file, context)
                                  : read_planning_scene(text, file, context, set.left_out));
-    ForeignWorld& world = set.worlds.back();
-    world.folder = file.parent_path();
-    if (!is_text) continue;
-    world.frames = SceneFrames(context.planning_frames);
-    world.frames.place_links(context.robot, {});
+    set.worlds.back().folder = file.parent_path();
   }
   if (set.worlds.empty()) throw std::invalid_argument("import: no file is a scene, expected at least one");
   for (const auto& [file, text] : requests) {

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "apps/problem_sets/scene_fields.hpp"
+#include "apps/problem_sets/scene_octomap.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -66,7 +67,7 @@ class SceneReader {
     }
     read_frames();
     const YamlFields world = scene_.map("world");
-    if (world.has("octomap")) leave_octomap(world.map("octomap"));
+    if (world.has("octomap")) add_octomap(world.map("octomap"));
     const auto objects = world.list_of_maps("collision_objects");
     if (objects.size() > most_objects) world.fail("collision_objects", "expected at most 100000 of them");
     for (const YamlFields& object : objects) add_object(object);
@@ -124,11 +125,28 @@ class SceneReader {
     return true;
   }
 
-  void leave_octomap(const YamlFields& octomap) {
+  void add_octomap(const YamlFields& octomap) {
     if (!octomap.has("octomap")) return;
-    const YamlFields inner = octomap.map("octomap");
-    if (inner.is_list("data") ? !inner.numbers("data", within_reach).empty() : inner.has("data"))
-      leave("its octomap");
+    const Eigen::Isometry3d origin =
+        octomap.has("origin") ? ros_pose(octomap.map("origin")) : Eigen::Isometry3d::Identity();
+    std::optional<ForeignSolid> solid = read_octomap(octomap.map("octomap"), origin);
+    if (!solid) return;
+    const Eigen::Isometry3d* map_from_frame = frame_of(octomap, "its octomap");
+    if (map_from_frame == nullptr) return;
+    solid->map_from_shape = *map_from_frame * origin;
+    world_.solids.push_back(std::move(*solid));
+  }
+
+  /// Where the frame of an object's header stands. None, reported: it is unknown, which the context allows.
+  const Eigen::Isometry3d* frame_of(const YamlFields& object, const std::string& name) {
+    const std::string frame = ros_frame(object);
+    const Eigen::Isometry3d* map_from_frame = frames_.find(frame);
+    if (map_from_frame != nullptr) return map_from_frame;
+    const std::string what = name + " in frame " + quote(frame) + ", ";
+    if (!context_.leaves_unknown_frames)
+      object.fail("header", what + frames_.why_unknown(frame) + or_leave_out_frames);
+    leave(what + "which is not the map's");
+    return nullptr;
   }
 
   /// Bodies in the hand. One without shapes is the world's object of its name, which is no obstacle then, as
@@ -191,18 +209,22 @@ class SceneReader {
     const auto planes = object.list_of_maps("planes");
     if (object.list_of_maps("primitives").empty() && object.list_of_maps("meshes").empty() && planes.empty())
       return leave("object " + quote(name) + ", which has neither primitives nor meshes");
-    const std::string frame = ros_frame(object);
-    const Eigen::Isometry3d* map_from_frame = frames_.find(frame);
-    if (map_from_frame == nullptr) {
-      const std::string what = "object " + quote(name) + " in frame " + quote(frame) + ", ";
-      if (context_.leaves_unknown_frames) return leave(what + "which is not the map's");
-      object.fail("header", what + frames_.why_unknown(frame) + or_leave_out_frames);
-    }
+    const Eigen::Isometry3d* map_from_frame = frame_of(object, "object " + quote(name));
+    if (map_from_frame == nullptr) return;
     const Eigen::Isometry3d map_from_object =
         *map_from_frame * (object.has("pose") ? ros_pose(object.map("pose")) : Eigen::Isometry3d::Identity());
     auto solids = ros_solids(object, name, map_from_object, context_.packages, file_.parent_path());
     std::move(solids.begin(), solids.end(), std::back_inserter(world_.solids));
-    if (!planes.empty()) leave("planes of object " + quote(name));
+    const auto places = ros_poses(object, "plane_poses", planes.size());
+    for (std::size_t i = 0; i < planes.size(); ++i) {
+      ForeignSolid& solid = world_.solids.emplace_back(ForeignSolid{name, "plane"});
+      solid.map_from_shape = map_from_object * places[i];
+      const auto plane = planes[i].numbers("coef", within_reach, 4);
+      solid.triangles = plane_triangles({plane[0], plane[1], plane[2], plane[3]},
+                                        solid.map_from_shape.inverse().translation(), context_.plane_reach);
+      if (solid.triangles.empty())
+        planes[i].fail("coef", "expected a b c d with a normal a b c that is not 0");
+    }
   }
 
   YamlFields scene_;

@@ -16,6 +16,7 @@ struct SceneContext {
   std::set<std::string> planning_frames = {};  ///< what the SRDF calls the map
   PackageFolders packages = {};                ///< of meshes
   bool leaves_unknown_frames = false;          ///< what stands in one is left out, and not refused
+  double plane_reach = 3.0;                    ///< m, see plane_triangles
 };
 
 /// A file of YAML: a scene has `world`, a motion request has `goal_constraints` or `start_state`.
@@ -23,11 +24,11 @@ struct SceneContext {
 bool is_request_text(const std::string& text, const std::filesystem::path& file);
 
 /// Reads a planning scene as YAML, of ROS messages (moveit_msgs/PlanningScene) or as MotionBenchMaker and
-/// Robowflex write them: world.collision_objects of primitives and meshes, and what its robot_state has in
-/// the hand. Frames are those of SceneFrames, with the robot as
-/// robot_state says, and what `fixed_frame_transforms` states. Planes, octomaps, objects that are not added,
-/// pairs of links and objects that may collide, paddings and scales of links, and the name of another robot
-/// are left out, and reported; so is what stands in an unknown frame, where the context allows it.
+/// Robowflex write them: world.collision_objects of primitives, meshes and planes, world.octomap, and what
+/// its robot_state has in the hand. Frames are those of SceneFrames, with the robot as robot_state says, and
+/// what `fixed_frame_transforms` states. Objects that are not added, pairs of links and objects that may
+/// collide, paddings and scales of links, and the name of another robot are left out, and reported; so is
+/// what stands in an unknown frame, where the context allows it.
 /// @throws std::invalid_argument in one sentence naming file, line, field and what was expected.
 ForeignWorld read_planning_scene(const std::string& text, const std::filesystem::path& file,
                                  const SceneContext& context, std::vector<std::string>& left_out);
@@ -46,7 +47,7 @@ ForeignProblem read_motion_request(const std::string& text, const std::filesyste
 /// Reads MoveIt's text of a scene (.scene), both of its forms: with and without poses of objects.
 /// @throws std::invalid_argument in one sentence naming file, line and what was expected.
 ForeignWorld read_scene_text(const std::string& text, const std::filesystem::path& file,
-                             std::vector<std::string>& left_out);
+                             const SceneContext& context);
 
 /// Reads the JSON of problem sets: problems.NAME[] with lists `sphere`, `cylinder`, `box`, and `start`,
 /// `goals`, `valid`, `index`. A solid's turn is `orientation_quat_xyzw` (or `quaternion_xyzw`), `…_wxyz`, or

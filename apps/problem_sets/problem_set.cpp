@@ -18,6 +18,25 @@ Shape cone_shape(double radius, double height) {
   return Shape::convex(std::move(corners));
 }
 
+std::vector<Eigen::Vector3d> plane_triangles(const Eigen::Vector4d& plane, const Eigen::Vector3d& center,
+                                             double reach) {
+  const double length = plane.head<3>().norm();
+  std::vector<Eigen::Vector3d> corners;
+  if (!(length > 1e-9)) return corners;
+  constexpr double below = 1e-6, tile = 0.25;  // m; small, as all voxels about a triangle are looked at
+  const Eigen::Vector3d normal = plane.head<3>() / length, along = normal.unitOrthogonal();
+  const Eigen::Vector3d across = normal.cross(along);
+  const Eigen::Vector3d nearest = center - (normal.dot(center) + plane[3] / length + below) * normal;
+  const int half = static_cast<int>(std::ceil(reach / tile));
+  const auto at = [&](int i, int k) -> Eigen::Vector3d { return nearest + tile * (i * along + k * across); };
+  for (int i = -half; i < half; ++i)
+    for (int k = -half; k < half; ++k)
+      for (const auto& corner :
+           {at(i, k), at(i + 1, k), at(i + 1, k + 1), at(i, k), at(i + 1, k + 1), at(i, k + 1)})
+        corners.push_back(corner);
+  return corners;
+}
+
 Eigen::Isometry3d pose_of_quaternion(const Eigen::Vector3d& position, const Eigen::Vector4d& xyzw) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.translation() = position;

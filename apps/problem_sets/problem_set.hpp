@@ -13,14 +13,22 @@
 
 namespace clearway {
 
-/// An object's piece, or a mesh: then its surface alone counts, as collision checkers of meshes have it.
+/// One of many boxes with axes along those of their solid.
+struct ForeignCube {
+  Eigen::Vector3d center;
+  double edge;
+};
+
+/// An object's piece; a mesh, of which the surface alone counts, as collision checkers of meshes have it; or
+/// cubes of an octomap.
 struct ForeignSolid {
   std::string object;  ///< its name in the problem set
-  std::string kind;    ///< "box", "sphere", "cylinder", "cone", "mesh"
+  std::string kind;    ///< "box", "sphere", "cylinder", "cone", "mesh", "plane", "octomap"
   Shape shape = Shape::sphere(1.0);
   Eigen::Isometry3d map_from_shape =
-      Eigen::Isometry3d::Identity();       ///< of what is attached: frame_from_shape
-  std::vector<Eigen::Vector3d> triangles;  ///< corners of a mesh, three by three; then `shape` says nothing
+      Eigen::Isometry3d::Identity();         ///< of what is attached: frame_from_shape
+  std::vector<Eigen::Vector3d> triangles{};  ///< corners of a mesh, three by three; then `shape` says nothing
+  std::vector<ForeignCube> cubes{};          ///< of an octomap; then `shape` says nothing
 };
 
 /// An object that rides on a link from the start on.
@@ -87,6 +95,13 @@ struct ForeignSet {
 Shape cone_shape(double radius, double height);
 
 /// The pose of a position and a quaternion x, y, z, w. @throws std::invalid_argument "expected a unit
+/// The surface a x + b y + c z + d = 0, as far as a square that reaches so far from the point nearest to
+/// `center`, a hair on the side where the sum is negative, which is the blocked one: so a floor at z = 0
+/// takes the voxels below. A solid of kind "plane", in small triangles. Empty for a = b = c = 0.
+/// @param center in the plane's frame, metres
+std::vector<Eigen::Vector3d> plane_triangles(const Eigen::Vector4d& plane, const Eigen::Vector3d& center,
+                                             double reach);
+
 /// quaternion …" unless its length is within 1 % of 1; all zeros mean no turn, as MoveIt has it.
 Eigen::Isometry3d pose_of_quaternion(const Eigen::Vector3d& position, const Eigen::Vector4d& xyzw);
 

@@ -203,6 +203,8 @@ RosAttached ros_attached(const YamlFields& state, const PackageFolders& packages
     const auto pose = object.has("pose") ? ros_pose(object.map("pose")) : Eigen::Isometry3d::Identity();
     body.pieces = ros_solids(object, body.name, pose, packages, folder);
   }
+    if (!object.list_of_maps("planes").empty())
+      bodies.left_out.push_back("planes of attached body " + quote(body.name));
   return bodies;
 }
 

@@ -98,8 +98,8 @@ std::vector<Eigen::Vector3d> read_mesh(SceneWords& words) {
   return corners;
 }
 
-/// The sizes behind a shape's name; false for what is left out.
-bool read_shape(SceneWords& words, ForeignSolid& solid) {
+/// The sizes behind a shape's name; of a plane its numbers.
+void read_shape(SceneWords& words, ForeignSolid& solid, Eigen::Vector4d& plane) {
   const auto size = [&] { return words.number("a size in metres", 1e-9, 1e3); };
   if (solid.kind == "box") {
     const double x = size(), y = size(), z = size();
@@ -112,21 +112,22 @@ bool read_shape(SceneWords& words, ForeignSolid& solid) {
   } else if (solid.kind == "mesh") {
     solid.triangles = read_mesh(words);
   } else if (solid.kind == "plane") {
-    for (int i = 0; i < 4; ++i) words.number("a plane a b c d", -1e6, 1e6);
-    return false;
+    for (double& value : plane) value = words.number("a plane a b c d", -1e6, 1e6);
+    if (plane.head<3>().norm() < 1e-9) words.refuse("a plane a b c d with a normal a b c that is not 0");
   } else {
     words.refuse("box, sphere, cylinder, cone, mesh or plane, got " + quote(solid.kind));
   }
-  return true;
 }
 
 }  // namespace
 
 ForeignWorld read_scene_text(const std::string& text, const std::filesystem::path& file,
-                             std::vector<std::string>& left_out) {
+                             const SceneContext& context) {
   SceneWords words(text, file);
   ForeignWorld world;
   world.name = file.stem().string();
+  world.frames = SceneFrames(context.planning_frames);
+  world.frames.place_links(context.robot, {});
   words.line();  // the scene's name
   bool has_poses = false, is_first = true;
   for (;;) {
@@ -146,13 +147,13 @@ ForeignWorld read_scene_text(const std::string& text, const std::filesystem::pat
       ForeignSolid solid;
       solid.object = object;
       solid.kind = words.word();
-      const bool is_kept = read_shape(words, solid);
+      Eigen::Vector4d plane;
+      read_shape(words, solid, plane);
       solid.map_from_shape = map_from_object * read_pose(words);
       for (int k = 0; k < 4; ++k) words.number("a colour r g b a", -1e6, 1e6);
-      if (!is_kept) {
-        left_out.push_back(file.filename().string() + ": a plane of object " + quote(object));
-        continue;
-      }
+      if (solid.kind == "plane")
+        solid.triangles =
+            plane_triangles(plane, solid.map_from_shape.inverse().translation(), context.plane_reach);
       if (world.solids.size() >= most_pieces) words.refuse("at most 100000 shapes");
       world.solids.push_back(std::move(solid));
     }

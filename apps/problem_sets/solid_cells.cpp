@@ -1,7 +1,9 @@
 #include "apps/problem_sets/solid_cells.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <tuple>
 
 #include "apps/suites/suite_cells.hpp"
 #include "mapping/files/cloud_file.hpp"
@@ -48,6 +50,15 @@ void append_triangle_cells(const Triangle& triangle, double edge, std::vector<Ei
       }
 }
 
+/// Of the cells from `first` on, which several pieces of one solid may meet; returns how many they are.
+std::size_t keep_each_once(std::vector<Eigen::Vector3f>& centers, std::size_t first) {
+  const auto begin = centers.begin() + static_cast<std::ptrdiff_t>(first);
+  const auto key = [](const Eigen::Vector3f& cell) { return std::tuple(cell.x(), cell.y(), cell.z()); };
+  std::sort(begin, centers.end(), [&](const auto& a, const auto& b) { return key(a) < key(b); });
+  centers.erase(std::unique(begin, centers.end()), centers.end());
+  return centers.size() - first;
+}
+
 }  // namespace
 
 bool triangle_meets_cube(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
@@ -90,7 +101,13 @@ Snapshot map_of_foreign_world(const ForeignWorld& world, double resolution, std:
   };
   for (const ForeignSolid& solid : world.solids) {
     const std::size_t before = centers.size();
-    if (solid.triangles.empty()) {
+    for (const ForeignCube& cube : solid.cubes) {  // smaller by a hair, as they do not touch their neighbours
+      const Shape box = Shape::box(Eigen::Vector3d::Constant((1.0 - 1e-5) * cube.edge));
+      const Eigen::Isometry3d map_from_cube = solid.map_from_shape * Eigen::Translation3d(cube.center);
+      count(solid, box.bounds(map_from_cube));
+      append_cells(box, map_from_cube, resolution, centers);
+    }
+    if (solid.triangles.empty() && solid.cubes.empty() && solid.kind != "octomap") {
       count(solid, solid.shape.bounds(solid.map_from_shape));
       append_cells(solid.shape, solid.map_from_shape, resolution, centers);
     }
@@ -98,7 +115,7 @@ Snapshot map_of_foreign_world(const ForeignWorld& world, double resolution, std:
       count(solid, triangle.box());
       append_triangle_cells(triangle, resolution, centers);
     }
-    cells.push_back(centers.size() - before);
+    cells.push_back(keep_each_once(centers, before));
   }
   return {tree_of_cloud(centers, resolution, world.name), {}};
 }

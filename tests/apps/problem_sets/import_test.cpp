@@ -29,7 +29,7 @@ TEST_F(Import, ScenesAndRequestsOfMotionBenchMakerBecomeASuiteThatIsSolved) {
                     "  - header: {frame_id: world}\n    child_frame_id: shelf\n"
                     "    transform: {translation: [1.0, 0, 0], rotation: [0, 0, 0, 1]}\n"
                     "robot_state:\n  attached_collision_objects:\n    - {object: {id: mug}}\n"
-                    "world:\n  octomap:\n    octomap: {data: [1, 2]}\n  collision_objects:\n"
+                    "world:\n  octomap:\n    octomap: {data: []}\n  collision_objects:\n"
                     "    - id: ball\n      header: {frame_id: shelf}\n"
                     "      primitives: [{type: sphere, dimensions: [0.24]}]\n"
                     "      primitive_poses: [{position: [0.05, 3.05, 0.05], orientation: [0, 0, 0, 1]}]\n"
@@ -51,7 +51,7 @@ TEST_F(Import, ScenesAndRequestsOfMotionBenchMakerBecomeASuiteThatIsSolved) {
   EXPECT_EQ(said["worlds"], 1);
   EXPECT_EQ(said["problems"], 1);
   const std::string left = said["left_out"].dump();
-  for (const char* what : {"octomap", "'mug', of which it shows no shape", "'floating' in frame 'somewhere'",
+  for (const char* what : {"'mug', of which it shows no shape", "'floating' in frame 'somewhere'",
                            "orientation_constraints of the path"})
     EXPECT_NE(left.find(what), std::string::npos) << left;
   const Snapshot world = map("scene0001");
@@ -156,14 +156,15 @@ TEST_F(Import, BothTextsOfMoveItsScenesAreReadAndMeshesAreTheirSurface) {
   const std::string new_form = folder_.write(
       "new.scene",
       "(noname)\n* the box\n1 0 0\n0 0 0 1\n2\nbox\n0.18 0.18 0.18\n0.1 0.1 0.1\n0 0 0 1\n0 0 0 0\n"
-      "plane\n0 0 1 0\n0 0 0\n0 0 0 1\n0 0 0 0\n1\ntip\n0 0 0\n0 0 0 1\n"
+      "sphere\n0.01\n2.05 0.05 0.05\n0 0 0 1\n0 0 0 0\n1\ntip\n0 0 0\n0 0 0 1\n"
       "* sheet\n0 0 0\n0 0 0.7071067811865476 0.7071067811865476\n1\nmesh\n3 1\n0.05 0.05 3.05\n0.33 0.05 "
       "3.05\n0.05 0.33 3.05\n"
       "0 1 2\n0 0 0\n0 0 0 1\n0 0 0 0\n0\n.\n");
   ASSERT_EQ(import("scene", {old_form, new_form}).status, exit_done);
   EXPECT_EQ(map("old").counts().occupied, 8U);
   const Snapshot world = map("new");
-  EXPECT_EQ(world.counts().occupied, 8U + 10U);  // the triangle turned by 90 degrees: 4 + 3 + 2 + 1 voxels
+  EXPECT_EQ(world.counts().occupied,
+            8U + 1U + 10U);  // the triangle turned by 90 degrees: 4 + 3 + 2 + 1 voxels
   EXPECT_EQ(world.state({1.05, 0.05, 0.05}), VoxelState::occupied);
   EXPECT_EQ(world.state({-0.35, 0.05, 3.05}), VoxelState::occupied);
   EXPECT_NE(import("scene", {old_form}).log.find("holds an import already"), std::string::npos);
@@ -256,7 +257,6 @@ TEST_F(Import, ProblemsOfJsonAreOneExperimentForEachNameWithAWorldEach) {
       << wrong.log;
 }
 
-TEST_F(Import, WhatItDoesNotUnderstandIsNeverTakenForFreeSpaceInSilence) {
 /// Turns by angles about the fixed axes x, y, z, and by their quaternion, computed by hand here: a quarter
 /// turn about x, then one about z, takes z to x, and x to y.
 TEST_F(Import, ASolidsTurnIsReadInEachFormThatIsUnambiguous) {
@@ -296,6 +296,7 @@ TEST_F(Import, ASolidsTurnIsReadInEachFormThatIsUnambiguous) {
   }
 }
 
+TEST_F(Import, WhatItDoesNotUnderstandIsNeverTakenForFreeSpaceInSilence) {
   const std::string sets = folder_.write(
       "a.json",
       "{\"problems\": {\"a\": [{\"start\": [0, 0, 0], \"goals\": [[0.1, 0.1, 0]], \"cuboid\": [{}]}]}}");
