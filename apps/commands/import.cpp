@@ -61,11 +61,11 @@ ForeignSet read_scenes(const ImportOptions& options, const RobotRequest& request
     set.worlds.back().folder = file.parent_path();
   }
   if (set.worlds.empty()) throw std::invalid_argument("import: no file is a scene, expected at least one");
+  const std::size_t scenes = set.worlds.size();  // others come behind them
   for (const auto& [file, text] : requests) {
-    const std::size_t scene = scene_of(file, set.worlds);
+    const std::size_t scene = scene_of(file, {set.worlds.data(), scenes});
     ForeignProblem problem = read_motion_request(text, file, context, set.worlds[scene], set.left_out);
-    problem.world = scene;
-    take_scene(set.worlds[scene], problem, set.left_out);
+    take_scene(scene, problem, set);
     set.problems.push_back(std::move(problem));
   }
   return set;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <stdexcept>
+#include <tuple>
 
 #include "apps/problem_sets/file_words.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -30,9 +31,19 @@ std::string load_name(const std::string& word) {
   return name;
 }
 
-/// A mesh counts as its convex hull.
-Shape solid_shape(const ForeignSolid& piece) {
-  return piece.triangles.empty() ? piece.shape : Shape::convex(piece.triangles);
+/// A mesh counts as its convex hull. @throws std::invalid_argument for one of many points, before the hull of
+/// so many takes long
+Shape solid_shape(const ForeignSolid& piece, const std::string& body) {
+  if (piece.triangles.empty()) return piece.shape;
+  std::vector<Eigen::Vector3d> points = piece.triangles;
+  const auto key = [](const Eigen::Vector3d& at) { return std::tuple(at.x(), at.y(), at.z()); };
+  std::sort(points.begin(), points.end(), [&](const auto& a, const auto& b) { return key(a) < key(b); });
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  constexpr std::size_t most_points = 50'000;
+  if (points.size() > most_points)
+    throw std::invalid_argument("attached body " + quote(body) + ": its mesh has " +
+                                std::to_string(points.size()) + " points, expected at most 50000");
+  return Shape::convex(std::move(points));
 }
 
 class LoadMaker {
@@ -57,7 +68,8 @@ class LoadMaker {
       if (link && body.frame.empty()) load.link_from_load = map_from_[*link].inverse() * piece.map_from_shape;
       if (link && frame && frame != link)
         load.link_from_load = map_from_[*link].inverse() * map_from_[*frame] * piece.map_from_shape;
-      load.shape = solid_shape(piece);
+      load.shape = solid_shape(piece, body.name);
+      load.mass = body.weight / static_cast<double>(body.pieces.size());
       constexpr std::size_t most_corners = 20'000;  // as of a robot's meshes
       if (load.shape.vertices().size() > most_corners)
         throw std::invalid_argument("attached body " + quote(body.name) + ": its convex hull has " +

@@ -15,8 +15,10 @@ struct AttachedLoads {
   std::vector<std::string> left_out;  ///< bodies without shapes, or in a frame that is none
 };
 
+/// Of a body's weight each piece has the same part.
 /// @param start of the robot: where frames of links are
-/// @throws std::invalid_argument for a link that the robot does not have, naming the nearest one
+/// @throws std::invalid_argument for a link that the robot does not have, naming the nearest one, and for a
+/// mesh of more than 50,000 points or 20,000 corners of its hull
 AttachedLoads loads_of(const std::vector<ForeignAttached>& attached, const Robot& robot,
                        const Configuration& start);
 

@@ -118,7 +118,6 @@ class SuiteWriter {
     if (motion.name.empty()) motion.name = "problems";
     const ForeignGoal& goal = problem.goals.front();
     if (!goal.joints.values.empty()) return motion;  // in the robot's order
-    for (const auto& [joint, value] : goal.joints.by_joint) require_joint(problem, joint);
     if (motion.group.empty() && srdf_ && srdf_->groups.contains(problem.group)) motion.group = problem.group;
     std::set<std::string> planned;
     if (!motion.group.empty() && srdf_) {
@@ -145,13 +144,38 @@ class SuiteWriter {
     return std::abs(nearest - value) <= 1e-3 ? nearest : value;
   }
 
-  void require_joint(const ForeignProblem& problem, const std::string& name) const {
-    std::vector<std::string> names;
-    for (const Joint& joint : whole_.joints) names.push_back(joint.name);
-    if (std::find(names.begin(), names.end(), name) != names.end()) return;
-    throw std::invalid_argument("problem " + quote(problem.name) + ": its goal names joint " + quote(name) +
-                                ", which robot " + quote(whole_.name) + " does not have, did you mean " +
-                                quote(nearest_name(name.substr(0, 100), names)) + "?");
+  /// Throws for a goal of a joint or link that the robot does not have.
+  void require_known(const ForeignProblem& problem, const ForeignGoal& goal) const {
+    std::vector<std::string> joints, links;
+    for (const Joint& joint : whole_.joints) joints.push_back(joint.name);
+    for (const Link& link : whole_.links) links.push_back(link.name);
+    const auto require = [&](const std::string& name, const std::vector<std::string>& known,
+                             const char* what) {
+      if (std::find(known.begin(), known.end(), name) != known.end()) return;
+      throw std::invalid_argument("problem " + quote(problem.name) + ": its goal names " + what + " " +
+                                  quote(name) + ", which robot " + quote(whole_.name) +
+                                  " does not have, did you mean " +
+                                  quote(nearest_name(name.substr(0, 100), known)) + "?");
+    };
+    for (const auto& [joint, value] : goal.joints.by_joint) require(joint, joints, "joint");
+    if (goal.pose) require(goal.pose->link, links, "link");
+  }
+
+  /// Leaves out the goals for which `work` throws, as any of the others counts; throws when none is left.
+  template <typename Work>
+  void keep_goals(ForeignProblem& problem, const Work& work) {
+    std::vector<std::string> refusals;
+    std::erase_if(problem.goals, [&](ForeignGoal& goal) {
+      try {
+        work(goal);
+        return false;
+      } catch (const std::invalid_argument& error) {
+        refusals.emplace_back(error.what());
+        return true;
+      }
+    });
+    if (problem.goals.empty()) throw std::invalid_argument(refusals.front());
+    outcome_.left_out.insert(outcome_.left_out.end(), refusals.begin(), refusals.end());
   }
 
   const Robot& robot_of(const Motion& motion) {
@@ -193,11 +217,13 @@ class SuiteWriter {
       leave(problem, "it has no goal of joint values or of a pose");
       return std::nullopt;
     }
+    keep_goals(problem, [&](const ForeignGoal& goal) { require_known(problem, goal); });
     ReadyProblem ready{index, motion_of(problem), {}};
     const Robot& robot = robot_of(ready.motion);
     ready.question = {problem.name, configuration(values(robot, problem, problem.start, "start")), {}, {}};
-    for (ForeignGoal& goal : problem.goals)
+    keep_goals(problem, [&](ForeignGoal& goal) {
       if (!goal.pose) goal.joints.values = values(robot, problem, goal.joints, "goal");
+    });
     ready.question.goals = std::move(problem.goals);
     AttachedLoads attached = loads_of(problem.attached, robot, ready.question.start);
     ready.question.loads = std::move(attached.loads);
@@ -278,6 +304,7 @@ class SuiteWriter {
     std::vector<double> pose = numbers(load.link_from_load.translation());
     for (const int i : {2, 1, 0}) pose.push_back(yaw_pitch_roll[i]);
     Json json = {{"name", load.name}, {"link", load.link}, {"pose", pose}};
+    if (load.mass > 0.0) json["mass"] = load.mass;
     if (!load.touches.empty()) json["touches"] = load.touches;
     json.update(clearway::json_of(load.shape));
     constexpr std::size_t many_corners = 100;

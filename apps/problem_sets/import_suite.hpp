@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,10 +28,12 @@ struct ImportOutcome {
 /// Which scene a request goes with: the one whose name ends in the same digits, or any when it is alone; of
 /// several the one in the same folder. @throws std::invalid_argument naming the request where none or several
 /// would do.
-std::size_t scene_of(const std::filesystem::path& request, const std::vector<ForeignWorld>& scenes);
+std::size_t scene_of(const std::filesystem::path& request, std::span<const ForeignWorld> scenes);
 
-/// Adds to a problem what its request does not say of the robot, and its scene does: joints, and the hand.
-void take_scene(const ForeignWorld& scene, ForeignProblem& problem, std::vector<std::string>& left_out);
+/// Gives a problem its world, and what its request does not say of the robot and its scene does: joints, and
+/// the hand. A body in the hand without shapes is the scene's object of its name: then the world is another
+/// one of the set, which lacks that object.
+void take_scene(std::size_t scene, ForeignProblem& problem, ForeignSet& set);
 
 /// Writes OUT/maps/WORLD for each world, OUT/suite.yaml with OUT/problems/EXPERIMENT.yaml, OUT/hulls/LOAD.txt
 /// for loads of many corners, and OUT/import.json, which names objects, groups and what was left out.

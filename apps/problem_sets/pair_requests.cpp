@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <set>
+#include <span>
 #include <stdexcept>
 
 #include "apps/problem_sets/import_suite.hpp"
@@ -32,9 +34,38 @@ void take_attached(const std::vector<ForeignAttached>& bodies, ForeignProblem& p
   }
 }
 
+/// Bodies in the hand without shapes are the scene's objects of their names; returns these.
+std::set<std::string> take_objects(const ForeignWorld& world, ForeignProblem& problem) {
+  std::set<std::string> taken;
+  for (ForeignAttached& body : problem.attached) {
+    if (!body.pieces.empty()) continue;
+    for (const ForeignSolid& solid : world.solids)
+      if (solid.object == body.name && solid.kind != "octomap" && solid.kind != "plane")
+        body.pieces.push_back(solid);
+    if (body.pieces.empty()) continue;
+    body.frame.clear();
+    taken.insert(body.name);
+  }
+  return taken;
+}
+
+/// A world of the set that is the scene without these objects; problems that take the same share it.
+std::size_t world_without(const std::set<std::string>& objects, std::size_t scene, ForeignSet& set) {
+  ForeignWorld world = set.worlds[scene];
+  std::erase_if(world.solids, [&](const ForeignSolid& solid) { return objects.contains(solid.object); });
+  world.name += "_without";
+  for (const std::string& object : objects) world.name += "_" + object;
+  const auto known = std::find_if(set.worlds.begin(), set.worlds.end(), [&](const ForeignWorld& other) {
+    return other.name == world.name && other.folder == world.folder;
+  });
+  if (known != set.worlds.end()) return static_cast<std::size_t>(known - set.worlds.begin());
+  set.worlds.push_back(std::move(world));
+  return set.worlds.size() - 1;
+}
+
 }  // namespace
 
-std::size_t scene_of(const std::filesystem::path& request, const std::vector<ForeignWorld>& scenes) {
+std::size_t scene_of(const std::filesystem::path& request, std::span<const ForeignWorld> scenes) {
   const std::string name = request.stem().string(), digits = digits_of(name);
   std::vector<std::size_t> found, beside;  // sets of several folders count from 1 in each
   for (std::size_t i = 0; i < scenes.size(); ++i) {
@@ -49,10 +80,14 @@ std::size_t scene_of(const std::filesystem::path& request, const std::vector<For
   return found.front();
 }
 
-void take_scene(const ForeignWorld& scene, ForeignProblem& problem, std::vector<std::string>& left_out) {
-  problem.start.by_joint.insert(scene.joints.begin(),
-                                scene.joints.end());  // of what the request does not say
-  take_attached(scene.attached, problem, left_out);
+void take_scene(std::size_t scene, ForeignProblem& problem, ForeignSet& set) {
+  const ForeignWorld& world = set.worlds[scene];
+  problem.world = scene;
+  problem.start.by_joint.insert(world.joints.begin(),
+                                world.joints.end());  // of what the request does not say
+  take_attached(world.attached, problem, set.left_out);
+  const std::set<std::string> taken = take_objects(world, problem);
+  if (!taken.empty()) problem.world = world_without(taken, scene, set);
 }
 
 }  // namespace clearway

@@ -37,6 +37,7 @@ struct ForeignAttached {
   std::string frame;  ///< of its pieces' poses: a link, where it is at the start; empty: the map there
   std::vector<std::string> touches;  ///< links, and what else is named, that may touch it
   std::vector<ForeignSolid> pieces;  ///< none: the file shows no shape of it
+  double weight = 0.0;               ///< kg, of all pieces together
 };
 
 /// A body that is taken off the robot: all of `link` when it has no name.
@@ -94,7 +95,6 @@ struct ForeignSet {
 /// 0.13 % of the radius larger.
 Shape cone_shape(double radius, double height);
 
-/// The pose of a position and a quaternion x, y, z, w. @throws std::invalid_argument "expected a unit
 /// The surface a x + b y + c z + d = 0, as far as a square that reaches so far from the point nearest to
 /// `center`, a hair on the side where the sum is negative, which is the blocked one: so a floor at z = 0
 /// takes the voxels below. A solid of kind "plane", in small triangles. Empty for a = b = c = 0.
@@ -102,6 +102,7 @@ Shape cone_shape(double radius, double height);
 std::vector<Eigen::Vector3d> plane_triangles(const Eigen::Vector4d& plane, const Eigen::Vector3d& center,
                                              double reach);
 
+/// The pose of a position and a quaternion x, y, z, w. @throws std::invalid_argument "expected a unit
 /// quaternion …" unless its length is within 1 % of 1; all zeros mean no turn, as MoveIt has it.
 Eigen::Isometry3d pose_of_quaternion(const Eigen::Vector3d& position, const Eigen::Vector4d& xyzw);
 

@@ -199,19 +199,20 @@ RosAttached ros_attached(const YamlFields& state, const PackageFolders& packages
     body.name = object.text("id");
     body.link = ros_word(entry, "link_name");
     body.touches = entry.texts("touch_links");
+    body.weight = entry.number("weight", not_negative, 0.0);
     body.frame = ros_frame(object);
     const auto pose = object.has("pose") ? ros_pose(object.map("pose")) : Eigen::Isometry3d::Identity();
     body.pieces = ros_solids(object, body.name, pose, packages, folder);
-  }
     if (!object.list_of_maps("planes").empty())
       bodies.left_out.push_back("planes of attached body " + quote(body.name));
+  }
   return bodies;
 }
 
 const std::string or_leave_out_frames = "; --leave-out-unknown-frames imports the rest";
 
 std::string put_on_link(const SceneFrames& frames, ForeignAttached& body) {
-  if (body.frame == body.link) return "";
+  if (body.frame == body.link || body.pieces.empty()) return "";
   const Eigen::Isometry3d* map_from_frame = frames.find(body.frame);
   if (map_from_frame == nullptr) return frames.is_link(body.frame) ? "" : frames.why_unknown(body.frame);
   const Eigen::Isometry3d* map_from_link = frames.find(body.link);

@@ -63,6 +63,34 @@ TEST_F(ForeignAttachedLoads, EachPieceIsALoadAndAMeshItsHull) {
   EXPECT_EQ(made.left_out, std::vector<std::string>{"attached body 'plain air', of which it shows no shape"});
 }
 
+TEST_F(ForeignAttachedLoads, EachPieceHasItsPartOfTheWeight) {
+  const ForeignSolid box = box_at(Eigen::Isometry3d::Identity());
+  const AttachedLoads made =
+      loads_of({{"can", "finger", "finger", {}, {box, box}, 1.5}, {"air", "finger", "finger", {}, {box}}},
+               robot_, start_);
+  ASSERT_EQ(made.loads.size(), 3U);
+  EXPECT_EQ(made.loads[0].load.mass, 0.75);
+  EXPECT_EQ(made.loads[1].load.mass, 0.75);
+  EXPECT_EQ(made.loads[2].load.mass, 0.0);
+}
+
+/// The hull of so many points takes seconds; what is refused is their number, whatever the hull would be.
+TEST_F(ForeignAttachedLoads, AMeshOfTooManyPointsIsRefusedByTheirNumber) {
+  ForeignSolid mesh = box_at(Eigen::Isometry3d::Identity());
+  mesh.kind = "mesh";
+  for (int i = 0; i < 50'001; ++i)
+    mesh.triangles.emplace_back(1e-3 * (i % 37), 1e-3 * (i / 37 % 37), 1e-3 * (i / 1369));
+  for (int i = 0; i < 3; ++i) mesh.triangles.push_back(mesh.triangles.front());  // points count once
+  try {
+    loads_of({{"bun", "finger", "finger", {}, {mesh}}}, robot_, start_);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(), "attached body 'bun': its mesh has 50001 points, expected at most 50000");
+  }
+  mesh.triangles.erase(mesh.triangles.begin() + 50'000);
+  EXPECT_EQ(loads_of({{"bun", "finger", "finger", {}, {mesh}}}, robot_, start_).loads.size(), 1U);
+}
+
 TEST_F(ForeignAttachedLoads, FramesAndLinksThatTheRobotLacksAreNamed) {
   const AttachedLoads made =
       loads_of({{"can", "lower", "tray", {}, {box_at(Eigen::Isometry3d::Identity())}}}, robot_, start_);

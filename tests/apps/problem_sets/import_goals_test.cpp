@@ -87,7 +87,10 @@ TEST_F(Import, APoseOutOfReachOrOfALinkThatIsNoneLeavesTheProblemOut) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
   const CommandRun wrong = import("mbm", {scene, request("panda_hnd", 0.5)});
   EXPECT_EQ(wrong.status, exit_bad_input);
-  EXPECT_NE(wrong.log.find("has no link 'panda_hnd', did you mean"), std::string::npos) << wrong.log;
+  EXPECT_NE(wrong.log.find("problem 'request': its goal names link 'panda_hnd', which robot 'panda' does not "
+                           "have, did you mean 'hand'?"),
+            std::string::npos)
+      << wrong.log;
   const CommandRun near = import("mbm", {scene, request("panda_hand", 0.5)});
   EXPECT_EQ(near.status, exit_done) << near.log;
   EXPECT_NE(near.out.find("1, 1 of them to a pose, as joint values"), std::string::npos) << near.out;
@@ -124,6 +127,63 @@ TEST_F(Import, OfSeveralGoalsTheFirstThatIsFreeIsChosen) {
   ASSERT_EQ(import("json", {sets}).status, exit_done);
   EXPECT_EQ(load_suite(folder_ / "out/suite.yaml").experiments[0].problems[0].goals,
             (std::vector<std::vector<double>>{{-0.5, 0.0, 0.0}}));
+}
+
+/// MoveIt takes any goal of a request; one that the robot cannot have does not take the others along.
+TEST_F(Import, AGoalOfAnotherRobotLosesNoLaterGoal) {
+  const std::string scene = folder_.write("scene.yaml", "world: {}");
+  const auto joints = [](const std::string& shoulder) {
+    return "{joint_constraints: [{joint_name: " + shoulder +
+           ", position: 0.5}, {joint_name: elbow, position: 0.1}]}";
+  };
+  const std::string region = "constraint_region: {primitives: [{type: sphere, dimensions: [0.01]}]}";
+  const std::string request = folder_.write(
+      "request.yaml",
+      "start_state: {joint_state: {name: [shoulder, elbow, grip], position: [-1, 0, 0]}}\n"
+      "goal_constraints: [" +
+          joints("wheel") + ", {position_constraints: [{link_name: lowr, " + region +
+          "}]}, {joint_constraints: [{joint_name: elbow, position: 0.2}]}, " + joints("shoulder") + "]");
+  const CommandRun run = import("mbm", {scene, request}, {"--json"});
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  const Json left = Json::parse(run.out)["left_out"];
+  ASSERT_EQ(left.size(), 2U) << left;
+  EXPECT_NE(left[0].dump().find("names joint 'wheel', which robot 'arm' does not have"), std::string::npos);
+  EXPECT_NE(left[1].dump().find("names link 'lowr', which robot 'arm' does not have, did you mean 'lower'?"),
+            std::string::npos);
+  const SuiteExperiment experiment = load_suite(folder_ / "out/suite.yaml").experiments[0];
+  EXPECT_EQ(experiment.problems[0].goals, (std::vector<std::vector<double>>{{0.2}}));
+}
+
+/// As in a scene: the cup stands in the world of another problem, and its weight is the load's mass.
+TEST_F(Import, WhatARequestAttachesByNameAloneLeavesTheWorldOfThatProblem) {
+  const std::string scene =
+      folder_.write("scene.yaml",
+                    "world: {collision_objects: [{id: cup, primitives: [{type: sphere, dimensions: [0.01]}], "
+                    "primitive_poses: [{position: [0.05, -1.05, 0.05]}]}]}");
+  const std::string goal =
+      "goal_constraints: [{joint_constraints: [{joint_name: shoulder, position: -0.4}, {joint_name: elbow, "
+      "position: 0}]}]";
+  const std::string state =
+      "joint_state: {name: [shoulder, elbow, grip], position: [-1.5707963267948966, 0, 0]}";
+  const std::string with =
+      folder_.write("a.yaml", "start_state: {" + state +
+                                  ", attached_collision_objects: [{link_name: lower, touch_links: "
+                                  "[finger], weight: 0.75, object: {id: cup}}]}\n" +
+                                  goal);
+  const std::string without = folder_.write("b.yaml", "start_state: {" + state + "}\n" + goal);
+  const CommandRun run = import("mbm", {scene, with, without}, {"--json"});
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  EXPECT_EQ(Json::parse(run.out)["left_out"], Json::array());
+  const std::vector<SuiteProblem> problems = load_suite(folder_ / "out/suite.yaml").experiments[0].problems;
+  ASSERT_EQ(problems.size(), 2U);
+  const Eigen::Vector3d cup(0.05, -1.05, 0.05);
+  EXPECT_EQ(map(problems[0].world).state(cup), VoxelState::unknown);
+  EXPECT_EQ(map(problems[1].world).state(cup), VoxelState::occupied);
+  ASSERT_EQ(problems[0].loads.size(), 1U);
+  EXPECT_TRUE(problems[1].loads.empty());
+  EXPECT_EQ(problems[0].loads[0].mass, 0.75);
+  const Eigen::Vector3d in_hand = problems[0].loads[0].link_from_load.translation();
+  EXPECT_TRUE(in_hand.isApprox(Eigen::Vector3d(0.65, 0.05, 0.05), 1e-9)) << in_hand.transpose();
 }
 
 /// A rod in the hand reaches 0.4 m beyond it and meets what the arm alone does not.
