@@ -217,6 +217,14 @@ TEST_F(MutatedReaders, foreign_problem_sets) {
   std::vector<std::string> left_out;
   expect_read_or_refused("scene.yaml", example("scene0001.yaml"),
                          [&](const auto& file) { read_planning_scene(text(file), file, {}, left_out); });
+  expect_read_or_refused(
+      "octomap.yaml",
+      "fixed_frame_transforms: [{header: {frame_id: a}, child_frame_id: world, transform: {translation: [1, "
+      "0, 0], rotation: [0, 0, 0, 1]}}, {header: {frame_id: world}, child_frame_id: world, transform: {}}]\n"
+      "world: {octomap: {header: {frame_id: a}, origin: {position: [0, 0, 1]}, octomap: {binary: true, id: "
+      "OcTree, resolution: 0.1, data: [11, 0, 2, 0]}}, collision_objects: [{id: floor, header: {frame_id: "
+      "a}, planes: [{coef: [0, 0, 1, 0]}], plane_poses: [{position: [0, 0, 1]}]}]}\n",
+      [&](const auto& file) { read_planning_scene(text(file), file, {}, left_out); });
   for (const char* request : {"request0001.yaml", "request0002.yaml"})
     expect_read_or_refused("request.yaml", example(request), [&](const auto& file) {
       read_motion_request(text(file), file, {}, {}, left_out);
