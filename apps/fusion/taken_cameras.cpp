@@ -32,8 +32,4 @@ std::vector<TakenCamera> TakenCameras::all(const FrameSource& source) const {
   return cameras;
 }
 
-std::string shown(const TakenCamera& camera) {
-  return std::string(camera.is_rectified ? "rectified" : "raw") + ", by " + camera.known_by;
-}
-
 }  // namespace clearway

@@ -25,7 +25,10 @@ class TakenCameras {
   std::vector<TakenCamera> seen_;
 };
 
-/// "rectified" or "raw", and what says so, for tables: "raw, by its topic's name".
-std::string shown(const TakenCamera& camera);
+/// "rectified" or "raw", and what says so, for tables: "raw, by its topic's name". Here, so that reports need
+/// nothing of what reads recordings (hand_over.cpp).
+inline std::string shown(const TakenCamera& camera) {
+  return std::string(camera.is_rectified ? "rectified" : "raw") + ", by " + camera.known_by;
+}
 
 }  // namespace clearway

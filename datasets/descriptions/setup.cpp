@@ -6,7 +6,6 @@
 #include "datasets/descriptions/query_fields.hpp"
 #include "datasets/descriptions/setup_tracking.hpp"
 #include "datasets/descriptions/yaml_fields.hpp"
-#include "datasets/ros/bag_frames.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -108,7 +107,7 @@ bool is_depth_rectified(const BagTopics& bag, const DepthOptions& depth) {
 
 DepthOptions read_depth(const YamlFields& fields, const std::filesystem::path& folder, const BagTopics& bag) {
   DepthOptions depth;
-  depth.scale = fields.number("scale", {1e-7, 10}, depth.scale);
+  depth.scale = fields.optional_number("scale", {1e-7, 10});
   depth.max_range = fields.number("max_range", not_negative, depth.max_range);
   if (fields.has("rectified")) depth.rectified = fields.boolean("rectified");
   if (fields.has("camera"))

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <opencv2/imgcodecs.hpp>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -105,7 +106,7 @@ CloudFrame decode_depth(const std::string& bytes, const CameraIntrinsics& camera
     const Eigen::Vector3f* ray = &rays[static_cast<std::size_t>(row) * static_cast<std::size_t>(depth.cols)];
     for (int column = 0; column < depth.cols; ++column) {
       if (line[column] == 0 || line[column] == no_depth || ray[column].x() == 0.0F) continue;
-      cloud.points.push_back(static_cast<float>(options.scale * line[column]) * ray[column]);
+      cloud.points.push_back(static_cast<float>(*options.scale * line[column]) * ray[column]);
     }
   }
   return cloud;
@@ -134,14 +135,31 @@ FilesInChild::Decode depth_decoder(const CameraIntrinsics& camera, const DepthOp
   };
 }
 
+constexpr double usual_scale = 0.001, scale_of_tum = 0.0002;  ///< m per step
+
+/// The setup's; else TUM's, where the poses' file says in its head that it is of one of its recordings.
+SourceOptions with_scale(SourceOptions options, const fs::path& poses) {
+  if (options.depth.scale) return options;
+  options.depth.scale = usual_scale;
+  const fs::path& file = options.depth.poses.empty() ? poses : options.depth.poses;
+  if (file.empty() || !is_input_there(file)) return options;
+  std::istringstream stream(read_input(file, "poses", std::size_t{1} << 28U));
+  std::string line;
+  for (int i = 0; i < 3 && std::getline(stream, line); ++i)
+    if (line.starts_with("#") && line.find("rgbd_dataset_") != std::string::npos)
+      options.depth.scale = scale_of_tum;
+  return options;
+}
+
 class DepthFolder final : public FrameSource {
  public:
   DepthFolder(const DepthLayout& layout, const CameraIntrinsics& camera, const SourceOptions& options)
-      : options_(options),
+      : options_(with_scale(options, layout.poses)),
+        is_scale_stated_(options.depth.scale.has_value()),
         poses_(options.depth.poses.empty() ? layout.poses : options.depth.poses, layout.pose_folder, "depth",
                in_order_of_names(layout.depth), options.depth.tolerance),
         timed_(times_of_files(layout.depth, options.rate)),
-        depth_(names_of(timed_), "depth picture", depth_decoder(camera, options.depth)) {
+        depth_(names_of(timed_), "depth picture", depth_decoder(camera, options_.depth)) {
     if (!layout.colour.empty()) colour_ = open_pictures(layout.colour, "colour", options);
   }
   bool has_poses() const { return poses_.are_there(); }
@@ -159,6 +177,14 @@ class DepthFolder final : public FrameSource {
   }
   std::vector<std::string> warnings() const override {
     std::vector<std::string> sentences = timed_.warnings;
+    if (!is_scale_stated_ && options_.depth.scale == scale_of_tum)
+      sentences.push_back(
+          "steps of depth are 0.0002 m, as the files are TUM's; `source: {depth: {scale: …}}` states "
+          "others.");
+    else if (!is_scale_stated_ && poses_.span())
+      sentences.push_back(
+          "steps of depth are taken as 0.001 m, which nothing states; TUM's and ICL-NUIM's are 0.0002 "
+          "(`source: {depth: {scale: …}}`).");
     if (unposed_ > 0) sentences.push_back(unposed());
     if (colour_)
       for (const std::string& warning : colour_->warnings()) sentences.push_back(warning);
@@ -218,6 +244,7 @@ class DepthFolder final : public FrameSource {
   }
 
   SourceOptions options_;
+  bool is_scale_stated_;
   PicturePoses poses_;
   TimedFiles timed_;
   FilesInChild depth_;

@@ -213,14 +213,6 @@ std::vector<std::string> BagFrames::left_out() const {
   return clauses;
 }
 
-bool are_images_rectified(const BagTopics& bag) {
-  return bag.rectified.value_or(is_named_rectified(bag.images));
-}
-
-bool is_depth_rectified(const BagTopics& bag) {
-  return bag.depth_rectified.value_or(is_named_rectified(bag.depth));
-}
-
 std::vector<BagFrame> frames_of(MessageBag& bag) {
   TransformTree tree;
   std::vector<bool> wanted;

@@ -45,11 +45,6 @@ class BagFrames {
   std::map<std::string, Missing> left_out_;         ///< of the topic
 };
 
-/// Whether the images of the bag, or its depth images, are rectified: as the options say, else as the topic's
-/// name does.
-bool are_images_rectified(const BagTopics& bag);
-bool is_depth_rectified(const BagTopics& bag);
-
 /// The frames that the transforms of a bag join; leaves out damaged ones.
 std::vector<BagFrame> frames_of(MessageBag& bag);
 

@@ -115,13 +115,6 @@ bool require_calibration(const RosCameraInfo& info) {
 
 }  // namespace
 
-bool is_named_rectified(const std::string& topic) {
-  std::string name = topic;
-  for (const char* transport : {"/compressed", "/compressedDepth", "/zstd", "/theora"})
-    if (topic.ends_with(transport)) name.resize(topic.size() - std::string(transport).size());
-  return name.substr(name.rfind('/') + 1).starts_with("image_rect");
-}
-
 RosCamera raw_camera(const RosCameraInfo& info) {
   require_calibration(info);
   CameraIntrinsics camera = pinhole(info, info.k, 3);

@@ -14,11 +14,6 @@
 
 namespace clearway {
 
-/// Whether a topic's name says that its images are rectified: its last part begins with "image_rect"
-/// (image_rect, image_rect_color, image_rect_raw, …), possibly before that of a transport
-/// ("image_rect/compressed").
-bool is_named_rectified(const std::string& topic);
-
 /// A camera, and its axes (x right, y down, z forward) in the frame that the headers of its images name.
 struct RosCamera {
   CameraIntrinsics intrinsics;

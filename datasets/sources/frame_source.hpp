@@ -46,10 +46,29 @@ struct BagTopics {
   bool empty() const { return images.empty() && depth.empty() && clouds.empty() && scans.empty(); }
 };
 
+/// Whether a topic's name says that its images are rectified: its last part begins with "image_rect"
+/// (image_rect, image_rect_color, image_rect_raw, …), possibly before that of a transport
+/// ("image_rect/compressed").
+inline bool is_named_rectified(const std::string& topic) {
+  std::string name = topic;
+  for (const char* transport : {"/compressed", "/compressedDepth", "/zstd", "/theora"})
+    if (topic.ends_with(transport)) name.resize(topic.size() - std::string(transport).size());
+  return name.substr(name.rfind('/') + 1).starts_with("image_rect");
+}
+
+/// Whether the images of the bag, or its depth images, are rectified: as the options say, else as the topic's
+/// name does. Here, so that setups are read without what reads bags.
+inline bool are_images_rectified(const BagTopics& bag) {
+  return bag.rectified.value_or(is_named_rectified(bag.images));
+}
+inline bool is_depth_rectified(const BagTopics& bag) {
+  return bag.depth_rectified.value_or(is_named_rectified(bag.depth));
+}
+
 /// How depth pictures become points, and where they were taken from.
 struct DepthOptions {
-  double scale = 0.001;                    ///< m per step of the stored 16 bit number
-  double max_range = 0;                    ///< m, of the sensor; 0: not known
+  std::optional<double> scale = {};  ///< m per step of the stored number; empty: 0.001, or TUM's of its files
+  double max_range = 0;              ///< m, of the sensor; 0: not known
   std::optional<CameraIntrinsics> camera;  ///< of the depth pictures; empty: the setup's camera
   bool rectified = false;                  ///< pictures of a folder were freed of the lens's distortion
   std::filesystem::path poses;             ///< TUM text, world_from_camera; empty: what lies in the folder

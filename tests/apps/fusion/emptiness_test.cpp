@@ -57,6 +57,13 @@ TEST_F(Emptiness, ACropThatTakesEveryPointIsReported) {
   EXPECT_EQ(refusal("r.rawlog", "map: {crop: [0, -1, -1, 2, 2, 2]}\n"), "");
 }
 
+TEST_F(Emptiness, PointsThatAllLieBeyondTheRangeAreReported) {
+  write_scan("r.rawlog", {{1.0F, 0.0F, 0.0F}, {1.0F, 0.5F, 0.0F}});
+  EXPECT_NE(refusal("r.rawlog", "map: {max_range: 0.8}\n").find("2 points lie beyond max_range"),
+            std::string::npos);
+  EXPECT_EQ(refusal("r.rawlog", "map: {max_range: 1.05}\n"), "");
+}
+
 TEST_F(Emptiness, ScansWithoutPointsOrWithoutAPoseAreReported) {
   write_scan("bare.rawlog", {});
   EXPECT_NE(refusal("bare.rawlog", "{}\n").find("1 scans got into the map: they hold no points"),

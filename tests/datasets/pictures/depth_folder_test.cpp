@@ -77,6 +77,28 @@ TEST_F(DepthFolders, PixelsBecomePointsByThePinholeAndPosesOfTumPlaceThem) {
   EXPECT_EQ(frames, 3);
 }
 
+TEST_F(DepthFolders, StepsAreStatedOrTumsOrMillimetresAndWhoDidNotSayIsTold) {
+  make("depth");
+  folder_.write("depth/10.00.png", depth_png(10000));
+  const auto depth_of = [&](std::optional<double> scale, const std::string& head, const char* told) {
+    folder_.write("groundtruth.txt", head + "9.99 0 0 0 0 0 0 1\n10.01 0 0 0 0 0 0 1\n");
+    SourceOptions stated = options();
+    stated.depth.scale = scale;
+    const auto source = open(stated);
+    const auto frame = source->next();
+    const std::vector<std::string> warnings = source->warnings();
+    EXPECT_EQ(warnings.size(), *told == '\0' ? 0U : 1U) << head;
+    for (const std::string& warning : warnings) EXPECT_NE(warning.find(told), std::string::npos) << warning;
+    return std::get<CloudFrame>(frame.value().content).points.back().x();
+  };
+  const std::string tum = "# ground truth trajectory\n# file: 'rgbd_dataset_freiburg1_xyz.bag'\n";
+  EXPECT_FLOAT_EQ(depth_of({}, tum, "0.0002 m, as the files are TUM's"), 2.0F);
+  EXPECT_FLOAT_EQ(depth_of(0.001, tum, ""), 10.0F);
+  EXPECT_FLOAT_EQ(depth_of({}, "# time x y z qx qy qz qw\n", "taken as 0.001 m, which nothing states"),
+                  10.0F);
+  EXPECT_FLOAT_EQ(depth_of(0.0002, "", ""), 2.0F);
+}
+
 TEST_F(DepthFolders, AMatrixForEachPictureAndColoursBesideThem) {
   for (const char* number : {"000000", "000001"}) {
     const std::string name = std::string("frame-") + number;
