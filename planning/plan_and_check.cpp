@@ -110,8 +110,8 @@ class LegSpaces {
 };
 
 /// A robot whose file gives links that move no mass costs nothing, or too little, which is no answer.
-std::string cost_caveat(const Robot& robot) {
-  const std::vector<std::string> links = links_without_mass(robot);
+std::string cost_caveat(const Robot& robot, const Eigen::Vector3d& gravity) {
+  const std::vector<std::string> links = links_without_mass(robot, gravity);
   if (links.empty()) return {};
   const std::string others = links.size() == 1 ? ""
                                                : " and " + std::to_string(links.size() - 1) + " other" +
@@ -215,7 +215,7 @@ Plan empty_plan(const PlanQuery& query, const Planner& planner) {
   plan.padding = query.space.options().padding;
   plan.seen_within = query.space.options().seen_within;
   plan.position_accuracy = robot.position_accuracy;
-  plan.cost_caveat = cost_caveat(robot);
+  plan.cost_caveat = cost_caveat(robot, query.gravity);
   plan.payload = query.payload;
   plan.gravity = query.gravity;
   plan.query = query.name;

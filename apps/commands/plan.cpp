@@ -133,12 +133,18 @@ void report_turns(const Robot& robot, const Configuration& start, const std::vec
     }
 }
 
-/// Nobody chose `known_free` for a robot without critical parts: when it does not get through, that is
-/// reported.
+/// Nobody chose `known_free` for a robot without critical parts, or for those that it has in a map that knows
+/// nothing to be free: when it does not get through, that is reported.
 void report_default_policy(const PlanOptions& options, const Plan& plan, const ConfigurationSpace& space,
                            Console& console) {
-  const bool is_chosen = !options.robot.policies.empty() || !space.robot().critical_parts.empty();
-  if (is_chosen || plan.status() == PlanStatus::solved) return;
+  if (!options.robot.policies.empty() || plan.status() == PlanStatus::solved) return;
+  const auto strict = std::find_if(plan.policies.begin(), plan.policies.end(),
+                                   [](const auto& part) { return part.second != Policy::not_occupied; });
+  if (strict != plan.policies.end() &&
+      !space.map().holds_any({VoxelState::painted, VoxelState::seen_free, VoxelState::conflict}))
+    return console.log("note: nothing in the map is known to be free, as " + shortened(strict->first) +
+                       " asks for by default; with --policy not_occupied unknown counts as free");
+  if (!space.robot().critical_parts.empty()) return;
   const bool is_known_free = std::any_of(plan.policies.begin(), plan.policies.end(),
                                          [](const auto& part) { return part.second == Policy::known_free; });
   if (!is_known_free) return;

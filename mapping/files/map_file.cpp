@@ -164,8 +164,8 @@ std::string cloud_remark(const fs::path& path, const Snapshot& map, bool is_chos
   const double edge = map.resolution();
   std::string remark;
   if (!is_chosen && edge != usual_cloud_resolution && !stated_edge(path))
-    remark = "the cloud's points are some " + millimetres(0.8 * edge) + " apart and stand for voxels of " +
-             millimetres(edge);
+    remark = "the cloud's points are some " + short_text(800.0 * edge, 2) + " mm" +
+             " apart and stand for voxels of " + millimetres(edge);
   const double alone = share_alone(map);
   if (alone >= 0.5)
     remark += (remark.empty() ? "" : "; ") + short_text(std::floor(100.0 * alone)) +

@@ -47,8 +47,24 @@ void add_mass(LinkMotion& motion, double mass, const Eigen::Vector3d& arm, const
       arm.cross(force) + inertia * motion.turning_rate + motion.turning.cross(inertia * motion.turning);
 }
 
+/// Whether a single joint moves the link, which turns it about the direction of gravity.
+bool turns_upright(const Robot& robot, const LinkPoses& poses, std::size_t link,
+                   const Eigen::Vector3d& gravity) {
+  int joints = 0;
+  bool is_upright = false;
+  for (int at = static_cast<int>(link); at >= 0; at = robot.links[static_cast<std::size_t>(at)].parent) {
+    const int index = robot.links[static_cast<std::size_t>(at)].joint;
+    if (index < 0) continue;
+    const Joint& joint = robot.joints[static_cast<std::size_t>(index)];
+    const Eigen::Vector3d axis = poses[static_cast<std::size_t>(at)].linear() * joint.axis;
+    is_upright = joint.kind == JointKind::revolute && axis.cross(gravity).norm() <= 1e-9 * gravity.norm();
+    ++joints;
+  }
+  return joints == 1 && is_upright;
+}
+
 /// Links with bodies of the robot's own that have no mass, nor a link that is fixed to them.
-std::vector<bool> weightless_links(const Robot& robot) {
+std::vector<bool> weightless_links(const Robot& robot, const Eigen::Vector3d& gravity) {
   std::vector<std::size_t> rigid(robot.links.size());  // the topmost link that it is fixed to
   std::vector<double> mass(robot.links.size(), 0.0);
   for (std::size_t i = 0; i < robot.links.size(); ++i) {
@@ -57,10 +73,12 @@ std::vector<bool> weightless_links(const Robot& robot) {
     rigid[i] = is_fixed ? rigid[static_cast<std::size_t>(link.parent)] : i;
     mass[rigid[i]] += link.mass;
   }
+  const LinkPoses poses =
+      forward_kinematics(robot, Configuration::Zero(static_cast<Eigen::Index>(robot.dof())));
   std::vector<bool> weightless(robot.links.size(), false);
   for (std::size_t k = 0; k + robot.loads.size() < robot.bodies.size(); ++k) {
     const auto link = static_cast<std::size_t>(robot.bodies[k].link);
-    weightless[link] = !(mass[rigid[link]] > 0.0);
+    weightless[link] = !(mass[rigid[link]] > 0.0) && !turns_upright(robot, poses, link, gravity);
   }
   return weightless;
 }
@@ -105,7 +123,7 @@ Eigen::VectorXd joint_torques(const Robot& robot, const Configuration& q, const 
 
 std::vector<bool> moves_mass(const Robot& robot, const JointLoad& load) {
   std::vector<bool> moves(robot.dof(), false), lacks(robot.dof(), false);
-  const std::vector<bool> is_weightless = weightless_links(robot);
+  const std::vector<bool> is_weightless = weightless_links(robot, load.gravity);
   for (std::size_t i = 0; i < robot.links.size(); ++i) {
     const bool is_loaded = load.payload > 0.0 && static_cast<int>(i) == robot.tip_link;
     for (int at = static_cast<int>(i); at >= 0; at = robot.links[static_cast<std::size_t>(at)].parent) {
@@ -119,8 +137,8 @@ std::vector<bool> moves_mass(const Robot& robot, const JointLoad& load) {
   return moves;
 }
 
-std::vector<std::string> links_without_mass(const Robot& robot) {
-  const std::vector<bool> is_weightless = weightless_links(robot);
+std::vector<std::string> links_without_mass(const Robot& robot, const Eigen::Vector3d& gravity) {
+  const std::vector<bool> is_weightless = weightless_links(robot, gravity);
   std::vector<std::string> names;
   for (std::size_t i = 0; i < robot.links.size(); ++i)
     if (is_weightless[i] && is_moved(robot, static_cast<int>(i))) names.push_back(robot.links[i].name);

@@ -30,7 +30,10 @@ Eigen::VectorXd joint_torques(const Robot& robot, const Configuration& q, const 
 /// each joint: where the robot's file gives some of them none, what the joint bears is not known.
 std::vector<bool> moves_mass(const Robot& robot, const JointLoad& load = {});
 
-/// The links with bodies that move and to which the robot's file gives no mass.
-std::vector<std::string> links_without_mass(const Robot& robot);
+/// The links with bodies that move and to which the robot's file gives no mass. One that a single joint turns
+/// about an upright axis is none of them: gravity does not pull it about (the first link of a PUMA).
+/// @param gravity m/s^2, map frame
+std::vector<std::string> links_without_mass(const Robot& robot,
+                                            const Eigen::Vector3d& gravity = JointLoad().gravity);
 
 }  // namespace clearway

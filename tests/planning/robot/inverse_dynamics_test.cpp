@@ -71,6 +71,16 @@ TEST(InverseDynamics, OfAPendulumIsTheTextbooks) {
                 2.0 * 0.25 * 4.0 - 2.0 * 9.81 * 0.5 * std::cos(q), 1e-12);
 }
 
+TEST(InverseDynamics, MassesOfShippedRobotsAreKnownAsFarAsGravityPullsThem) {
+  for (const auto& [name, description] : available_robots())
+    EXPECT_TRUE(links_without_mass(load_robot(name)).empty()) << name;
+  Robot robot = load_robot("puma560");  // whose first link has none, and turns about the upright axis
+  EXPECT_LT(torque_terms(robot).limits[0], HUGE_VAL);
+  EXPECT_EQ(links_without_mass(robot, {9.81, 0.0, 0.0}), std::vector<std::string>{"link1"});
+  robot.map_from_base.linear() = Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitX()).matrix();
+  EXPECT_EQ(links_without_mass(robot), std::vector<std::string>{"link1"});
+}
+
 TEST(InverseDynamics, LimitsAreKnownWhereEffortAndMassAre) {
   Robot robot = load_robot("panda");
   EXPECT_EQ(torque_terms(robot).limits[0], 87.0);

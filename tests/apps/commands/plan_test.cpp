@@ -1,0 +1,85 @@
+// What `plan` makes of maps that other programs wrote, with nothing but its defaults.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "mapping/files/cloud_file.hpp"
+#include "tests/apps/run_command.hpp"
+#include "tests/worlds/temporary_folder.hpp"
+
+namespace clearway {
+namespace plan_test {
+
+using Json = nlohmann::json;
+using Arguments = std::vector<std::string>;
+
+/// A disc of 16 mm that slides along x, towards a wall.
+constexpr const char* blade =
+    "<robot name='blade'><link name='base'/><link name='disc'><collision><geometry><cylinder radius='0.008' "
+    "length='0.01'/></geometry></collision></link><joint name='x' type='prismatic'><parent link='base'/>"
+    "<child link='disc'/><axis xyz='1 0 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>"
+    "</robot>";
+
+class PlanInCloud : public ::testing::Test {
+ protected:
+  PlanInCloud() {
+    std::vector<Eigen::Vector3f> wall;  // a point in each cell of 5 cm, none of them before the disc
+    for (int y = -10; y < 10; ++y)
+      for (int z = -10; z < 10; ++z)
+        wall.push_back(
+            {0.01F, 0.025F + 0.05F * static_cast<float>(y), 0.025F + 0.05F * static_cast<float>(z)});
+    folder_.write("wall.pcd", format_pcd(wall));
+    folder_.write("blade.urdf", blade);
+  }
+  CommandRun run(const std::string& command, const Arguments& more) const {
+    Arguments arguments{
+        command,           "--map", folder_.file("wall.pcd"), "--robot", folder_.file("blade.urdf"),
+        "--allow-outside", "all"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_command(arguments);
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(PlanInCloud, AThinnedWallIsAWallUnlessItsVoxelsAreStatedSmaller) {
+  const Arguments query{"--start=-0.3", "--goal=0.3", "--out", folder_.file("plan.json")};
+  const CommandRun blocked = run("plan", query);
+  EXPECT_EQ(blocked.status, exit_no) << blocked.out;
+  EXPECT_NE(blocked.out.find("the cloud's points are some 50 mm apart and stand for voxels of 63 mm"),
+            std::string::npos)
+      << blocked.out;
+  Arguments fine = query;
+  fine.insert(fine.end(), {"--cloud-resolution", "0.02"});
+  const CommandRun through = run("plan", fine);
+  EXPECT_EQ(through.status, exit_done) << through.out;
+  EXPECT_NE(through.out.find("100 % of the cloud's voxels of 20 mm touch no other"), std::string::npos)
+      << through.out;
+  EXPECT_EQ(run("check", {folder_.file("plan.json")}).status, exit_no);
+  const CommandRun checked =
+      run("check", {folder_.file("plan.json"), "--cloud-resolution", "0.02", "--json"});
+  EXPECT_EQ(checked.status, exit_done) << checked.out;
+  EXPECT_NE(Json::parse(checked.out)["map_caveat"].get<std::string>().find("touch no other"),
+            std::string::npos);
+  EXPECT_EQ(run("plan", {"--start=-0.3", "--goal=0.3", "--cloud-resolution", "0"}).status, exit_bad_input);
+}
+
+TEST_F(PlanInCloud, WhoAsksForKnownFreeSpaceWhereNoneIsIsTold) {
+  const Arguments panda{"plan",
+                        "--map",
+                        folder_.file("wall.pcd"),
+                        "--robot",
+                        "panda",
+                        "--start",
+                        "0,-0.5,0,-2,0,1.5,0.7",
+                        "--goal",
+                        "0.5,-0.5,0,-2,0,1.5,0.7"};
+  const CommandRun run = run_command(panda);
+  EXPECT_EQ(run.status, exit_no);
+  EXPECT_NE(run.log.find("nothing in the map is known to be free"), std::string::npos) << run.log;
+  Arguments stated = panda;
+  stated.insert(stated.end(), {"--policy", "known_free"});
+  EXPECT_EQ(run_command(stated).log.find("nothing in the map"), std::string::npos);
+}
+
+}  // namespace plan_test
+}  // namespace clearway
