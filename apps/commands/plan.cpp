@@ -24,6 +24,7 @@
 #include "planning/planned_motion.hpp"
 #include "planning/planner_table.hpp"
 #include "planning/pose_goals.hpp"
+#include "planning/robot/reach.hpp"
 #include "planning/robot_files/srdf_file.hpp"
 
 namespace clearway {
@@ -154,6 +155,21 @@ void report_default_policy(const PlanOptions& options, const Plan& plan, const C
               "counts as free");
 }
 
+/// A wheel on its floor, say: no planned joint moves what blocks the start.
+void report_standing(const Plan& plan, const ConfigurationSpace& space, const Configuration& start,
+                     Console& console) {
+  if (plan.status() != PlanStatus::start_invalid) return;
+  const Verdict verdict = space.check(start);
+  if (verdict.obstruction != Obstruction::occupied && verdict.obstruction != Obstruction::conflict) return;
+  const Robot& robot = space.robot();
+  for (const Body& body : robot.bodies) {
+    if (body.part != verdict.part || is_moved(robot, body.link)) continue;
+    const std::string link = shortened(robot.links[static_cast<std::size_t>(body.link)].name);
+    return console.log("note: no planned joint moves " + link + "; if the robot stands on it, --standing " +
+                       link + " lets it touch the map");
+  }
+}
+
 /// What --pick asks for. Other flags that do not go with it are refused.
 std::optional<Pick> pick_of(const PlanOptions& options, const Robot& robot) {
   if (options.pick.empty()) {
@@ -240,6 +256,7 @@ int run_plan(const PlanOptions& options, Console& console) {
   plan.map_caveat = joined(plan.map_caveat, cloud);
   add_motion(options, space, plan, console);
   report_default_policy(options, plan, space, console);
+  report_standing(plan, space, start, console);
   const std::string text = to_json(plan_to_file(options, plan));
   if (!options.out.empty()) save_file(options.out, text);
   if (!options.csv.empty()) save_file(options.csv, to_csv(plan));
