@@ -53,6 +53,7 @@ Counts judge(const ConfigurationSpace& space, std::uint64_t seed, std::size_t co
     EXPECT_FALSE(is_free && is_blocked) << model.robot.name << ": " << qs[i].transpose();
     (is_blocked ? counts.blocked : is_open ? counts.open : counts.clear)++;
   }
+  EXPECT_EQ(block.undecided(), static_cast<std::size_t>(counts.open)) << model.robot.name;
   return counts;
 }
 
