@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tests/worlds/batch_worlds.hpp"
+#include "tests/worlds/urdf_robots.hpp"
 
 namespace clearway {
 namespace sphere_robot_test {
@@ -40,6 +41,22 @@ TEST(SphereRobot, ABodyThatNothingCoversIsLeftToExactShapes) {
   const ConfigurationSpace space(robot, worlds::voxels_about(load_robot("planar2"), 1),
                                  {.critical_by_default = false});
   EXPECT_EQ(space.collision_model().spheres, nullptr);
+}
+
+TEST(SphereRobot, KnowsHowSteeplyItsJointsAreFollowed) {
+  const worlds::UrdfRobot whip = worlds::whip();  // with joints that follow others
+  const Robot robot = whip.robot();
+  const ConfigurationSpace space(robot, worlds::voxels_about(robot, 1), {.critical_by_default = false});
+  ASSERT_NE(space.collision_model().spheres, nullptr);
+  double steepest = 0.0, offset = 0.0;
+  for (const Link& link : robot.links) {
+    if (link.joint < 0) continue;
+    steepest = std::max(steepest, std::abs(link.multiplier));
+    offset = std::max(offset, std::abs(link.offset));
+  }
+  EXPECT_GT(steepest, 0.0);
+  EXPECT_EQ(space.collision_model().spheres->steepest, steepest);
+  EXPECT_EQ(space.collision_model().spheres->farthest_offset, offset);
 }
 
 TEST(SphereRobot, ASecondSpaceOfARobotSharesWhatTheRobotAloneDecides) {

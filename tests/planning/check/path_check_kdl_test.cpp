@@ -32,6 +32,29 @@ double largest_share(const Robot& robot) {
   return largest;
 }
 
+/// Bodies whose places against each other differ from one configuration to another, and no others.
+TEST(PathCheckKdl, OnlyBodiesThatMoveAgainstEachOtherMayTouch) {
+  const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope();
+  int rigid = 0;
+  for (const Robot& robot :
+       {load_robot("puma560"), load_robot("panda"), load_robot("arm6"), whip.robot(), telescope.robot()}) {
+    const KdlArm arm(robot);
+    Random random(8);
+    BodyPoses first, other;
+    arm.place(random.configuration(robot), first);
+    arm.place(random.configuration(robot), other);
+    for (std::size_t a = 0; a < robot.bodies.size(); ++a)
+      for (std::size_t b = 0; b < robot.bodies.size(); ++b) {
+        const Eigen::Matrix4d apart = (first[a].inverse() * first[b]).matrix();
+        const bool moves = !apart.isApprox((other[a].inverse() * other[b]).matrix(), 1e-9);
+        EXPECT_EQ(arm.may_touch(a, b), moves)
+            << robot.name << " " << robot.bodies[a].part << " " << robot.bodies[b].part;
+        rigid += !moves && a != b;
+      }
+  }
+  EXPECT_GT(rigid, 3);
+}
+
 TEST(PathCheckKdl, NoPointOfABodyMovesFartherThanItsBound) {
   for (const char* name : {"puma560", "panda", "arm5", "arm6", "planar2", "point"})
     EXPECT_GT(largest_share(load_robot(name)), 0.3) << name;
