@@ -170,7 +170,11 @@ class Statement {
       poses.push_back(named.pose);
     if (!poses.empty()) return {poses, options_.goal_poses.tip};
     if (!options_.goals.empty() || !query_) return {};
-    with_tip_of(robot_, query_->tip);
+    try {
+      with_tip_of(robot_, query_->tip);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument("query " + quote(query_->name) + " of the map's record: " + error.what());
+    }
     return {query_->goal_poses, query_->tip};
   }
 

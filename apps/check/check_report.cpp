@@ -139,7 +139,9 @@ void append_contract(const Contract& contract, Rows& rows) {
       "map", "sha256 " + contract.map_sha256.value.substr(0, 16) + "…" + from(contract.map_sha256.source));
   rows.emplace_back("start", to_text(contract.start.value) + from(contract.start.source));
   for (const Configuration& goal : contract.goals.value)
-    if (goal.size() > 0) rows.emplace_back("goal", to_text(goal) + from(contract.goals.source));
+    if (goal.size() > 0)
+      rows.emplace_back("goal", to_text(goal) + from(contract.goal_poses.empty() ? contract.goals.source
+                                                                                 : TermSource::plan));
   for (const GoalPose& goal : contract.goal_poses)
     rows.emplace_back("goal pose", describe_goal_pose(contract.tip, goal) + from(contract.goals.source));
   if (!contract.query.empty()) rows.emplace_back("query", "'" + contract.query + "' of the map's record");
@@ -215,6 +217,7 @@ Rows check_rows(const CheckReport& report) {
     rows.emplace_back("plan", std::string(to_string(report.plan_status)) + ": not all legs have a path");
   append_contract(report.contract, rows);
   rows.emplace_back("map integration", report.map_integration);
+  if (!report.torque_caveat.empty()) rows.emplace_back("note", report.torque_caveat);
   if (!report.map_caveat.empty()) rows.emplace_back("note", report.map_caveat);
   rows.emplace_back("checker", report.path.checker);
   return rows;
@@ -248,6 +251,7 @@ Json check_json(const CheckReport& report) {
   json["same_map"] = std::none_of(report.deviations.begin(), report.deviations.end(),
                                   [](const Deviation& d) { return d.term == AcceptedTerm::map; });
   json["integration"] = report.map_integration;
+  if (!report.torque_caveat.empty()) json["torque_caveat"] = report.torque_caveat;
   if (!report.map_caveat.empty()) json["map_caveat"] = report.map_caveat;
   json.update(Json::parse(to_json(report.survey)));
   json["contract"] = contract_json(contract);

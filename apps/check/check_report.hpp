@@ -25,6 +25,7 @@ struct CheckReport {
   PlanStatus plan_status = PlanStatus::no_path;
   std::size_t waypoints = 0;
   std::string map_integration{};  ///< which integration made the map
+  std::string torque_caveat{};    ///< what the torques leave out, one sentence; may be empty
   std::string map_caveat{};       ///< what the verdict must say of that, one or two sentences; may be empty
 
   /// Path and motion hold, and the plan loosens nothing that the user does not accept.

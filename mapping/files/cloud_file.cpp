@@ -42,10 +42,10 @@ std::optional<double> stated_edge(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::string line;
   for (int i = 0; i < 4 && std::getline(stream, line); ++i) {
-    const bool is_comment = line.starts_with("# ") || line.starts_with("comment ");
-    const std::size_t at = line.find(statement);
-    if (!is_comment || at == std::string::npos) continue;
-    std::string_view rest = std::string_view(line).substr(at + statement.size());
+    std::string_view rest = line;
+    rest.remove_prefix(line.starts_with("# ") ? 2 : line.starts_with("comment ") ? 8 : rest.size());
+    if (!rest.starts_with(statement)) continue;
+    rest.remove_prefix(statement.size());
     const std::optional<double> edge = parsed_number(next_word(rest));
     if (edge && *edge >= finest_voxel && *edge <= coarsest_voxel) return edge;
   }

@@ -102,7 +102,8 @@ std::optional<double> thinned_spacing(const std::vector<Eigen::Vector3f>& points
   std::vector<std::size_t> samples;
   const std::size_t count = std::min(points.size(), most_samples);
   for (std::size_t i = 0; i < count; ++i) samples.push_back(i * points.size() / count);
-  if (is_lattice(points, samples, fine)) return std::nullopt;
+  const bool is_fine = at_part(nearest(points, samples, 1.05 * fine, 1), 0.5) <= 1.05 * fine;
+  if (is_fine && is_lattice(points, samples, fine)) return std::nullopt;
   double reach = 1.05 * fine, apart = at_part(nearest(points, samples, reach, of_grid), 0.5);
   if (apart <= reach) return std::nullopt;
   for (int i = 0; i < doublings && !(apart <= reach); ++i) {

@@ -77,29 +77,30 @@ bool is_copy(const std::string& text, const Snapshot& map) {
 
 std::string millimetres(double metres) { return short_text(1000.0 * metres, 3) + " mm"; }
 
-bool is_alone(const Snapshot& map, const CellCube& cube) {
+/// Whether the voxel touches fewer than four others, be it at a corner: one of a whole surface touches eight.
+bool is_sparse(const Snapshot& map, const CellCube& cube) {
+  int others = 0;
   for (int k = 0; k < 27 && cube.edge == 1; ++k) {
     const Eigen::Vector3i step(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
     const Eigen::Vector3d center = ((cube.corner + step).cast<double>().array() + 0.5) * map.resolution();
-    if (!step.isZero() && map.state(center) == VoxelState::occupied) return false;
+    others += !step.isZero() && map.state(center) == VoxelState::occupied;
   }
-  return cube.edge == 1;
+  return cube.edge == 1 && others < 4;
 }
 
-/// Of the occupied leaves, at most some thousands spread over the tree, the share that touches no other one,
-/// not even at a corner. 0 of few.
-double share_alone(const Snapshot& map) {
+/// Of the occupied leaves, at most some thousands spread over the tree, the share that is sparse. 0 of few.
+double share_sparse(const Snapshot& map) {
   const FusedTree& tree = map.tree();
   std::vector<CellCube> occupied;
   tree.visit_leaves([&](const FusedNode& node, const CellCube& cube) {
     if (tree.state(node) == VoxelState::occupied) occupied.push_back(cube);
   });
-  constexpr std::size_t most = 4000, fewest = 30;
+  constexpr std::size_t most = 4000, fewest = 4;
   if (occupied.size() < fewest) return 0.0;
   const std::size_t step = 1 + occupied.size() / most;
-  std::size_t looked = 0, alone = 0;
-  for (std::size_t i = 0; i < occupied.size(); i += step, ++looked) alone += is_alone(map, occupied[i]);
-  return static_cast<double>(alone) / static_cast<double>(looked);
+  std::size_t looked = 0, sparse = 0;
+  for (std::size_t i = 0; i < occupied.size(); i += step, ++looked) sparse += is_sparse(map, occupied[i]);
+  return static_cast<double>(sparse) / static_cast<double>(looked);
 }
 
 }  // namespace
@@ -166,11 +167,11 @@ std::string cloud_remark(const fs::path& path, const Snapshot& map, bool is_chos
   if (!is_chosen && edge != usual_cloud_resolution && !stated_edge(path))
     remark = "the cloud's points are some " + short_text(800.0 * edge, 2) + " mm" +
              " apart and stand for voxels of " + millimetres(edge);
-  const double alone = share_alone(map);
-  if (alone >= 0.5)
-    remark += (remark.empty() ? "" : "; ") + short_text(std::floor(100.0 * alone)) +
+  const double sparse = share_sparse(map);
+  if (sparse >= 0.1)
+    remark += (remark.empty() ? "" : "; ") + short_text(std::floor(100.0 * sparse)) +
               " % of the cloud's voxels of " + millimetres(edge) +
-              " touch no other, so that surfaces may have holes that a path leads through";
+              " touch fewer than four others, so that surfaces may have holes that a path leads through";
   return remark.empty() ? remark : remark + "; --cloud-resolution chooses others";
 }
 

@@ -122,18 +122,15 @@ Eigen::VectorXd joint_torques(const Robot& robot, const Configuration& q, const 
 }
 
 std::vector<bool> moves_mass(const Robot& robot, const JointLoad& load) {
-  std::vector<bool> moves(robot.dof(), false), lacks(robot.dof(), false);
-  const std::vector<bool> is_weightless = weightless_links(robot, load.gravity);
+  std::vector<bool> moves(robot.dof(), false);
   for (std::size_t i = 0; i < robot.links.size(); ++i) {
     const bool is_loaded = load.payload > 0.0 && static_cast<int>(i) == robot.tip_link;
+    if (!is_loaded && !(robot.links[i].mass > 0.0)) continue;
     for (int at = static_cast<int>(i); at >= 0; at = robot.links[static_cast<std::size_t>(at)].parent) {
       const int joint = robot.links[static_cast<std::size_t>(at)].joint;
-      if (joint < 0) continue;
-      if (is_loaded || robot.links[i].mass > 0.0) moves[static_cast<std::size_t>(joint)] = true;
-      if (is_weightless[i]) lacks[static_cast<std::size_t>(joint)] = true;
+      if (joint >= 0) moves[static_cast<std::size_t>(joint)] = true;
     }
   }
-  for (std::size_t j = 0; j < moves.size(); ++j) moves[j] = moves[j] && !lacks[j];
   return moves;
 }
 

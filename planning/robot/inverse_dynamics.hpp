@@ -26,8 +26,7 @@ struct TorqueTerms {
 Eigen::VectorXd joint_torques(const Robot& robot, const Configuration& q, const Eigen::VectorXd& velocity,
                               const Eigen::VectorXd& acceleration, const TorqueTerms& terms);
 
-/// Whether something that the joint moves has mass, and each of its links that has bodies, loads left out, of
-/// each joint: where the robot's file gives some of them none, what the joint bears is not known.
+/// Whether something that the joint moves has mass, of each joint.
 std::vector<bool> moves_mass(const Robot& robot, const JointLoad& load = {});
 
 /// The links with bodies that move and to which the robot's file gives no mass. One that a single joint turns

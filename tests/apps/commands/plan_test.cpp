@@ -52,13 +52,14 @@ TEST_F(PlanInCloud, AThinnedWallIsAWallUnlessItsVoxelsAreStatedSmaller) {
   fine.insert(fine.end(), {"--cloud-resolution", "0.02"});
   const CommandRun through = run("plan", fine);
   EXPECT_EQ(through.status, exit_done) << through.out;
-  EXPECT_NE(through.out.find("100 % of the cloud's voxels of 20 mm touch no other"), std::string::npos)
+  EXPECT_NE(through.out.find("100 % of the cloud's voxels of 20 mm touch fewer than four others"),
+            std::string::npos)
       << through.out;
   EXPECT_EQ(run("check", {folder_.file("plan.json")}).status, exit_no);
   const CommandRun checked =
       run("check", {folder_.file("plan.json"), "--cloud-resolution", "0.02", "--json"});
   EXPECT_EQ(checked.status, exit_done) << checked.out;
-  EXPECT_NE(Json::parse(checked.out)["map_caveat"].get<std::string>().find("touch no other"),
+  EXPECT_NE(Json::parse(checked.out)["map_caveat"].get<std::string>().find("touch fewer than four others"),
             std::string::npos);
   EXPECT_EQ(run("plan", {"--start=-0.3", "--goal=0.3", "--cloud-resolution", "0"}).status, exit_bad_input);
 }
