@@ -111,13 +111,8 @@ class LegSpaces {
 
 /// A robot whose file gives links that move no mass costs nothing, or too little, which is no answer.
 std::string cost_caveat(const Robot& robot, const Eigen::Vector3d& gravity) {
-  const std::vector<std::string> links = links_without_mass(robot, gravity);
-  if (links.empty()) return {};
-  const std::string others = links.size() == 1 ? ""
-                                               : " and " + std::to_string(links.size() - 1) + " other" +
-                                                     (links.size() == 2 ? "" : "s") + " that move";
-  return "The robot's file gives link " + quote(links.front()) + others +
-         " no mass (<inertial>), so the cost is not known.";
+  const std::string missing = missing_masses(robot, gravity);
+  return missing.empty() ? "" : missing + ", so the cost is not known.";
 }
 
 /// Eq. 11 of Chong et al. 2008 counts as reached what lies within one step of every joint: with steps larger

@@ -9,7 +9,6 @@
 #include "mapping/files/map_file.hpp"
 #include "mapping/maps/map_damage.hpp"
 #include "mapping/maps/map_integration.hpp"
-#include "mapping/system/plain_text.hpp"
 #include "planning/files/plan_file.hpp"
 #include "planning/planned_motion.hpp"
 #include "planning/robot_files/load_robot.hpp"
@@ -70,11 +69,8 @@ void check_motion_of(const Plan& plan, const Robot& robot, const Snapshot& map, 
                                               plan_under(contract, plan));
   report.motion = judged.verdict;
   report.torques = judged.torques;
-  const std::vector<std::string> weightless = links_without_mass(placed, contract.gravity.value);
-  if (!weightless.empty())
-    report.torque_caveat = "torques are of the masses that are known: the robot's file gives link " +
-                           quote(weightless.front()) + " and " + std::to_string(weightless.size() - 1) +
-                           " other links that move none";
+  if (const std::string missing = missing_masses(placed, contract.gravity.value); !missing.empty())
+    report.torque_caveat = missing + ", so torques are of the masses that are known";
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "planning/robot/inverse_dynamics.hpp"
 
+#include "mapping/system/plain_text.hpp"
 #include "planning/robot/reach.hpp"
 
 namespace clearway {
@@ -140,6 +141,16 @@ std::vector<std::string> links_without_mass(const Robot& robot, const Eigen::Vec
   for (std::size_t i = 0; i < robot.links.size(); ++i)
     if (is_weightless[i] && is_moved(robot, static_cast<int>(i))) names.push_back(robot.links[i].name);
   return names;
+}
+
+std::string missing_masses(const Robot& robot, const Eigen::Vector3d& gravity) {
+  const std::vector<std::string> links = links_without_mass(robot, gravity);
+  if (links.empty()) return {};
+  std::string others;
+  if (links.size() > 1)
+    others = " and " + std::to_string(links.size() - 1) + (links.size() == 2 ? " other" : " others") +
+             " that move";
+  return "The robot's file gives link " + quote(links.front()) + others + " no mass (<inertial>)";
 }
 
 }  // namespace clearway

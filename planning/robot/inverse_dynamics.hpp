@@ -35,4 +35,8 @@ std::vector<bool> moves_mass(const Robot& robot, const JointLoad& load = {});
 std::vector<std::string> links_without_mass(const Robot& robot,
                                             const Eigen::Vector3d& gravity = JointLoad().gravity);
 
+/// The same as the beginning of a sentence: "The robot's file gives link 'x' and 2 others that move no mass
+/// (<inertial>)"; empty where none lacks it.
+std::string missing_masses(const Robot& robot, const Eigen::Vector3d& gravity);
+
 }  // namespace clearway

@@ -92,6 +92,8 @@ TEST(InverseDynamics, LimitsAreKnownWhereEffortAndMassAre) {
     if (link.name == "link4") link.mass = 0.0;
   EXPECT_EQ(links_without_mass(robot), std::vector<std::string>{"link4"});
   EXPECT_EQ(torque_terms(robot).limits[0], 87.0);  // of what is known
+  EXPECT_EQ(missing_masses(robot, {0.0, 0.0, -9.81}),
+            "The robot's file gives link 'link4' no mass (<inertial>)");
   for (Link& link : robot.links) link.mass = 0.0;
   EXPECT_EQ(torque_terms(robot).limits.minCoeff(), HUGE_VAL);
   EXPECT_EQ(torque_terms(robot, {.payload = 1.0}).limits[6], 12.0);
