@@ -1,5 +1,6 @@
 #include "mapping/files/cloud_file.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -8,7 +9,6 @@
 #include <string_view>
 
 #include "mapping/files/cloud_parser.hpp"
-#include "mapping/files/cloud_spacing.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/files/number_words.hpp"
 #include "mapping/system/input_file.hpp"
@@ -20,6 +20,7 @@ namespace {
 
 constexpr std::size_t most_points = 100'000'000;
 constexpr double finest_voxel = 1e-4, coarsest_voxel = 100.0;  ///< m
+constexpr double of_apart = 1.25;  ///< a thinned surface's voxels, of what its points are apart: no holes
 
 std::vector<Eigen::Vector3f> finite_points(ParsedCloud& cloud) {
   std::erase_if(cloud.points, [](const Eigen::Vector3f& point) { return !point.allFinite(); });
@@ -52,10 +53,23 @@ std::optional<double> stated_edge(const std::filesystem::path& file) {
   return std::nullopt;
 }
 
-double cloud_resolution(const std::filesystem::path& file, const std::vector<Eigen::Vector3f>& points) {
-  if (const auto edge = stated_edge(file)) return *edge;
-  const auto spacing = thinned_spacing(points, usual_cloud_resolution);
-  return spacing ? std::ceil(1250.0 * *spacing) / 1000.0 : usual_cloud_resolution;
+CloudVoxels voxels_of_cloud(const std::filesystem::path& file, const std::vector<Eigen::Vector3f>& points) {
+  if (const auto edge = stated_edge(file)) return {*edge, {}};
+  const auto whole = [](double apart) { return std::ceil(1250.0 * apart) / 1000.0; };
+  CloudVoxels voxels;
+  if (const auto spacing = thinned_spacing(points, voxels.edge)) voxels.edge = whole(*spacing);
+  constexpr double most_filled = 2e7;
+  for (;;) {
+    voxels.parts = thinned_parts(points, voxels.edge);
+    double filled = 0.0, widest = 0.0;
+    for (const ThinnedPart& part : voxels.parts) {
+      filled +=
+          static_cast<double>(part.points.size()) * std::pow(1.0 + of_apart * part.apart / voxels.edge, 3);
+      widest = std::max(widest, part.apart);
+    }
+    if (filled <= most_filled) return voxels;
+    voxels.edge = whole(widest);
+  }
 }
 
 bool is_cloud_file(const std::filesystem::path& file) {
@@ -82,25 +96,41 @@ ViewedCloud read_viewed_cloud(const std::filesystem::path& file) {
   return cloud;
 }
 
-std::shared_ptr<const FusedTree> tree_of_cloud(const std::vector<Eigen::Vector3f>& points, double resolution,
-                                               const std::filesystem::path& file) {
+std::shared_ptr<const FusedTree> tree_of_cloud(const std::vector<Eigen::Vector3f>& points,
+                                               const CloudVoxels& voxels, const std::filesystem::path& file) {
+  const double resolution = voxels.edge;
   if (!(resolution >= finest_voxel && resolution <= coarsest_voxel)) {
     throw std::invalid_argument("cloud resolution is " + std::to_string(resolution) +
                                 ", expected metres in [0.0001, 100]");
   }
   auto tree = std::make_shared<FusedTree>(resolution);
-  for (const Eigen::Vector3f& point : points) {
-    const auto cell = tree->cell(point.cast<double>());
+  const auto cell_of = [&](const Eigen::Vector3d& point) {
+    const auto cell = tree->cell(point);
     if (!cell) {
       throw std::invalid_argument(
           "'" + file.string() + "' has a point beyond " + std::to_string(32768.0 * resolution) +
           " m, the reach of a map of this resolution: expected metres, or a coarser cloud resolution");
     }
-    const Eigen::Vector3i key = cell->array() + 32768;
+    return *cell;
+  };
+  const auto occupy = [&](const Eigen::Vector3i& cell, float log_odds) {
+    const Eigen::Vector3i key = cell.array() + 32768;
     tree->set_observed({static_cast<octomap::key_type>(key.x()), static_cast<octomap::key_type>(key.y()),
                         static_cast<octomap::key_type>(key.z())},
-                       tree->getClampingThresMaxLog());
+                       log_odds);
+  };
+  for (const ThinnedPart& part : voxels.parts) {
+    for (const std::size_t i : part.points) {
+      const Eigen::Array3d center = points[i].cast<double>().array();
+      const Eigen::Vector3i low = cell_of(center - of_apart / 2.0 * part.apart);
+      const Eigen::Vector3i high = cell_of(center + of_apart / 2.0 * part.apart);
+      for (int x = low.x(); x <= high.x(); ++x)
+        for (int y = low.y(); y <= high.y(); ++y)
+          for (int z = low.z(); z <= high.z(); ++z) occupy({x, y, z}, tree->getProbHitLog());
+    }
   }
+  for (const Eigen::Vector3f& point : points)
+    occupy(cell_of(point.cast<double>()), tree->getClampingThresMaxLog());
   tree->finish();
   return tree;
 }

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "mapping/files/cloud_spacing.hpp"
+
 namespace clearway {
 
 class FusedTree;
@@ -34,16 +36,24 @@ ViewedCloud read_viewed_cloud(const std::filesystem::path& file);
 /// What a comment of the file says of its voxels' edge, metres: export_map writes it.
 std::optional<double> stated_edge(const std::filesystem::path& file);
 
-/// The edge of the voxels, metres, that the cloud's points stand for: as the file states it; else 2 cm, or,
-/// of a surface that was thinned to fewer points (thinned_spacing), a quarter more than these are apart, in
-/// whole millimetres, so that it has no holes.
-double cloud_resolution(const std::filesystem::path& file, const std::vector<Eigen::Vector3f>& points);
+/// The voxels that a cloud's points stand for.
+struct CloudVoxels {
+  double edge = usual_cloud_resolution;  ///< m
+  std::vector<ThinnedPart> parts;        ///< each point stands for a cube a quarter wider than they are apart
+};
 
-/// A tree in which each voxel that holds a point is occupied.
+/// Edge as the file states it; else 2 cm, or, of a surface that was thinned to fewer points
+/// (thinned_spacing), a quarter more than these are apart, in whole millimetres, so that it has no holes.
+/// With the surfaces in it that were thinned further, where nothing is stated; where filling them would take
+/// more than some 20 million voxels, the edge is theirs.
+CloudVoxels voxels_of_cloud(const std::filesystem::path& file, const std::vector<Eigen::Vector3f>& points);
+
+/// A tree in which each voxel that holds a point is occupied, with OctoMap's highest log odds; and what the
+/// cubes of thinned parts touch, with those of a single hit.
 /// @throws std::invalid_argument when the resolution is outside [1e-4, 100] m or too fine for the farthest
 /// point.
-std::shared_ptr<const FusedTree> tree_of_cloud(const std::vector<Eigen::Vector3f>& points, double resolution,
-                                               const std::filesystem::path& file);
+std::shared_ptr<const FusedTree> tree_of_cloud(const std::vector<Eigen::Vector3f>& points,
+                                               const CloudVoxels& voxels, const std::filesystem::path& file);
 
 /// Centres of the occupied and conflict voxels at the finest resolution.
 /// @throws std::invalid_argument naming `file` when there are more than 100 million.

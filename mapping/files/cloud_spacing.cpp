@@ -4,74 +4,96 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <limits>
-#include <unordered_map>
+#include <map>
+#include <numeric>
 
 namespace clearway {
 namespace {
 
-/// The points near some of them, by cells: of a cloud of any size only these are kept.
-class PointCells {
- public:
-  PointCells(const std::vector<Eigen::Vector3f>& points, const std::vector<std::size_t>& samples, double edge)
-      : points_(points), edge_(edge) {
-    for (const std::size_t i : samples)
-      for (int k = 0; k < 27; ++k) cells_.try_emplace(beside(cell_of(points[i]), k));
-    for (std::size_t i = 0; i < points.size(); ++i)
-      if (const auto found = cells_.find(cell_of(points[i])); found != cells_.end())
-        found->second.push_back(i);
-  }
+using Indices = std::vector<std::size_t>;
+using Points = std::vector<Eigen::Vector3f>;
 
-  /// Distances of other points from a sample, each at most `edge`.
-  template <typename Visit>
-  void visit_near(std::size_t sample, const Visit& visit) const {
-    for (int k = 0; k < 27; ++k)
-      for (const std::size_t i : cells_.at(beside(cell_of(points_[sample]), k))) {
-        const double apart = (points_[i] - points_[sample]).cast<double>().norm();
-        if (i != sample && apart <= edge_) visit(apart);
-      }
+constexpr std::size_t of_grid = 4;  ///< neighbours a step away, over a surface
+constexpr std::size_t fewest_points = 30;
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+/// The number of the cell of this edge that a point is in. Neighbours along z follow one another.
+class CellNumber {
+ public:
+  CellNumber(const Eigen::Vector3f& point, double edge) {
+    constexpr double farthest = (1 << 20) - 2;
+    for (int i = 0; i < 3; ++i)
+      cell_[static_cast<std::size_t>(i)] = static_cast<std::uint64_t>(
+          (1 << 20) + std::clamp(std::floor(static_cast<double>(point[i]) / edge), -farthest, farthest));
+  }
+  std::uint64_t operator()(int x = 0, int y = 0, int z = 0) const {
+    const auto beside = [](std::uint64_t cell, int step) { return cell + static_cast<std::uint64_t>(step); };
+    return beside(cell_[0], x) << 42 | beside(cell_[1], y) << 21 | beside(cell_[2], z);
   }
 
  private:
-  using Cell = std::array<std::int64_t, 3>;
-  struct HashOfCell {
-    std::size_t operator()(const Cell& cell) const {
-      const auto part = [&](std::size_t i, std::uint64_t factor) {
-        return static_cast<std::uint64_t>(cell[i]) * factor;
-      };
-      return part(0, 73856093) ^ part(1, 19349663) ^ part(2, 83492791);
-    }
-  };
-  static Cell beside(const Cell& cell, int k) {
-    return {cell[0] + k % 3 - 1, cell[1] + k / 3 % 3 - 1, cell[2] + k / 9 - 1};
-  }
-  Cell cell_of(const Eigen::Vector3f& point) const {
-    constexpr double farthest = 1e15;  // the map's reach is less
-    Cell cell;
-    for (int i = 0; i < 3; ++i)
-      cell[static_cast<std::size_t>(i)] = static_cast<std::int64_t>(
-          std::clamp(std::floor(static_cast<double>(point[i]) / edge_), -farthest, farthest));
-    return cell;
+  std::array<std::uint64_t, 3> cell_;
+};
+
+/// Some of a cloud's points, by cells.
+class PointCells {
+ public:
+  PointCells(const Points& points, const Indices& held, double edge) : points_(points), edge_(edge) {
+    rows_.reserve(held.size());
+    for (const std::size_t i : held) rows_.push_back({CellNumber(points[i], edge)(), i});
+    std::sort(rows_.begin(), rows_.end());
   }
 
-  const std::vector<Eigen::Vector3f>& points_;
+  /// Visits the held points other than `i` that are within the cells' edge of it, with their distance, until
+  /// `visit` returns false.
+  template <typename Visit>
+  void visit_near(std::size_t i, const Visit& visit) const {
+    const CellNumber cell(points_[i], edge_);
+    for (int k = 0; k < 9; ++k) {
+      const std::uint64_t last = cell(k % 3 - 1, k / 3 - 1, 1);
+      auto row = std::lower_bound(rows_.begin(), rows_.end(), Row{cell(k % 3 - 1, k / 3 - 1, -1), 0});
+      for (; row != rows_.end() && row->first <= last; ++row) {
+        const double apart = (points_[i] - points_[row->second]).cast<double>().norm();
+        if (row->second != i && apart <= edge_ && !visit(row->second, apart)) return;
+      }
+    }
+  }
+
+  /// The distance of the `rank`-th nearest other point; infinite where fewer are within the edge.
+  double nearest(std::size_t i, std::size_t rank) const {
+    std::vector<double> near;
+    visit_near(i, [&](std::size_t, double apart) {
+      near.push_back(apart);
+      return true;
+    });
+    if (near.size() < rank) return infinite;
+    const auto at = near.begin() + static_cast<std::ptrdiff_t>(rank - 1);
+    std::nth_element(near.begin(), at, near.end());
+    return *at;
+  }
+
+  /// Whether at least `count` others are within the edge.
+  bool has_near(std::size_t i, std::size_t count) const {
+    visit_near(i, [&](std::size_t, double) { return --count > 0; });
+    return count == 0;
+  }
+
+ private:
+  using Row = std::pair<std::uint64_t, std::size_t>;
+  const Points& points_;
   double edge_;
-  std::unordered_map<Cell, std::vector<std::size_t>, HashOfCell> cells_;
+  std::vector<Row> rows_;
 };
 
 /// Of each sample the distance of its `rank`-th nearest other point, in rising order. Infinite where fewer
 /// are within `reach`.
-std::vector<double> nearest(const std::vector<Eigen::Vector3f>& points,
-                            const std::vector<std::size_t>& samples, double reach, std::size_t rank) {
-  const PointCells cells(points, samples, reach);
+std::vector<double> nearest(const Points& points, const Indices& held, const Indices& samples, double reach,
+                            std::size_t rank) {
+  const PointCells cells(points, held, reach);
   std::vector<double> found;
-  for (const std::size_t i : samples) {
-    std::vector<double> near;
-    cells.visit_near(i, [&](double apart) { near.push_back(apart); });
-    const auto at = near.begin() + static_cast<std::ptrdiff_t>(rank - 1);
-    if (near.size() >= rank) std::nth_element(near.begin(), at, near.end());
-    found.push_back(near.size() >= rank ? *at : std::numeric_limits<double>::infinity());
-  }
+  for (const std::size_t i : samples) found.push_back(cells.nearest(i, rank));
   std::sort(found.begin(), found.end());
   return found;
 }
@@ -81,41 +103,151 @@ double at_part(const std::vector<double>& sorted, double part) {
 }
 
 /// Whether the samples lie on a grid of this step.
-bool is_lattice(const std::vector<Eigen::Vector3f>& points, const std::vector<std::size_t>& samples,
-                double step) {
+bool is_lattice(const Points& points, const Indices& samples, double step) {
   return std::all_of(samples.begin(), samples.end(), [&](std::size_t i) {
     const Eigen::Array3d steps = (points[i] - points[samples.front()]).cast<double>().array() / step;
     return (steps - steps.round()).abs().maxCoeff() < 1e-2;
   });
 }
 
-}  // namespace
+/// One point of each cell of this edge, so that points that lie on one another count once.
+Indices apart_by_cells(const Points& points, double edge) {
+  std::vector<std::pair<std::uint64_t, std::size_t>> rows;
+  rows.reserve(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) rows.push_back({CellNumber(points[i], edge)(), i});
+  std::sort(rows.begin(), rows.end());
+  Indices kept;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (i == 0 || rows[i].first != rows[i - 1].first) kept.push_back(rows[i].second);
+  std::sort(kept.begin(), kept.end());
+  return kept;
+}
 
-std::optional<double> thinned_spacing(const std::vector<Eigen::Vector3f>& points, double fine) {
-  constexpr std::size_t most_samples = 400, fewest_points = 30;
-  constexpr int doublings = 6;
-  constexpr std::size_t of_grid = 4;  ///< neighbours a step away, over a surface
+Indices spread(const Indices& indices, std::size_t most) {
+  Indices samples;
+  const std::size_t count = std::min(indices.size(), most);
+  for (std::size_t i = 0; i < count; ++i) samples.push_back(indices[i * indices.size() / count]);
+  return samples;
+}
+
+constexpr int doublings = 6;  ///< of the reach within which neighbours are looked for
+
+/// The median distance of the fourth nearest, where the points are a surface's that was thinned.
+std::optional<double> even_spacing(const Points& points, const Indices& held, double fine) {
+  constexpr std::size_t most_samples = 400;
   // Measured of grids of 3 to 8 cm over planes, boxes and spheres, with noise and without: at most 1.55, at
   // least 0.54. Of points strewn over a plane or in space: at least 1.86, at most 0.46.
   constexpr double widest_spread = 1.7, least_apart = 0.5;
-  if (points.size() < fewest_points) return std::nullopt;
-  std::vector<std::size_t> samples;
-  const std::size_t count = std::min(points.size(), most_samples);
-  for (std::size_t i = 0; i < count; ++i) samples.push_back(i * points.size() / count);
-  const bool is_fine = at_part(nearest(points, samples, 1.05 * fine, 1), 0.5) <= 1.05 * fine;
+  if (held.size() < fewest_points) return std::nullopt;
+  const Indices samples = spread(held, most_samples);
+  const auto nearest_of = [&](double reach, std::size_t rank) {
+    return nearest(points, held, samples, reach, rank);
+  };
+  const bool is_fine = at_part(nearest_of(1.05 * fine, 1), 0.5) <= 1.05 * fine;
   if (is_fine && is_lattice(points, samples, fine)) return std::nullopt;
-  double reach = 1.05 * fine, apart = at_part(nearest(points, samples, reach, of_grid), 0.5);
+  double reach = 1.05 * fine, apart = at_part(nearest_of(reach, of_grid), 0.5);
   if (apart <= reach) return std::nullopt;
   for (int i = 0; i < doublings && !(apart <= reach); ++i) {
     reach *= 2.0;
-    apart = at_part(nearest(points, samples, reach, of_grid), 0.5);
+    apart = at_part(nearest_of(reach, of_grid), 0.5);
   }
   if (!(apart <= reach)) return std::nullopt;
-  const std::vector<double> steps = nearest(points, samples, 2.0 * apart, of_grid);
+  const std::vector<double> steps = nearest_of(2.0 * apart, of_grid);
   const bool is_even = at_part(steps, 0.95) <= widest_spread * at_part(steps, 0.05) ||
-                       at_part(nearest(points, samples, 2.0 * apart, 2), 0.05) >= least_apart * apart;
+                       at_part(nearest_of(2.0 * apart, 2), 0.05) >= least_apart * apart;
   if (!is_even) return std::nullopt;
   return apart;
+}
+
+/// Of each point the distance of its fourth nearest among `held`; infinite for others and for lone ones.
+std::vector<double> grid_steps(const Points& points, const Indices& held, double fine) {
+  std::vector<double> steps(points.size(), infinite);
+  Indices open = held;
+  double reach = 1.05 * fine;
+  for (int k = 0; k <= doublings && !open.empty(); ++k, reach *= 2.0) {
+    const PointCells cells(points, held, reach);
+    std::erase_if(open, [&](std::size_t i) { return (steps[i] = cells.nearest(i, of_grid)) < infinite; });
+  }
+  return steps;
+}
+
+/// Points in groups of neighbours that are as far apart.
+class AlikeGroups {
+ public:
+  AlikeGroups(const Points& points, const Indices& held, double fine)
+      : root_(points.size()), steps_(grid_steps(points, held, fine)) {
+    std::iota(root_.begin(), root_.end(), 0);
+    double reach = 1.05 * fine;
+    for (int k = 0; k <= doublings; ++k, reach *= 2.0)
+      join_within(points, held, reach, k == 0 ? 0.0 : reach / 2);
+  }
+  std::size_t of(std::size_t i) {
+    while (root_[i] != i) i = root_[i] = root_[root_[i]];
+    return i;
+  }
+
+ private:
+  static constexpr double joined = 1.5, alike = 1.5;
+  /// Joins those whose steps are within (above, reach] to their neighbours.
+  void join_within(const Points& points, const Indices& held, double reach, double above) {
+    Indices near;
+    std::copy_if(held.begin(), held.end(), std::back_inserter(near),
+                 [&](std::size_t i) { return steps_[i] <= alike * reach; });
+    const PointCells cells(points, near, joined * reach);
+    for (const std::size_t i : near) {
+      if (!(steps_[i] > above && steps_[i] <= reach)) continue;
+      cells.visit_near(i, [&](std::size_t other, double apart) {
+        const auto [less, more] = std::minmax(steps_[i], steps_[other]);
+        if (more <= alike * less && apart <= joined * more) root_[of(i)] = of(other);
+        return true;
+      });
+    }
+  }
+
+  Indices root_;
+  std::vector<double> steps_;
+};
+
+/// Whether the points of a group spread along more than a line, and hardly any others are between them: of
+/// points strewn at random some are as far apart as their neighbours.
+bool is_surface_of_its_own(const Points& points, const Indices& group, const Indices& all, double apart,
+                           AlikeGroups& groups) {
+  constexpr double of_line = 0.55, of_mixed = 0.3;
+  const Indices samples = spread(group, 400);
+  const PointCells cells(points, all, apart);
+  std::size_t mixed = 0;
+  for (const std::size_t i : samples) {
+    bool is_mixed = false;
+    cells.visit_near(
+        i, [&](std::size_t other, double) { return !(is_mixed = groups.of(other) != groups.of(i)); });
+    mixed += is_mixed;
+  }
+  return at_part(nearest(points, group, samples, apart, 2), 0.5) > of_line * apart &&
+         static_cast<double>(mixed) <= of_mixed * static_cast<double>(samples.size());
+}
+
+}  // namespace
+
+std::optional<double> thinned_spacing(const Points& points, double fine) {
+  return even_spacing(points, apart_by_cells(points, 0.25 * fine), fine);
+}
+
+std::vector<ThinnedPart> thinned_parts(const Points& points, double fine) {
+  constexpr std::size_t beside_in_a_row = 2;
+  const Indices distinct = apart_by_cells(points, 0.25 * fine);
+  const PointCells all(points, distinct, 1.05 * fine);
+  Indices sparse;
+  std::copy_if(distinct.begin(), distinct.end(), std::back_inserter(sparse),
+               [&](std::size_t i) { return !all.has_near(i, beside_in_a_row); });
+  AlikeGroups groups(points, sparse, fine);
+  std::map<std::size_t, Indices> members;
+  for (const std::size_t i : sparse) members[groups.of(i)].push_back(i);
+  std::vector<ThinnedPart> parts;
+  for (auto& [first, group] : members)
+    if (const auto apart = even_spacing(points, group, fine);
+        apart && is_surface_of_its_own(points, group, distinct, *apart, groups))
+      parts.push_back({*apart, std::move(group)});
+  return parts;
 }
 
 }  // namespace clearway

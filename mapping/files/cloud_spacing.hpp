@@ -14,4 +14,16 @@ namespace clearway {
 /// seldom nearer than half of it.
 std::optional<double> thinned_spacing(const std::vector<Eigen::Vector3f>& points, double fine);
 
+/// A thinned surface among other things.
+struct ThinnedPart {
+  double apart = 0.0;               ///< m, as thinned_spacing returns it of these points alone
+  std::vector<std::size_t> points;  ///< their indices, rising; of points on one another one
+};
+
+/// The thinned surfaces of a cloud that may hold dense ones too: of the points with fewer than two others
+/// within 1.05 `fine`, groups of neighbours that are as far apart, each judged as thinned_spacing judges a
+/// cloud; without lines of points (a lidar's rings) and without groups that others are scattered among.
+/// Ordered by a point of each.
+std::vector<ThinnedPart> thinned_parts(const std::vector<Eigen::Vector3f>& points, double fine);
+
 }  // namespace clearway

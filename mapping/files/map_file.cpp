@@ -88,19 +88,25 @@ bool is_sparse(const Snapshot& map, const CellCube& cube) {
   return cube.edge == 1 && others < 4;
 }
 
-/// Of the occupied leaves, at most some thousands spread over the tree, the share that is sparse. 0 of few.
-double share_sparse(const Snapshot& map) {
+/// Of the leaves that hold a cloud's points, at most some thousands spread over the tree, the share that is
+/// sparse, 0 of few; and how many voxels were filled round points of thinned parts.
+std::pair<double, std::int64_t> sparse_and_filled(const Snapshot& map) {
   const FusedTree& tree = map.tree();
   std::vector<CellCube> occupied;
+  std::int64_t filled = 0;
   tree.visit_leaves([&](const FusedNode& node, const CellCube& cube) {
-    if (tree.state(node) == VoxelState::occupied) occupied.push_back(cube);
+    if (tree.state(node) != VoxelState::occupied) return;
+    if (node.getLogOdds() < tree.getClampingThresMaxLog())
+      filled += static_cast<std::int64_t>(cube.volume());
+    else
+      occupied.push_back(cube);
   });
   constexpr std::size_t most = 4000, fewest = 4;
-  if (occupied.size() < fewest) return 0.0;
+  if (occupied.size() < fewest) return {0.0, filled};
   const std::size_t step = 1 + occupied.size() / most;
   std::size_t looked = 0, sparse = 0;
   for (std::size_t i = 0; i < occupied.size(); i += step, ++looked) sparse += is_sparse(map, occupied[i]);
-  return static_cast<double>(sparse) / static_cast<double>(looked);
+  return {static_cast<double>(sparse) / static_cast<double>(looked), filled};
 }
 
 }  // namespace
@@ -114,10 +120,9 @@ Snapshot load_map(const fs::path& path, std::optional<double> cloud_resolution) 
     const std::vector<Eigen::Vector3f> points = read_cloud(file);
     if (points.empty())
       throw std::invalid_argument("'" + file.string() + "' holds no finite point, expected some");
-    return {
-        tree_of_cloud(points, cloud_resolution ? *cloud_resolution : clearway::cloud_resolution(file, points),
-                      file),
-        {}};
+    const CloudVoxels voxels =
+        cloud_resolution ? CloudVoxels{*cloud_resolution, {}} : voxels_of_cloud(file, points);
+    return {tree_of_cloud(points, voxels, file), {}};
   }
   throw std::invalid_argument("map '" + path.string() +
                               "' is of an unknown kind: expected a directory or a .ot, " +
@@ -165,13 +170,16 @@ std::string cloud_remark(const fs::path& path, const Snapshot& map, bool is_chos
   const double edge = map.resolution();
   std::string remark;
   if (!is_chosen && edge != usual_cloud_resolution && !stated_edge(path))
-    remark = "the cloud's points are some " + short_text(800.0 * edge, 2) + " mm" +
-             " apart and stand for voxels of " + millimetres(edge);
-  const double sparse = share_sparse(map);
+    remark = "the cloud's points are some " + millimetres(0.8 * edge) + " apart and stand for voxels of " +
+             millimetres(edge);
+  const auto [sparse, filled] = sparse_and_filled(map);
+  const auto add = [&](const std::string& text) { remark += (remark.empty() ? "" : "; ") + text; };
+  if (filled > 0)
+    add(std::to_string(filled) + " voxels of " + millimetres(edge) +
+        " fill the gaps of surfaces that were thinned further");
   if (sparse >= 0.1)
-    remark += (remark.empty() ? "" : "; ") + short_text(std::floor(100.0 * sparse)) +
-              " % of the cloud's voxels of " + millimetres(edge) +
-              " touch fewer than four others, so that surfaces may have holes that a path leads through";
+    add(short_text(std::floor(100.0 * sparse)) + " % of the cloud's voxels of " + millimetres(edge) +
+        " touch fewer than four others, so that surfaces may have holes that a path leads through");
   return remark.empty() ? remark : remark + "; --cloud-resolution chooses others";
 }
 

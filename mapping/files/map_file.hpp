@@ -13,7 +13,7 @@ namespace clearway {
 /// Reads a map: a directory written by `clearway replay` (map.ot and painted.csv), or a .ot (ours or any
 /// registered OctoMap tree), .bt, .pcd or .ply file. A bare tree has no exact spheres: then the voxels alone
 /// decide. Points of a cloud become occupied voxels of `cloud_resolution`, metres; by default that of
-/// cloud_resolution().
+/// voxels_of_cloud().
 /// @throws std::invalid_argument when the file is missing, unreadable or of an unknown kind.
 /// @throws DamagedFile when it is truncated or corrupt; nothing half-read is ever returned.
 Snapshot load_map(const std::filesystem::path& path, std::optional<double> cloud_resolution = {});
@@ -25,8 +25,9 @@ Snapshot load_map(const std::filesystem::path& path, std::optional<double> cloud
 std::string painted_csv_remark(const std::filesystem::path& path, const Snapshot& map);
 
 /// What a reader should know of the voxels that the points of a cloud became, for whoever loaded `map` from
-/// `path`, one sentence: that they are not of the usual size, which nobody chose; that most
-/// of them touch fewer than four others, so that surfaces may have holes. Empty for other maps.
+/// `path`, one sentence: that they are not of the usual size, which nobody chose; that
+/// some were filled between the points of surfaces thinned further; that at least a tenth of them touches
+/// fewer than four others, so that surfaces may have holes. Empty for other maps.
 std::string cloud_remark(const std::filesystem::path& path, const Snapshot& map, bool is_chosen);
 
 /// What save_map writes: each file's name and its bytes.

@@ -123,6 +123,54 @@ TEST(CloudVoxels, OfOtherCloudsAreTheUsualOnes) {
   EXPECT_EQ(cloud_remark(dense, load_map(dense), false), "");
 }
 
+TEST(CloudVoxels, OfAThinnedSurfaceBesideDenseOnesLeaveNoHoles) {
+  const TemporaryFolder folder;
+  Random random(6);
+  for (const double leaf : {0.045, 0.12}) {
+    const Points thin = thinned(sheet(random, 120'000, 0.3), leaf);
+    Points points = thin;
+    for (const Eigen::Vector3f& point : sheet(random, 100'000, 0.2))
+      points.push_back(point + Eigen::Vector3f(2.1F, 0.0F, 0.0F));
+    const std::string file = folder.write("mixed.pcd", format_pcd(points));
+    const Snapshot map = load_map(file);
+    EXPECT_EQ(map.resolution(), 0.02) << leaf;
+    EXPECT_FALSE(leads_through(map, 0.85)) << leaf;
+    EXPECT_TRUE(leads_through(load_map(file, 0.02), 0.85)) << leaf;
+    EXPECT_NE(cloud_remark(file, map, false).find("fill the gaps"), std::string::npos) << leaf;
+    // What was filled is near a point of the thinned surface.
+    for (const Eigen::Vector3f& center : occupied_centers(map.tree(), file)) {
+      if (center.x() > 0.9F) continue;
+      float apart = 1.0F;
+      for (const Eigen::Vector3f& point : thin) apart = std::min(apart, (center - point).norm());
+      ASSERT_LE(apart, 1.2 * leaf + 0.02) << center.transpose();
+    }
+  }
+}
+
+TEST(CloudVoxels, OfScatteredPointsAndLinesAreNotFilled) {
+  Random random(7);
+  Points points = sheet(random, 100'000, 0.0);
+  for (int i = 0; i < 1500; ++i)
+    points.push_back((random.point(0.8) + Eigen::Vector3d(0.0, 0.0, 1.0)).cast<float>());
+  EXPECT_TRUE(thinned_parts(points, 0.02).empty());
+  points = sheet(random, 100'000, 0.0);
+  for (int i = 0; i < 8; ++i)
+    for (int k = 0; k < 40; ++k)  // rings of a lidar
+      points.push_back({0.05F * static_cast<float>(k), 0.3F * static_cast<float>(i), 1.0F});
+  EXPECT_TRUE(thinned_parts(points, 0.02).empty());
+}
+
+TEST(CloudVoxels, OfAWideThinSurfaceBesideADenseOneGrow) {
+  Points points;
+  for (int i = 0; i < 150'000; ++i)
+    points.push_back({0.01F * static_cast<float>(i % 300), 0.01F * static_cast<float>(i / 300), 0.0F});
+  for (int i = 0; i < 10'000; ++i)
+    points.push_back({0.5F * static_cast<float>(i % 100), 0.5F * static_cast<float>(i / 100), 5.0F});
+  const CloudVoxels voxels = voxels_of_cloud("none.pcd", points);
+  EXPECT_NEAR(voxels.edge, 0.625, 1.1e-3);
+  EXPECT_TRUE(voxels.parts.empty());
+}
+
 TEST(CloudVoxels, OfAnExportedMapAreItsOwn) {
   const TemporaryFolder folder;
   Random random(5);
