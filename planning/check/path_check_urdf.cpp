@@ -9,6 +9,7 @@
 #include <locale>
 #include <sstream>
 
+#include "mapping/files/number_words.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/check/path_check_links.hpp"
 #include "planning/robot_files/robot_settings.hpp"
@@ -48,6 +49,29 @@ bool is_of_base(const tinyxml2::XMLElement& joint) {
   return other == nullptr;
 }
 
+/// A joint's range as its <safety_controller> narrows it, unless it gives two zeros.
+void keep_soft_limits(tinyxml2::XMLElement& joint) {
+  tinyxml2::XMLElement* const soft = joint.FirstChildElement("safety_controller");
+  if (!soft || joint.Attribute("type", "fixed")) return;
+  const auto text_of = [](const tinyxml2::XMLElement& element, const char* name) {
+    return element.Attribute(name) ? element.Attribute(name) : "0";
+  };
+  const char *const low = text_of(*soft, "soft_lower_limit"), *const high =
+                                                                  text_of(*soft, "soft_upper_limit");
+  const auto value = [](const char* text) { return parsed_number(text).value_or(0.0); };
+  if (value(low) == 0.0 && value(high) == 0.0) return;
+  tinyxml2::XMLElement* limit = joint.FirstChildElement("limit");
+  if (!limit) {
+    limit = joint.InsertNewChildElement("limit");
+    limit->SetAttribute("effort", "0");
+    limit->SetAttribute("velocity", "0");
+  }
+  const bool is_endless = joint.Attribute("type", "continuous") != nullptr;
+  if (is_endless) joint.SetAttribute("type", "revolute");
+  if (is_endless || value(low) > value(text_of(*limit, "lower"))) limit->SetAttribute("lower", low);
+  if (is_endless || value(high) < value(text_of(*limit, "upper"))) limit->SetAttribute("upper", high);
+}
+
 /// The file's joints and links alone. A body's shape becomes a sphere, because urdfdom knows no capsules and
 /// drops a body whose shape it does not know; its place stays. Masses go: KDL complains of one at the root.
 std::string bare_text(const Robot& robot) {
@@ -64,6 +88,7 @@ std::string bare_text(const Robot& robot) {
     if (name == "joint" && is_of_base(*element)) element->SetAttribute("type", "fixed");
     const bool is_fixed = element->Attribute("type", "fixed") != nullptr;
     joints += name == "joint";
+    if (name == "joint") keep_soft_limits(*element);
     if (name != "joint" && name != "link") root->DeleteChild(element);
     for (auto* part = name == "link" || name == "joint" ? element->FirstChildElement() : nullptr; part;) {
       auto* const following = part->NextSiblingElement();

@@ -57,8 +57,8 @@ std::size_t master_of(const std::filesystem::path& file, const MimicJoint& mimic
   return index;
 }
 
-/// Narrows the master's limits so that multiplier * q + offset keeps the mimic joint's own, and its speed the
-/// mimic joint's own.
+/// Narrows the master's limits so that multiplier * q + offset keeps the mimic joint's own, and its speed,
+/// acceleration and jerk the mimic joint's own.
 void keep_mimic_limits(const std::filesystem::path& file, const MimicJoint& mimic, const Link& link,
                        Joint& master) {
   double lower = (mimic.joint.lower - link.offset) / link.multiplier;
@@ -66,9 +66,10 @@ void keep_mimic_limits(const std::filesystem::path& file, const MimicJoint& mimi
   if (link.multiplier < 0.0) std::swap(lower, upper);
   master.lower = std::max(master.lower, lower);
   master.upper = std::min(master.upper, upper);
-  if (mimic.joint.max_velocity > 0.0) {
-    const double most = mimic.joint.max_velocity / std::abs(link.multiplier);
-    master.max_velocity = master.max_velocity > 0.0 ? std::min(master.max_velocity, most) : most;
+  for (double Joint::*limit : {&Joint::max_velocity, &Joint::max_acceleration, &Joint::max_jerk}) {
+    if (!(mimic.joint.*limit > 0.0)) continue;
+    const double most = mimic.joint.*limit / std::abs(link.multiplier);
+    master.*limit = master.*limit > 0.0 ? std::min(master.*limit, most) : most;
   }
   if (master.lower > master.upper) refuse(file, mimic, " and is never within its own limits");
 }

@@ -24,8 +24,8 @@ struct Joint {
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< unit, in the frame of the joint's link
   double lower = 0.0, upper = 0.0;                  ///< limits; for an unlimited joint -infinity, infinity
   double max_velocity = 0.0;                        ///< rad/s or m/s; 0 when the URDF gives none
-  double max_acceleration = 0.0;                    ///< rad/s^2 or m/s^2; 0 when the settings give none
-  double max_jerk = 0.0;                            ///< rad/s^3 or m/s^3; 0 when the settings give none
+  double max_acceleration = 0.0;                    ///< rad/s^2 or m/s^2; 0 when URDF and settings give none
+  double max_jerk = 0.0;                            ///< rad/s^3 or m/s^3; 0 when URDF and settings give none
   double friction = 0.0;                            ///< mu_j of Chong et al. 2008, eq. 8
   double step = 0.0;  ///< epsilon_j, Chong 2008, eq. 4: default perturbation of the beam search
 };

@@ -26,6 +26,27 @@ std::vector<int> rigid_groups(const Robot& robot) {
   return group;
 }
 
+/// For each link the one across the joint above it, -1 without one. Links without bodies that are fixed on
+/// either side of the joint are passed over.
+std::vector<int> link_across(const Robot& robot) {
+  std::vector<bool> has_body(robot.links.size(), false);
+  for (const Body& body : robot.bodies) has_body[static_cast<std::size_t>(body.link)] = true;
+  const auto parent_of = [&](int link) { return robot.links[static_cast<std::size_t>(link)].parent; };
+  const auto is_moved = [&](int link) { return robot.links[static_cast<std::size_t>(link)].joint >= 0; };
+  std::vector<int> across(robot.links.size(), -1);
+  for (int i = 0; i < static_cast<int>(across.size()); ++i) {
+    int lower = i;
+    while (!is_moved(lower) && parent_of(lower) >= 0 && !has_body[static_cast<std::size_t>(parent_of(lower))])
+      lower = parent_of(lower);
+    if (!is_moved(lower)) continue;
+    int upper = parent_of(lower);
+    while (!has_body[static_cast<std::size_t>(upper)] && !is_moved(upper) && parent_of(upper) >= 0)
+      upper = parent_of(upper);
+    across[static_cast<std::size_t>(i)] = upper;
+  }
+  return across;
+}
+
 /// A value within the limits; an unlimited joint turns freely, so one turn stands for all.
 double random_value(const Joint& joint, std::mt19937_64& random) {
   const double lower = std::isfinite(joint.lower) ? joint.lower : -std::numbers::pi;
@@ -45,19 +66,16 @@ bool touch(const Robot& robot, const LinkPoses& poses, std::pair<int, int> pair)
 }  // namespace
 
 std::vector<std::pair<int, int>> adjacent_bodies(const Robot& robot) {
-  const std::vector<int> group = rigid_groups(robot);
-  const auto parent_group = [&](int g) {
-    const int parent = robot.links[static_cast<std::size_t>(g)].parent;
-    return parent < 0 ? -1 : group[static_cast<std::size_t>(parent)];
+  const std::vector<int> group = rigid_groups(robot), across = link_across(robot);
+  const auto link_of = [&](int body) {
+    return static_cast<std::size_t>(robot.bodies[static_cast<std::size_t>(body)].link);
   };
   std::vector<std::pair<int, int>> pairs;
   for (int a = 0; a < static_cast<int>(robot.bodies.size()); ++a) {
     for (int b = a + 1; b < static_cast<int>(robot.bodies.size()); ++b) {
-      const int group_a = group[static_cast<std::size_t>(robot.bodies[static_cast<std::size_t>(a)].link)];
-      const int group_b = group[static_cast<std::size_t>(robot.bodies[static_cast<std::size_t>(b)].link)];
-      if (group_a == group_b || parent_group(group_a) == group_b || parent_group(group_b) == group_a) {
-        pairs.emplace_back(a, b);
-      }
+      const std::size_t i = link_of(a), k = link_of(b);
+      const bool share_joint = across[i] == static_cast<int>(k) || across[k] == static_cast<int>(i);
+      if (group[i] == group[k] || share_joint) pairs.emplace_back(a, b);
     }
   }
   return pairs;

@@ -9,7 +9,9 @@
 
 namespace clearway {
 
-/// Pairs of bodies that never move against each other, or whose links share one joint: always exempt.
+/// Pairs of bodies that never move against each other, or whose links share one joint (links without bodies
+/// that are fixed on either side of it are passed over): always exempt. Not what is fixed to such a link: a
+/// gripper on the hand's flange and a camera on the link above the last joint can meet.
 std::vector<std::pair<int, int>> adjacent_bodies(const Robot& robot);
 
 /// Pairs that touch at the zero configuration (clamped into the limits) and in at least 95 % of 200 seeded

@@ -259,8 +259,8 @@ void apply_settings(const RobotSettings& settings, const std::filesystem::path& 
     joint.friction = chosen(settings.friction, joint, default_friction);
     joint.step =
         chosen(settings.step, joint, joint.kind == JointKind::revolute ? default_step_rad : default_step_m);
-    joint.max_acceleration = chosen(settings.max_acceleration, joint, 0.0);
-    joint.max_jerk = chosen(settings.max_jerk, joint, 0.0);
+    joint.max_acceleration = chosen(settings.max_acceleration, joint, joint.max_acceleration);
+    joint.max_jerk = chosen(settings.max_jerk, joint, joint.max_jerk);
   }
   for (const std::string& part : settings.critical_parts) {
     const bool known =

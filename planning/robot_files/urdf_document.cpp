@@ -104,6 +104,17 @@ std::set<std::string> links_below_joints(const Element& robot) {
   return links;
 }
 
+/// The lesser of acceleration and deceleration, which no planner of ours tells apart.
+UrdfDocument::Changes changes_of(const Place& place, const Element& joint) {
+  const Element* limit = joint.FirstChildElement("limit");
+  const auto value = [&](const char* name) {
+    return limit && limit->Attribute(name) ? urdf_numbers(place, *limit, name, 1, urdf_any)[0] : 0.0;
+  };
+  const double speeding = value("acceleration"), braking = value("deceleration");
+  return {speeding > 0.0 && braking > 0.0 ? std::min(speeding, braking) : std::max(speeding, braking),
+          value("jerk")};
+}
+
 void check_joints(const Place& place, Element& robot, const std::set<std::string>& links,
                   UrdfDocument& document) {
   const std::set<std::string> below_joints = links_below_joints(robot);
@@ -123,6 +134,7 @@ void check_joints(const Place& place, Element& robot, const std::set<std::string
     if (!parent_of.emplace(child, parent).second)
       here.refuse("link " + quote(child) + " already has a parent joint, expected a tree");
     document.joint_order.push_back(name);
+    document.changes[name] = changes_of(here, *joint);
     if (document.joint_order.size() > most_joints) place.refuse("has more than 500 joints");
   }
   check_tree(place, links, parent_of);

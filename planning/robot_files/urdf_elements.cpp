@@ -68,12 +68,51 @@ void check_limit(const Place& place, const Element& joint, const std::string& ty
   urdf_numbers(place, *limit, "effort", 1, urdf_any);
   const bool is_unknown = urdf_numbers(place, *limit, "velocity", 1, urdf_any)[0] == no_limit;
   if (!is_unknown) urdf_numbers(place, *limit, "velocity", 1, urdf_speed);
+  for (const char* change : {"acceleration", "deceleration", "jerk"})
+    if (limit->Attribute(change)) urdf_numbers(place, *limit, change, 1, urdf_change);
   const UrdfRange range = type == "prismatic" ? urdf_metres : is_limited ? urdf_turns : urdf_any;
   const auto bound = [&](const char* name) {  // URDF: 0 where only the other one is given
     return limit->Attribute(name) ? urdf_numbers(place, *limit, name, 1, range)[0] : 0.0;
   };
   const double lower = bound("lower"), upper = bound("upper");
   if (is_limited && lower > upper) place.refuse("the lower limit is above the upper limit");
+}
+
+/// Limits that keep the joint's soft ones too, as MoveIt reads them; two zeros, which exporters write, say
+/// nothing. urdfdom makes 0 of one that is missing.
+void keep_soft_limits(const Place& place, Element& joint, std::string& type) {
+  const Element* soft = joint.FirstChildElement("safety_controller");
+  if (!soft) return;
+  const char* names[] = {"soft_lower_limit", "soft_upper_limit"};
+  const bool has_lower = soft->Attribute(names[0]), has_upper = soft->Attribute(names[1]);
+  if (!has_lower && !has_upper) return;
+  if (has_lower != has_upper)
+    place.refuse(std::string("<safety_controller> has ") + names[has_lower ? 0 : 1] + " alone, expected " +
+                 names[0] + " and " + names[1]);
+  const UrdfRange range = type == "prismatic" ? urdf_metres : urdf_turns;
+  const double lower = urdf_numbers(place, *soft, names[0], 1, range)[0];
+  const double upper = urdf_numbers(place, *soft, names[1], 1, range)[0];
+  if (lower == 0.0 && upper == 0.0) return;
+  if (lower > upper) place.refuse("the soft lower limit is above the soft upper limit");
+  Element* limit = joint.FirstChildElement("limit");
+  if (type == "continuous") {
+    type = "revolute";
+    joint.SetAttribute("type", type.c_str());
+    if (!limit) limit = joint.InsertNewChildElement("limit");
+    for (const char* name : {"effort", "velocity"})
+      if (!limit->Attribute(name)) limit->SetAttribute(name, "-1");
+    limit->SetAttribute("lower", soft->Attribute(names[0]));
+    limit->SetAttribute("upper", soft->Attribute(names[1]));
+    return;
+  }
+  const auto hard = [&](const char* name) {
+    return limit->Attribute(name) ? urdf_numbers(place, *limit, name, 1, range)[0] : 0.0;
+  };
+  const double hard_lower = hard("lower"), hard_upper = hard("upper");
+  if (lower > hard_upper || upper < hard_lower)
+    place.refuse("no value is within its limits and its soft limits");
+  if (lower > hard_lower) limit->SetAttribute("lower", soft->Attribute(names[0]));
+  if (upper < hard_upper) limit->SetAttribute("upper", soft->Attribute(names[1]));
 }
 
 void check_mimic(const Place& place, const Element& joint, const UrdfRange& range) {
@@ -156,6 +195,7 @@ void check_urdf_joint(const Place& place, Element& joint, bool is_at_root) {
     joint.SetAttribute("type", type.c_str());
   }
   check_limit(place, joint, type);
+  keep_soft_limits(place, joint, type);
   check_mimic(place, joint, type == "prismatic" ? urdf_metres : urdf_turns);
   keep_urdf_children(joint, {"origin", "parent", "child", "axis", "limit", "mimic"});
 }

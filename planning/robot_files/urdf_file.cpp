@@ -97,6 +97,9 @@ class Reader {
       joint.upper = source.limits->upper;
     }
     if (source.limits) joint.max_velocity = std::max(source.limits->velocity, 0.0);  // -1: none
+    const UrdfDocument::Changes& changes = document_.changes.at(source.name);
+    joint.max_acceleration = changes.acceleration;
+    joint.max_jerk = changes.jerk;
     if (source.mimic) {
       mimics_.push_back({static_cast<int>(robot_.links.size()), joint, source.mimic->joint_name});
       link.multiplier = source.mimic->multiplier;

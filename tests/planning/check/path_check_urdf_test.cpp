@@ -122,6 +122,24 @@ TEST(PathCheckUrdf, AMimicJointsLimitsBindItsMaster) {
       << contact(wide);
 }
 
+TEST(PathCheckUrdf, SoftLimitsBind) {
+  for (const std::string type : {"revolute", "prismatic", "continuous"}) {
+    const UrdfRobot soft("soft",
+                         worlds::urdf_link("base", "0 0 0", "<sphere radius='0.1'/>") +
+                             worlds::urdf_link("a", "1 0 0", "<sphere radius='0.1'/>") +
+                             urdf_joint("move", type, "base", "a", "0 0 0", "0 0 1",
+                                        urdf_limit(-2, 2) + "<safety_controller soft_lower_limit='-0.5' "
+                                                            "soft_upper_limit='0.75' k_velocity='1'/>"));
+    EXPECT_EQ(soft.robot().joints[0].upper, 0.75) << type;
+    EXPECT_EQ(contact(soft.robot()), "") << type;
+    Robot wide = soft.robot();
+    wide.joints[0].lower = -0.51;
+    EXPECT_NE(contact(wide).find("joint 'move' may move to -0.51, its limits there are -0.5 to 0.75"),
+              std::string::npos)
+        << contact(wide);
+  }
+}
+
 TEST(PathCheckUrdf, AFileThatChangedAfterItWasLoadedRefusesThePlanAndOneThatIsGoneIsReported) {
   const UrdfRobot whip = worlds::whip();
   const Robot robot = whip.robot();

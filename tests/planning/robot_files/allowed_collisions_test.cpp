@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "mapping/free_space_map.hpp"
 #include "planning/robot_files/load_robot.hpp"
+#include "planning/space/configuration_space.hpp"
 #include "tests/worlds/fcl_truth.hpp"
 #include "tests/worlds/hostile_robots.hpp"
 #include "tests/worlds/random_world.hpp"
@@ -81,8 +85,8 @@ TEST(AllowedCollisions, SiblingsWithJointsOfTheirOwnAreNotNeighbours) {
   const UrdfRobot pair = worlds::scissors();
   EXPECT_TRUE(adjacent_bodies(pair.robot()).empty());
   EXPECT_TRUE(pair.robot().exempt.empty());
-  // With bodies on the base and on what is fixed to an arm: each arm to the base, the fixed one to its arm
-  // and to the base; the arms and what they carry still not to each other.
+  // With bodies on the base and on what is fixed to an arm: each arm to the base, the fixed one to its arm;
+  // the arms and what they carry still not to each other.
   const std::string sphere = "<sphere radius='0.02'/>";
   const UrdfRobot more(
       "more", urdf_link("base", "0 0 0", sphere) + urdf_link("left", "0 0 0", sphere) +
@@ -97,11 +101,54 @@ TEST(AllowedCollisions, SiblingsWithJointsOfTheirOwnAreNotNeighbours) {
   };
   const auto sorted = [](int a, int b) { return std::pair(std::min(a, b), std::max(a, b)); };
   const int base = index("base"), left = index("left"), right = index("right"), tool = index("tool");
-  Pairs expected{sorted(base, left), sorted(base, right), sorted(base, tool), sorted(left, tool)};
+  Pairs expected{sorted(base, left), sorted(base, right), sorted(left, tool)};
   std::sort(expected.begin(), expected.end());
   Pairs found = adjacent_bodies(more.robot());
   std::sort(found.begin(), found.end());
   EXPECT_EQ(found, expected);
+}
+
+/// A turret: a tool fixed to its arm turns through a post that is fixed beside its base.
+TEST(AllowedCollisions, WhatIsFixedToNeighboursIsTestedUnlessNothingElseIsBetweenThem) {
+  const auto turret = [](bool base_has_body, bool arm_has_body, double post) {
+    const auto link = [](const char* name, bool has_body) {
+      return has_body ? urdf_link(name, "0 0 0", "<sphere radius='0.05'/>")
+                      : "<link name='" + std::string(name) + "'/>";
+    };
+    return UrdfRobot(
+        "turret", link("base", base_has_body) + link("arm", arm_has_body) +
+                      urdf_link("post", "0 0 0", "<sphere radius='0.05'/>") +
+                      urdf_link("tool", "0.2 0 0", "<box size='0.04 0.04 0.4'/>") +
+                      urdf_joint("p", "fixed", "base", "post", std::to_string(post) + " 0 0.3", "0 0 1", "") +
+                      urdf_joint("j", "revolute", "base", "arm", "0 0 0.3", "0 0 1", urdf_limit(-3, 3)) +
+                      urdf_joint("t", "fixed", "arm", "tool", "0 0 0", "0 0 1", ""));
+  };
+  const auto is_exempt = [](const Robot& robot, const std::string& a, const std::string& b) {
+    return std::any_of(robot.exempt.begin(), robot.exempt.end(), [&](const auto& pair) {
+      const std::string& first = robot.bodies[static_cast<std::size_t>(pair.first)].part;
+      const std::string& second = robot.bodies[static_cast<std::size_t>(pair.second)].part;
+      return (first == a && second == b) || (first == b && second == a);
+    });
+  };
+  const UrdfRobot full = turret(true, true, 0.35);
+  EXPECT_FALSE(is_exempt(full.robot(), "post", "tool"));  // they meet in a tenth of a turn
+  EXPECT_FALSE(is_exempt(full.robot(), "base", "tool"));
+  EXPECT_TRUE(is_exempt(full.robot(), "base", "arm"));
+  EXPECT_TRUE(is_exempt(full.robot(), "arm", "tool"));
+  const UrdfRobot bare_arm = turret(true, false, 0.35);
+  EXPECT_TRUE(is_exempt(bare_arm.robot(), "base", "tool"));  // the flange is the tool's
+  EXPECT_FALSE(is_exempt(bare_arm.robot(), "post", "tool"));
+  const UrdfRobot overlapping = turret(true, true, 0.0);
+  EXPECT_TRUE(is_exempt(overlapping.robot(), "post", "tool"));  // wherever the joint stands
+  const UrdfRobot bare_base = turret(false, true, 0.35);
+  EXPECT_FALSE(is_exempt(bare_base.robot(), "post", "tool"));
+
+  FreeSpaceMap map({.resolution = 0.05});
+  const ConfigurationSpace space(full.robot(), map.snapshot(), {.critical_by_default = false});
+  EXPECT_FALSE(space.is_free(Configuration::Constant(1, 0.0)));
+  EXPECT_TRUE(space.is_free(Configuration::Constant(1, 1.0)));
+  EXPECT_FALSE(space.is_edge_free(Configuration::Constant(1, -1.0), Configuration::Constant(1, 1.0)));
+  EXPECT_TRUE(space.is_edge_free(Configuration::Constant(1, 0.6), Configuration::Constant(1, 2.0)));
 }
 
 }  // namespace contact_exemptions_test

@@ -190,6 +190,53 @@ TEST_F(RobotFile, SettingsGiveLimitsOfAccelerationAndJerk) {
             "r.yaml: 'max_acceleration' names 'k', which r does not have");
 }
 
+TEST_F(RobotFile, SoftLimitsNarrowTheRange) {
+  const auto with = [&](const std::string& type, const std::string& limit, const std::string& soft) {
+    return urdf(sphere, joint(type, "<axis xyz='0 0 1'/>" + limit + "<safety_controller " + soft + "/>"));
+  };
+  const auto range = [](const Robot& robot) {
+    return std::pair(robot.joints.front().lower, robot.joints.front().upper);
+  };
+  const std::string hard = "<limit lower='-1' upper='1' effort='1' velocity='1'/>";
+  const std::string soft = "soft_lower_limit='-0.5' soft_upper_limit='2' k_velocity='10'";
+  EXPECT_EQ(range(load_robot(with("revolute", hard, soft))), std::pair(-0.5, 1.0));
+  EXPECT_EQ(range(load_robot(with("prismatic", hard, soft))), std::pair(-0.5, 1.0));
+  EXPECT_EQ(range(scaled(load_robot(with("prismatic", hard, soft)), 0.5)), std::pair(-0.25, 0.5));
+  EXPECT_EQ(range(load_robot(with("continuous", "", soft))), std::pair(-0.5, 2.0));
+  EXPECT_EQ(range(load_robot(
+                with("revolute", "<limit lower='-1e16' upper='1e16' effort='1' velocity='1'/>", soft))),
+            std::pair(-0.5, 2.0));
+  EXPECT_EQ(range(load_robot(with("revolute", hard, "k_velocity='10'"))), std::pair(-1.0, 1.0));
+  EXPECT_EQ(range(load_robot(with("revolute", hard, "soft_lower_limit='0' soft_upper_limit='0'"))),
+            std::pair(-1.0, 1.0));
+  EXPECT_EQ(refusal(with("revolute", hard, "soft_lower_limit='-0.5'")),
+            "r.urdf: joint 'j': <safety_controller> has soft_lower_limit alone, expected soft_lower_limit "
+            "and soft_upper_limit");
+  EXPECT_EQ(refusal(with("revolute", hard, "soft_lower_limit='2' soft_upper_limit='3'")),
+            "r.urdf: joint 'j': no value is within its limits and its soft limits");
+  EXPECT_EQ(refusal(with("revolute", hard, "soft_lower='-0.5' soft_upper_limit='3'")),
+            "r.urdf: joint 'j': <safety_controller> has soft_upper_limit alone, expected soft_lower_limit "
+            "and soft_upper_limit");
+}
+
+TEST_F(RobotFile, LimitsOfAccelerationAndJerkMayStandInTheUrdf) {
+  const std::string file = urdf(sphere, joint("revolute",
+                                              "<axis xyz='0 0 1'/><limit lower='-1' upper='1' effort='1' "
+                                              "velocity='1' acceleration='5' deceleration='3' jerk='40'/>"));
+  const Robot robot = load_robot(file);
+  EXPECT_EQ(robot.joints.front().max_acceleration, 3.0);
+  EXPECT_EQ(robot.joints.front().max_jerk, 40.0);
+  write("r.yaml", "max_acceleration: 2\n");  // the settings say otherwise
+  const Robot settled = load_robot(file);
+  EXPECT_EQ(settled.joints.front().max_acceleration, 2.0);
+  EXPECT_EQ(settled.joints.front().max_jerk, 40.0);
+  EXPECT_EQ(refusal(urdf(sphere, joint("revolute",
+                                       "<axis xyz='0 0 1'/><limit lower='-1' upper='1' effort='1' "
+                                       "velocity='1' acceleration='0'/>"))),
+            "r.urdf: joint 'j': <limit> has acceleration '0', expected above 0 (rad or m by s^2 or s^3) in "
+            "[1e-09, 1e+09]");
+}
+
 TEST_F(RobotFile, UnlimitedAndMimicJointsAndUnnormalisedAxesAreUnderstood) {
   const Robot robot = load_robot(write(
       "r.urdf",
