@@ -147,8 +147,11 @@ std::string found_robot(const CalibrateOptions& options, const Setup& setup, con
   robot.place_error =
       confidence_factor(1000000) * transform(map_from_base, middle_of(looks.looks)).largest_sigma();
   const fs::path written = options.out.empty() ? shipped_file("setups", options.setup) : options.out;
-  if (!robot.joint_file.empty())
-    robot.joint_file = fs::proximate(fs::absolute(robot.joint_file), fs::absolute(written).parent_path());
+  const auto from_there = [&](const fs::path& file) {
+    return fs::proximate(fs::absolute(file), fs::absolute(written).parent_path());
+  };
+  if (!robot.joint_file.empty()) robot.joint_file = from_there(robot.joint_file);
+  if (fs::path(robot.name).has_parent_path()) robot.name = from_there(robot.name).string();
   return robot_block(robot);
 }
 

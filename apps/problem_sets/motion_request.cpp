@@ -183,6 +183,9 @@ ForeignProblem read_motion_request(const std::string& text, const std::filesyste
       if (!path.list_of_maps(kind).empty())
         left_out.push_back(file.filename().string() + ": " + kind + " of the path");
   }
+  if (request.has("trajectory_constraints") &&
+      !request.map("trajectory_constraints").list_of_maps("constraints").empty())
+    left_out.push_back(file.filename().string() + ": trajectory_constraints");
   return problem;
 }
 

@@ -59,12 +59,20 @@ Eigen::Isometry3d pose_of_object(const JsonField& object) {
   return pose;
 }
 
-/// Refuses keys that would say where or how large a solid is, and are not known; returns other unknown ones.
-std::vector<std::string> unknown_keys(const JsonField& object, const std::set<std::string>& sizes) {
+/// Whether a key would say where something is or how large.
+bool tells_of_space(const std::string& key) {
   static const char* const telling[] = {"orient", "rot",   "quat",   "euler",  "rpy",    "angle", "yaw",
                                         "pose",   "pos",   "center", "centre", "origin", "trans", "offset",
                                         "frame",  "axis",  "size",   "dim",    "extent", "radi",  "length",
-                                        "height", "width", "depth",  "scale",  "matrix"};
+                                        "height", "width", "depth",  "scale",  "matrix", "unit",  "base"};
+  std::string word;
+  for (const char c : key) word += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return std::any_of(std::begin(telling), std::end(telling),
+                     [&](const char* part) { return word.find(part) != std::string::npos; });
+}
+
+/// Refuses keys that would say where or how large a solid is, and are not known; returns other unknown ones.
+std::vector<std::string> unknown_keys(const JsonField& object, const std::set<std::string>& sizes) {
   std::vector<std::string> unknown;
   for (const auto& [key, value] : object.members()) {
     const bool is_turn = std::find(std::begin(turn_keys), std::end(turn_keys), key) != std::end(turn_keys);
@@ -74,13 +82,10 @@ std::vector<std::string> unknown_keys(const JsonField& object, const std::set<st
           "'orientation_quat_xyzw', 'orientation_quat_wxyz' or 'orientation_euler_xyz' in its place, as it "
           "does "
           "not say in which order its numbers are");
-    std::string word;
-    for (const char c : key) word += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    for (const char* part : telling)
-      if (word.find(part) != std::string::npos)
-        value.refuse("no such key, or one of position, " +
-                     listed({std::begin(turn_keys), std::end(turn_keys)}) + ", " +
-                     listed({sizes.begin(), sizes.end()}));
+    if (tells_of_space(key))
+      value.refuse("no such key, or one of position, " +
+                   listed({std::begin(turn_keys), std::end(turn_keys)}) + ", " +
+                   listed({sizes.begin(), sizes.end()}));
     unknown.push_back(key);
   }
   return unknown;
@@ -88,8 +93,10 @@ std::vector<std::string> unknown_keys(const JsonField& object, const std::set<st
 
 void add_solids(const JsonField& problem, const char* kind, ForeignWorld& world,
                 std::vector<std::string>& left_out) {
-  static const std::map<std::string, std::set<std::string>> sizes{
-      {"sphere", {"radius"}}, {"cylinder", {"radius", "length"}}, {"box", {"half_extents"}}};
+  static const std::map<std::string, std::set<std::string>> sizes{{"sphere", {"radius"}},
+                                                                  {"cylinder", {"radius", "length"}},
+                                                                  {"capsule", {"radius", "length"}},
+                                                                  {"box", {"half_extents"}}};
   if (!problem.has(kind)) return;
   std::size_t number = 0;
   for (const JsonField& object : problem.at(kind).items()) {
@@ -102,6 +109,8 @@ void add_solids(const JsonField& problem, const char* kind, ForeignWorld& world,
     solid.map_from_shape = pose_of_object(object);
     if (solid.kind == "sphere") {
       solid.shape = Shape::sphere(length_of(object.at("radius")));
+    } else if (solid.kind == "capsule") {
+      solid.shape = Shape::capsule(length_of(object.at("radius")), length_of(object.at("length")));
     } else if (solid.kind == "cylinder") {
       solid.shape = Shape::cylinder(length_of(object.at("radius")), length_of(object.at("length")));
     } else {
@@ -121,16 +130,54 @@ std::vector<double> values_of(const JsonField& field) {
   return values;
 }
 
+/// In the robot's own order, or by names, of which there are as many.
+ForeignState state_of(const JsonField& field, const std::vector<std::string>& names) {
+  const std::vector<double> values = values_of(field);
+  if (names.empty()) return {{}, values};
+  if (values.size() != names.size())
+    field.refuse(std::to_string(names.size()) + " values, one for each of 'joint_names'");
+  ForeignState state;
+  for (std::size_t j = 0; j < names.size(); ++j) state.by_joint[names[j]] = values[j];
+  return state;
+}
+
+std::vector<std::string> joint_names(const JsonField& problem) {
+  std::vector<std::string> names;
+  if (!problem.has("joint_names")) return names;
+  for (const JsonField& name : problem.at("joint_names").items()) names.push_back(name.text());
+  if (std::set<std::string>(names.begin(), names.end()).size() != names.size())
+    problem.at("joint_names").refuse("each name once");
+  return names;
+}
+
+constexpr const char* solid_kinds[] = {"sphere", "cylinder", "capsule", "box"};
+
+/// Refuses what may be an obstacle or say where things are, and is not known; returns other unknown keys.
+std::vector<std::string> unknown_keys_of_problem(const JsonField& problem) {
+  std::set<std::string> known{"start",   "goals", "valid",       "index",
+                              "problem", "name",  "description", "joint_names"};
+  known.insert(std::begin(solid_kinds), std::end(solid_kinds));
+  const std::set<std::string> about{"metadata",  "info",    "notes",    "tags",
+                                    "goal_pose", "goal_ik", "solution", "path"};
+  std::vector<std::string> unknown;
+  for (const auto& [key, value] : problem.members()) {
+    if (value.is_null() || known.contains(key)) continue;
+    const bool is_about = about.contains(key);
+    if (!is_about && (value.is_composed() || tells_of_space(key)))
+      value.refuse("no such key, as what it holds would be lost, or one of " +
+                   listed({known.begin(), known.end()}));
+    unknown.push_back(key);
+  }
+  return unknown;
+}
+
 void add_problem(const std::string& experiment, std::size_t number, const JsonField& problem,
                  ForeignSet& set) {
   const std::string index =
       problem.has("index") ? std::to_string(problem.at("index").count()) : std::to_string(number);
   const std::string name = experiment + " " + index;
-  for (const auto& [key, value] : problem.members()) {
-    const std::set<std::string> known{"sphere", "cylinder", "box",  "start", "goals",      "valid",
-                                      "index",  "problem",  "name", "robot", "description"};
-    if (!value.is_null() && !known.contains(key)) set.left_out.push_back(name + ": " + quote(key));
-  }
+  for (const std::string& key : unknown_keys_of_problem(problem))
+    set.left_out.push_back(name + ": " + quote(key));
   if (problem.has("valid") && !problem.at("valid").flag()) {
     set.left_out.push_back(name + ": it says that it is not valid");
     return;
@@ -141,10 +188,11 @@ void add_problem(const std::string& experiment, std::size_t number, const JsonFi
     return;
   }
   ForeignWorld world{name, {}};
-  for (const char* kind : {"sphere", "cylinder", "box"}) add_solids(problem, kind, world, set.left_out);
+  for (const char* kind : solid_kinds) add_solids(problem, kind, world, set.left_out);
   ForeignProblem ready{name, experiment, set.worlds.size(), "", {}, {}};
-  ready.start.values = values_of(problem.at("start"));
-  for (const JsonField& goal : goals) ready.goals.push_back({{{}, values_of(goal)}});
+  const std::vector<std::string> names = joint_names(problem);
+  ready.start = state_of(problem.at("start"), names);
+  for (const JsonField& goal : goals) ready.goals.push_back({state_of(goal, names)});
   set.worlds.push_back(std::move(world));
   set.problems.push_back(std::move(ready));
 }

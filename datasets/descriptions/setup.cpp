@@ -167,7 +167,7 @@ void read_cameras(const YamlFields& fields, const std::filesystem::path& folder,
 
 RobotSetup read_robot(const YamlFields& fields, const std::filesystem::path& folder) {
   RobotSetup robot;
-  robot.name = fields.file("name");
+  robot.name = fields.robot("name", folder);
   robot.map_from_base = fields.pose("base", robot.map_from_base);
   robot.scale = fields.optional_number("scale", {1e-3, 1e3});
   if (fields.has_angles("joints")) robot.joints = fields.angles("joints");

@@ -202,8 +202,8 @@ void read_tasks(const YamlFields& fields, const Suite& suite, const std::filesys
   if (fields.has("generate")) experiment.generate = read_generator(fields.map("generate"));
   const bool is_team =
       fields.has("teams") || (experiment.generate && experiment.generate->kind == "crossings");
-  if (is_team) experiment.teams = read_suite_teams(fields);
-  if (!is_team) experiment.robot = fields.file("robot");
+  if (is_team) experiment.teams = read_suite_teams(fields, folder);
+  if (!is_team) experiment.robot = fields.robot("robot", folder);
   if (experiment.generate || (is_team && !fields.has("world"))) return;
   if (is_team || fields.has("world")) {
     experiment.world = fields.text("world");

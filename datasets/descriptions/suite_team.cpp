@@ -12,10 +12,10 @@ namespace {
 constexpr double fastest = 1000.0;  ///< m/s, of things that move
 constexpr double briefest = 1e-3;   ///< s, between two of their poses
 
-SuiteTeamRobot read_team_robot(const YamlFields& fields) {
+SuiteTeamRobot read_team_robot(const YamlFields& fields, const std::filesystem::path& folder) {
   SuiteTeamRobot robot;
   robot.name = fields.text("name");
-  robot.robot = fields.file("robot");
+  robot.robot = fields.robot("robot", folder);
   robot.scale = fields.optional_number("scale", {1e-3, 1e3});
   robot.payload = fields.number("payload", not_negative, robot.payload);
   if (fields.has_angles("base")) robot.map_from_base = fields.pose("base");
@@ -73,12 +73,12 @@ SuiteSensing read_sensing(const YamlFields& fields) {
   return sensing;
 }
 
-SuiteTeam read_team(const YamlFields& fields) {
+SuiteTeam read_team(const YamlFields& fields, const std::filesystem::path& folder) {
   SuiteTeam team;
   team.name = fields.text("name");
   std::set<std::string> names;
   for (const auto& entry : fields.list_of_maps("robots")) {
-    team.robots.push_back(read_team_robot(entry));
+    team.robots.push_back(read_team_robot(entry, folder));
     take_name(names, team.robots.back().name, entry, "name");
   }
   if (team.robots.empty()) fields.fail("robots", "expected at least one robot");
@@ -92,11 +92,11 @@ SuiteTeam read_team(const YamlFields& fields) {
 
 }  // namespace
 
-SuiteTeams read_suite_teams(const YamlFields& fields) {
+SuiteTeams read_suite_teams(const YamlFields& fields, const std::filesystem::path& folder) {
   SuiteTeams all;
   std::set<std::string> names;
   for (const auto& entry : fields.list_of_maps("teams")) {
-    all.teams.push_back(read_team(entry));
+    all.teams.push_back(read_team(entry, folder));
     take_name(names, all.teams.back().name, entry, "name");
   }
   if (fields.has("sensing")) all.sensing = read_sensing(fields.map("sensing"));

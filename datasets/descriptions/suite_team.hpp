@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -60,7 +61,8 @@ struct SuiteTeams {
 };
 
 /// The teams of an experiment: {teams, period, duration, max_acceleration, sensing}; other keys are left to
-/// the caller. @throws std::invalid_argument: no goal, names given twice, a number out of range, ...
-SuiteTeams read_suite_teams(const YamlFields& fields);
+/// the caller. Robots' files are looked for in `folder`. @throws std::invalid_argument: no goal, names given
+/// twice, a number out of range, ...
+SuiteTeams read_suite_teams(const YamlFields& fields, const std::filesystem::path& folder);
 
 }  // namespace clearway

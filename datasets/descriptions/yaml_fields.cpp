@@ -206,6 +206,11 @@ std::string YamlFields::file(const std::string& key) const {
   return checked_text(node.Scalar(), key, 255);
 }
 
+std::string YamlFields::robot(const std::string& key, const std::filesystem::path& folder) const {
+  const std::filesystem::path given = file(key);
+  return given.has_extension() || given.has_parent_path() ? (folder / given).string() : given.string();
+}
+
 std::string YamlFields::prose(const std::string& key, const std::string& otherwise) const {
   if (!has(key)) return otherwise;
   const YAML::Node node = required(key);

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -53,6 +54,8 @@ class YamlFields {
   std::string text(const std::string& key) const;
   std::string text(const std::string& key, const std::string& otherwise) const;
   std::string file(const std::string& key) const;  ///< a path, at most 255 characters of the same kind
+  /// The name of a shipped robot as it is; a robot's file from `folder`.
+  std::string robot(const std::string& key, const std::filesystem::path& folder) const;
   std::string prose(const std::string& key, const std::string& otherwise) const;  ///< lines; up to 10,000
   std::string text_or_numbers(const std::string& key) const;     ///< of a list of numbers: "0.1, 0.2"
   std::vector<std::string> texts(const std::string& key) const;  ///< a list, empty when absent

@@ -49,6 +49,8 @@ std::vector<std::pair<std::string, JsonField>> JsonField::members() const {
   return fields;
 }
 
+bool JsonField::is_composed() const { return value_->is_structured() && !value_->empty(); }
+
 bool JsonField::is_null() const { return value_->is_null(); }
 
 std::string JsonField::text() const {

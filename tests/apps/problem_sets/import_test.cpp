@@ -42,7 +42,9 @@ TEST_F(Import, ScenesAndRequestsOfMotionBenchMakerBecomeASuiteThatIsSolved) {
                     "      primitives: [{type: box, dimensions: [1, 1, 1]}]\n      primitive_poses: "
                     "[{position: [0, 0, 0]}]\n");
   std::string request_text =
-      arm_request + "path_constraints:\n  orientation_constraints: [{link_name: lower}]\n";
+      arm_request +
+      "path_constraints:\n  orientation_constraints: [{link_name: lower}]\n"
+      "trajectory_constraints: {constraints: [{joint_constraints: [{joint_name: elbow}]}]}\n";
   request_text.insert(request_text.find("  joint_state"), "  is_diff: true\n");
   const std::string request = folder_.write("request0001.yaml", request_text);
   const CommandRun run = import("mbm", {scene, request}, {"--json", "--leave-out-unknown-frames"});
@@ -52,7 +54,7 @@ TEST_F(Import, ScenesAndRequestsOfMotionBenchMakerBecomeASuiteThatIsSolved) {
   EXPECT_EQ(said["problems"], 1);
   const std::string left = said["left_out"].dump();
   for (const char* what : {"'mug', of which it shows no shape", "'floating' in frame 'somewhere'",
-                           "orientation_constraints of the path"})
+                           "orientation_constraints of the path", "trajectory_constraints"})
     EXPECT_NE(left.find(what), std::string::npos) << left;
   const Snapshot world = map("scene0001");
   EXPECT_EQ(world.counts().occupied, cubes_met_by_ball(0.24) + 10);  // the post: ten voxels, one on another
@@ -255,65 +257,6 @@ TEST_F(Import, ProblemsOfJsonAreOneExperimentForEachNameWithAWorldEach) {
   EXPECT_EQ(wrong.status, exit_bad_input);
   EXPECT_NE(wrong.log.find("problem 'shelf 1', start: got 2 values, expected 3"), std::string::npos)
       << wrong.log;
-}
-
-/// Turns by angles about the fixed axes x, y, z, and by their quaternion, computed by hand here: a quarter
-/// turn about x, then one about z, takes z to x, and x to y.
-TEST_F(Import, ASolidsTurnIsReadInEachFormThatIsUnambiguous) {
-  const double quarter = 1.5707963267948966;
-  const std::vector<std::pair<std::string, std::vector<double>>> forms{
-      {"orientation_euler_xyz", {quarter, 0.0, quarter}},
-      {"rpy", {quarter, 0.0, quarter}},
-      {"orientation_quat_xyzw", {0.5, 0.5, 0.5, 0.5}},
-      {"quaternion_xyzw", {0.5, 0.5, 0.5, 0.5}},
-      {"orientation_quat_wxyz", {0.5, 0.5, 0.5, 0.5}}};
-  for (auto [key, turn] : forms) {
-    for (const bool is_mixed : {false, true}) {
-      const bool is_quaternion = turn.size() == 4;
-      if (is_mixed && !is_quaternion) continue;
-      // All four numbers are alike above; a quarter turn about x alone tells their order.
-      if (is_mixed)
-        turn = key.ends_with("wxyz") ? std::vector<double>{0.7071068, 0.7071068, 0.0, 0.0}
-                                     : std::vector<double>{0.7071068, 0.0, 0.0, 0.7071068};
-      std::filesystem::remove_all(folder_ / "out");
-      const Json set = {{"problems",
-                         {{"a",
-                           {{{"start", {0, 0, 0}},
-                             {"goals", {{0.1, 0.1, 0}}},
-                             {"box",
-                              {{{"position", {0.05, 3.05, 0.05}},
-                                {"half_extents", {0.04, 0.04, 0.44}},
-                                {key, turn},
-                                {"colour", "red"}}}}}}}}}};
-      const CommandRun run = import("json", {folder_.write("a.json", set.dump())}, {"--json"});
-      ASSERT_EQ(run.status, exit_done) << run.log << key;
-      EXPECT_EQ(Json::parse(run.out)["left_out"], Json{"a 1: 'colour' of box 'box1'"});
-      EXPECT_EQ(map("a_1").counts().occupied, 9U) << key;
-      const Eigen::Vector3d end =
-          is_mixed ? Eigen::Vector3d(0.05, 3.45, 0.05) : Eigen::Vector3d(0.45, 3.05, 0.05);
-      EXPECT_EQ(map("a_1").state(end), VoxelState::occupied) << key;
-    }
-  }
-}
-
-TEST_F(Import, WhatItDoesNotUnderstandIsNeverTakenForFreeSpaceInSilence) {
-  const std::string sets = folder_.write(
-      "a.json",
-      "{\"problems\": {\"a\": [{\"start\": [0, 0, 0], \"goals\": [[0.1, 0.1, 0]], \"cuboid\": [{}]}]}}");
-  EXPECT_NE(import("json", {sets}).out.find("'cuboid'"), std::string::npos);
-  std::filesystem::remove_all(folder_.path() / "out");
-  const std::string scene =
-      folder_.write("a.yaml", "world: {collision_objects: [{id: odd, primitive: [{type: box}]}]}");
-  EXPECT_NE(import("mbm", {scene}).out.find("'odd', which has neither primitives nor meshes"),
-            std::string::npos);
-  std::filesystem::remove_all(folder_.path() / "out");
-  const std::string moved = folder_.write(
-      "b.yaml",
-      "robot_state: {multi_dof_joint_state: {transforms: [{translation: [1, 0, 0], rotation: [0, 0, "
-      "0, 1]}]}}\nworld: {collision_objects: []}");
-  const CommandRun run = import("mbm", {moved});
-  EXPECT_EQ(run.status, exit_bad_input) << run.out;
-  EXPECT_NE(run.log.find("expected the robot's base at the map's origin"), std::string::npos) << run.log;
 }
 
 /// `rostopic echo` writes all fields, empty ones as '', `ros2 topic echo` a byte as its character; words of

@@ -142,6 +142,11 @@ TEST(Setup, SensorsTheHandAndTheStandingRobotAreRead) {
   EXPECT_EQ(setup.robot->self_margin, 0.03);
 }
 
+TEST(Setup, TheRobotsFileIsLookedForInItsFolder) {
+  EXPECT_EQ(parse_setup("robot: {name: arm.urdf}", "some/where/s.yaml").robot->name, "some/where/arm.urdf");
+  EXPECT_EQ(parse_setup("robot: {name: puma560}", "some/where/s.yaml").robot->name, "puma560");
+}
+
 TEST(Setup, SensorsWithMistakesAreRefused) {
   const auto refusal = [](const std::string& from, const std::string& to) -> std::string {
     std::string text = mounted;

@@ -143,6 +143,20 @@ TEST(Suite, StatesOfTheRobotMayStandForNumbers) {
             "the name of a state.");
 }
 
+TEST(Suite, FilesOfRobotsAreLookedForInItsFolder) {
+  const auto robot_of = [](const std::string& robot) {
+    return parse_suite("experiments: [{name: e, robot: " + robot +
+                           ", generate: {kind: cells, count: 1, seed: 1}, planners: [{planner: beam}]}]",
+                       "some/where/s.yaml")
+        .experiments.at(0)
+        .robot;
+  };
+  EXPECT_EQ(robot_of("arm.urdf"), "some/where/arm.urdf");
+  EXPECT_EQ(robot_of("../arm.yaml"), "some/where/../arm.yaml");
+  EXPECT_EQ(robot_of("/robots/arm.urdf"), "/robots/arm.urdf");
+  EXPECT_EQ(robot_of("panda"), "panda");
+}
+
 TEST(Suite, AnExactWorldIsItsSolidsAlone) {
   const auto world = [](const std::string& more) {
     return "worlds: [{name: w, exact: true, " + more +

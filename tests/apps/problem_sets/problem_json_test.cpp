@@ -1,0 +1,121 @@
+// Problem sets as JSON: `clearway import json`.
+#include "datasets/descriptions/suite.hpp"
+#include "tests/apps/problem_sets/import_fixture.hpp"
+
+namespace clearway {
+namespace import_test {
+
+/// Turns by angles about the fixed axes x, y, z, and by their quaternion, computed by hand here: a quarter
+/// turn about x, then one about z, takes z to x, and x to y.
+TEST_F(Import, ASolidsTurnIsReadInEachFormThatIsUnambiguous) {
+  const double quarter = 1.5707963267948966;
+  const std::vector<std::pair<std::string, std::vector<double>>> forms{
+      {"orientation_euler_xyz", {quarter, 0.0, quarter}},
+      {"rpy", {quarter, 0.0, quarter}},
+      {"orientation_quat_xyzw", {0.5, 0.5, 0.5, 0.5}},
+      {"quaternion_xyzw", {0.5, 0.5, 0.5, 0.5}},
+      {"orientation_quat_wxyz", {0.5, 0.5, 0.5, 0.5}}};
+  for (auto [key, turn] : forms) {
+    for (const bool is_mixed : {false, true}) {
+      const bool is_quaternion = turn.size() == 4;
+      if (is_mixed && !is_quaternion) continue;
+      // All four numbers are alike above; a quarter turn about x alone tells their order.
+      if (is_mixed)
+        turn = key.ends_with("wxyz") ? std::vector<double>{0.7071068, 0.7071068, 0.0, 0.0}
+                                     : std::vector<double>{0.7071068, 0.0, 0.0, 0.7071068};
+      std::filesystem::remove_all(folder_ / "out");
+      const Json set = {{"problems",
+                         {{"a",
+                           {{{"start", {0, 0, 0}},
+                             {"goals", {{0.1, 0.1, 0}}},
+                             {"box",
+                              {{{"position", {0.05, 3.05, 0.05}},
+                                {"half_extents", {0.04, 0.04, 0.44}},
+                                {key, turn},
+                                {"colour", "red"}}}}}}}}}};
+      const CommandRun run = import("json", {folder_.write("a.json", set.dump())}, {"--json"});
+      ASSERT_EQ(run.status, exit_done) << run.log << key;
+      EXPECT_EQ(Json::parse(run.out)["left_out"], Json{"a 1: 'colour' of box 'box1'"});
+      EXPECT_EQ(map("a_1").counts().occupied, 9U) << key;
+      const Eigen::Vector3d end =
+          is_mixed ? Eigen::Vector3d(0.05, 3.45, 0.05) : Eigen::Vector3d(0.45, 3.05, 0.05);
+      EXPECT_EQ(map("a_1").state(end), VoxelState::occupied) << key;
+    }
+  }
+}
+
+TEST_F(Import, WhatItDoesNotUnderstandIsNeverTakenForFreeSpaceInSilence) {
+  const auto import_with = [&](const std::string& more) {
+    std::filesystem::remove_all(folder_.path() / "out");
+    return import("json", {folder_.write("a.json",
+                                         "{\"problems\": {\"a\": [{\"start\": [0, 0, 0], \"goals\": "
+                                         "[[0.1, 0.1, 0]], " +
+                                             more + "}]}}")});
+  };
+  for (const char* lost : {"\"cuboid\": [{}]", "\"spheres\": [[0, 0, 0, 1]]", "\"base_pose\": [1, 0, 0]",
+                           "\"mesh\": {\"file\": \"a.stl\"}", "\"units\": \"mm\"", "\"frame\": \"table\""}) {
+    const CommandRun run = import_with(lost);
+    EXPECT_EQ(run.status, exit_bad_input) << lost;
+    EXPECT_NE(run.log.find("expected no such key, as what it holds would be lost"), std::string::npos)
+        << run.log;
+  }
+  for (const char* said : {"\"robot\": \"x\"", "\"metadata\": {\"a\": 1}", "\"difficulty\": 3"})
+    EXPECT_NE(import_with(said).out.find("left out"), std::string::npos) << said;
+  EXPECT_EQ(import_with("\"mesh\": [], \"cuboid\": {}").status, exit_done);
+  std::filesystem::remove_all(folder_.path() / "out");
+  const std::string scene =
+      folder_.write("a.yaml", "world: {collision_objects: [{id: odd, primitive: [{type: box}]}]}");
+  EXPECT_NE(import("mbm", {scene}).out.find("'odd', which has neither primitives nor meshes"),
+            std::string::npos);
+  std::filesystem::remove_all(folder_.path() / "out");
+  const std::string moved = folder_.write(
+      "b.yaml",
+      "robot_state: {multi_dof_joint_state: {transforms: [{translation: [1, 0, 0], rotation: [0, 0, "
+      "0, 1]}]}}\nworld: {collision_objects: []}");
+  const CommandRun run = import("mbm", {moved});
+  EXPECT_EQ(run.status, exit_bad_input) << run.out;
+  EXPECT_NE(run.log.find("expected the robot's base at the map's origin"), std::string::npos) << run.log;
+}
+
+/// A capsule along y.
+TEST_F(Import, CapsulesOfAProblemSetAreSolids) {
+  const Json set = {{"problems",
+                     {{"a",
+                       {{{"start", {0, 0, 0}},
+                         {"goals", {{0.1, 0.1, 0}}},
+                         {"capsule",
+                          {{{"position", {3.05, 0.25, 0.05}},
+                            {"rpy", {1.5707963267948966, 0, 0}},
+                            {"radius", 0.04},
+                            {"length", 0.3}}}}}}}}}};
+  ASSERT_EQ(import("json", {folder_.write("a.json", set.dump())}).status, exit_done);
+  const Snapshot made = map("a_1");
+  EXPECT_EQ(made.counts().occupied, 5U);  // y from 0.06 to 0.44: without its caps it ended at 0.4
+  for (const double y : {0.05, 0.15, 0.25, 0.35, 0.45, 0.55})
+    EXPECT_EQ(made.state({3.05, y, 0.05}) == VoxelState::occupied, y < 0.5) << y;
+}
+
+TEST_F(Import, JointNamesOfAProblemSayWhoseValuesTheseAre) {
+  const auto with = [&](const Json& names, const Json& start) {
+    std::filesystem::remove_all(folder_.path() / "out");
+    const Json set = {
+        {"problems", {{"a", {{{"start", start}, {"goals", {{0.02, -0.1, 0.5}}}, {"joint_names", names}}}}}}};
+    return import("json", {folder_.write("a.json", set.dump())});
+  };
+  ASSERT_EQ(with({"grip", "elbow", "shoulder"}, {0.01, 0.1, -0.2}).status, exit_done);
+  const SuiteProblem problem = load_suite(folder_.path() / "out/suite.yaml").experiments[0].problems[0];
+  EXPECT_EQ(problem.start, (std::vector<double>{-0.2, 0.1, 0.01}));
+  EXPECT_EQ(problem.goals[0], (std::vector<double>{0.5, -0.1, 0.02}));
+  for (const auto& [run, why] :
+       {std::pair(with({"grip", "elbow"}, {0.01, 0.1, -0.2}),
+                  "expected 2 values, one for each of 'joint_names'"),
+        std::pair(with({"grip", "elbow", "grip"}, {0.01, 0.1, -0.2}), "expected each name once"),
+        std::pair(with({"grip", "elbow", "wrist"}, {0.01, 0.1, -0.2}),
+                  "its goal names joint 'wrist', which robot 'arm' does not have")}) {
+    EXPECT_EQ(run.status, exit_bad_input) << why;
+    EXPECT_NE(run.log.find(why), std::string::npos) << run.log;
+  }
+}
+
+}  // namespace import_test
+}  // namespace clearway
