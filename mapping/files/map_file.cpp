@@ -170,8 +170,8 @@ std::string cloud_remark(const fs::path& path, const Snapshot& map, bool is_chos
   const double edge = map.resolution();
   std::string remark;
   if (!is_chosen && edge != usual_cloud_resolution && !stated_edge(path))
-    remark = "the cloud's points are some " + millimetres(0.8 * edge) + " apart and stand for voxels of " +
-             millimetres(edge);
+    remark = "the cloud's points are some " + std::to_string(std::lround(800.0 * edge)) + " mm" +
+             " apart and stand for voxels of " + millimetres(edge);
   const auto [sparse, filled] = sparse_and_filled(map);
   const auto add = [&](const std::string& text) { remark += (remark.empty() ? "" : "; ") + text; };
   if (filled > 0)

@@ -47,6 +47,14 @@ std::vector<int> link_across(const Robot& robot) {
   return across;
 }
 
+/// Zero, clamped into the limits.
+Configuration at_zero(const Robot& robot) {
+  Configuration q(static_cast<Eigen::Index>(robot.dof()));
+  for (std::size_t j = 0; j < robot.dof(); ++j)
+    q[static_cast<Eigen::Index>(j)] = std::clamp(0.0, robot.joints[j].lower, robot.joints[j].upper);
+  return q;
+}
+
 /// A value within the limits; an unlimited joint turns freely, so one turn stands for all.
 double random_value(const Joint& joint, std::mt19937_64& random) {
   const double lower = std::isfinite(joint.lower) ? joint.lower : -std::numbers::pi;
@@ -61,6 +69,54 @@ bool touch(const Robot& robot, const LinkPoses& poses, std::pair<int, int> pair)
   const Eigen::Isometry3d pose_a = poses[static_cast<std::size_t>(a.link)] * a.link_from_shape;
   const Eigen::Isometry3d pose_b = poses[static_cast<std::size_t>(b.link)] * b.link_from_shape;
   return distance(a.shape, pose_a, b.shape, pose_b, 0.0).lower <= 0.0;
+}
+
+/// Two bodies on either side of one joint: `below` moves with it.
+struct AcrossJoint {
+  int above, below;
+  int mover;  ///< the link that the joint moves
+};
+
+/// Whether the bodies stay apart wherever the joint between them stands, proved: halves of its range are
+/// looked at until the distance in the middle of each is more than anything moves on the way to its ends.
+bool never_meet(const Robot& robot, const AcrossJoint& pair) {
+  constexpr double margin = 1e-6;  ///< m, for rounding
+  constexpr int most_looks = 200;
+  const Link& link = robot.links[static_cast<std::size_t>(pair.mover)];
+  const Joint& joint = robot.joints[static_cast<std::size_t>(link.joint)];
+  const double lower = std::isfinite(joint.lower) ? joint.lower : -std::numbers::pi;
+  const double upper = std::isfinite(joint.upper) ? joint.upper : std::numbers::pi;
+  if (joint.kind == JointKind::prismatic && !(std::isfinite(joint.lower) && std::isfinite(joint.upper)))
+    return false;
+  Configuration q = at_zero(robot);
+  const auto poses_at = [&](double value) {
+    q[link.joint] = value;
+    return forward_kinematics(robot, q);
+  };
+  const Body& a = robot.bodies[static_cast<std::size_t>(pair.above)];
+  const Body& b = robot.bodies[static_cast<std::size_t>(pair.below)];
+  const auto place = [](const LinkPoses& poses, const Body& body) {
+    return poses[static_cast<std::size_t>(body.link)] * body.link_from_shape;
+  };
+  const LinkPoses first = poses_at(lower);
+  const Eigen::Vector3d center =
+      first[static_cast<std::size_t>(pair.mover)].inverse() * place(first, b).translation();
+  const double lever = center.cross(joint.axis).norm() + b.shape.bounding_radius();
+  const double speed = std::abs(link.multiplier) * (joint.kind == JointKind::revolute ? lever : 1.0);
+  std::vector<std::pair<double, double>> open{{lower, upper}};
+  for (int looks = 0; !open.empty(); ++looks) {
+    if (looks == most_looks) return false;
+    const auto [from, to] = open.back();
+    open.pop_back();
+    const double half = (to - from) / 2.0, middle = from + half, way = speed * half + margin;
+    const LinkPoses poses = poses_at(middle);
+    const double apart = distance(a.shape, place(poses, a), b.shape, place(poses, b), way).lower;
+    if (apart >= way) continue;
+    if (apart <= 0.0) return false;
+    open.emplace_back(from, middle);
+    open.emplace_back(middle, to);
+  }
+  return true;
 }
 
 }  // namespace
@@ -81,12 +137,31 @@ std::vector<std::pair<int, int>> adjacent_bodies(const Robot& robot) {
   return pairs;
 }
 
+std::vector<std::pair<int, int>> never_meeting_bodies(const Robot& robot) {
+  const std::vector<int> group = rigid_groups(robot);
+  const auto group_of = [&](int body) {
+    return group[static_cast<std::size_t>(robot.bodies[static_cast<std::size_t>(body)].link)];
+  };
+  const auto above = [&](int g) {
+    const Link& link = robot.links[static_cast<std::size_t>(g)];
+    return link.joint < 0 || link.parent < 0 ? -1 : group[static_cast<std::size_t>(link.parent)];
+  };
+  std::vector<std::pair<int, int>> pairs;
+  for (int a = 0; a < static_cast<int>(robot.bodies.size()); ++a) {
+    for (int b = a + 1; b < static_cast<int>(robot.bodies.size()); ++b) {
+      const int upper = group_of(a), lower = group_of(b);
+      const bool is_below = above(lower) == upper;
+      if (!is_below && above(upper) != lower) continue;
+      const AcrossJoint pair = is_below ? AcrossJoint{a, b, lower} : AcrossJoint{b, a, upper};
+      if (never_meet(robot, pair)) pairs.emplace_back(a, b);
+    }
+  }
+  return pairs;
+}
+
 std::vector<std::pair<int, int>> always_colliding_bodies(const Robot& robot) {
   std::vector<LinkPoses> samples;
-  Configuration q(static_cast<Eigen::Index>(robot.dof()));
-  for (std::size_t j = 0; j < robot.dof(); ++j) {
-    q[static_cast<Eigen::Index>(j)] = std::clamp(0.0, robot.joints[j].lower, robot.joints[j].upper);
-  }
+  Configuration q = at_zero(robot);
   samples.push_back(forward_kinematics(robot, q));
   std::mt19937_64 random(1);
   for (int i = 0; i < sampled_configurations; ++i) {

@@ -14,6 +14,10 @@ namespace clearway {
 /// gripper on the hand's flange and a camera on the link above the last joint can meet.
 std::vector<std::pair<int, int>> adjacent_bodies(const Robot& robot);
 
+/// Pairs with one joint between them that are proved to stay apart wherever it stands: no planner or check
+/// needs to look at them.
+std::vector<std::pair<int, int>> never_meeting_bodies(const Robot& robot);
+
 /// Pairs that touch at the zero configuration (clamped into the limits) and in at least 95 % of 200 seeded
 /// random ones: parts of a design that overlaps, not contacts, as MoveIt's setup assistant reasons.
 std::vector<std::pair<int, int>> always_colliding_bodies(const Robot& robot);

@@ -43,6 +43,7 @@ std::vector<std::pair<int, int>> exempt_pairs(const Robot& robot, const RobotSet
   const auto append = [&](const std::vector<std::pair<int, int>>& more) {
     pairs.insert(pairs.end(), more.begin(), more.end());
   };
+  append(never_meeting_bodies(robot));
   std::vector<std::string> links;
   for (const Link& link : robot.links) links.push_back(link.name);
   const auto untested =
