@@ -174,8 +174,11 @@ std::uint64_t YamlFields::seed(const std::string& key, std::uint64_t otherwise) 
 
 bool YamlFields::boolean(const std::string& key) const {
   const YAML::Node node = required(key);
-  if (node.IsScalar() && node.Scalar() == "true") return true;
-  if (node.IsScalar() && node.Scalar() == "false") return false;
+  const std::string word = node.IsScalar() ? node.Scalar() : "";
+  for (const char* yes : {"true", "True", "TRUE"})  // the words of YAML's core schema; Python writes True
+    if (word == yes) return true;
+  for (const char* no : {"false", "False", "FALSE"})
+    if (word == no) return false;
   fail(key, "expected true or false, got " + shown_node(node));
 }
 

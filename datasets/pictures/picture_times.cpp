@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "datasets/pictures/picture_file.hpp"
+#include "datasets/sources/clock_seconds.hpp"
 #include "datasets/sources/finite_number.hpp"
 #include "mapping/system/child_process.hpp"
 #include "mapping/system/input_file.hpp"
@@ -236,13 +237,6 @@ std::vector<fs::path> in_order_of_names(std::vector<fs::path> files) {
     return std::pair(*time_in_name(a.stem().string()), a) < std::pair(*time_in_name(b.stem().string()), b);
   });
   return files;
-}
-
-void make_seconds(std::vector<double>& times) {
-  const double largest = times.empty() ? 0.0 : *std::max_element(times.begin(), times.end());
-  for (const auto& [from, unit] : {std::pair{1e12, 1e-3}, std::pair{1e15, 1e-6}, std::pair{1e18, 1e-9}})
-    if (largest >= from && largest < 10.0 * from)
-      for (double& time : times) time *= unit;
 }
 
 std::vector<std::pair<std::string, double>> parse_file_times(const std::string& text,

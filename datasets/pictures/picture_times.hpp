@@ -22,11 +22,6 @@ struct TimedFiles {
   std::string time_caveat;  ///< one sentence when nothing says their times; else ""
 };
 
-/// Numbers of a clock as seconds: those of 19 digits are taken for nanoseconds since 1970, of 16 for
-/// microseconds, of 13 for milliseconds, as the largest of them says for all. Others stay: 14 digits are a
-/// date, as 20261123071530, whose seconds are no milliseconds.
-void make_seconds(std::vector<double>& times);
-
 /// Lines "time, file" or "file, time" (also apart by spaces), `#` and a line of titles left out, as pairs of
 /// a file's name without its folder and its time in seconds. @throws std::invalid_argument naming `name`, the
 /// line and what was expected.

@@ -3,12 +3,15 @@
 #include <mrpt/poses/CPose3D.h>
 #include <mrpt/poses/CPose3DInterpolator.h>
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
-#include <locale>
 #include <sstream>
 #include <stdexcept>
 
+#include "datasets/sources/clock_seconds.hpp"
+#include "datasets/sources/finite_number.hpp"
 #include "datasets/sources/observation_decoder.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -93,31 +96,87 @@ std::optional<double> PoseStream::last_time() const {
 
 std::size_t PoseStream::size() const { return state_->poses.size(); }
 
+namespace {
+
+/// Words of a line, with commas for blanks.
+std::vector<std::string> words_of(std::string line) {
+  std::replace(line.begin(), line.end(), ',', ' ');
+  std::istringstream stream(line);
+  std::vector<std::string> words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  return words;
+}
+
+/// The order of the quaternion that a head says ("# time tx ty tz qw qx qy qz"): "xyzw"; empty when the line
+/// is no head. Words are q and a letter, whatever stands between them (q_RS_w).
+std::string quaternion_order(const std::string& line) {
+  std::string order;
+  for (std::string word : words_of(line)) {
+    for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const char last = word.back();
+    if (word.front() == 'q' && (word.size() == 2 || word[word.size() - 2] == '_') &&
+        (last == 'w' || last == 'x' || last == 'y' || last == 'z'))
+      order += last;
+  }
+  return order.size() == 4 ? order : "";
+}
+
+struct TimedPose {
+  double time;
+  Eigen::Isometry3d pose;
+};
+
+/// Nothing when it is not eight numbers with a unit quaternion.
+std::optional<TimedPose> timed_pose(const std::vector<std::string>& words, bool is_w_first) {
+  if (words.size() != 8) return std::nullopt;
+  std::array<double, 8> v{};
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const std::optional<double> number =
+        finite_number(words[i].starts_with('+') ? words[i].substr(1) : words[i]);
+    if (!number) return std::nullopt;
+    v[i] = *number;
+  }
+  const Eigen::Quaterniond turn =
+      is_w_first ? Eigen::Quaterniond(v[4], v[5], v[6], v[7]) : Eigen::Quaterniond(v[7], v[4], v[5], v[6]);
+  if (!(std::abs(turn.norm() - 1.0) < 1e-2)) return std::nullopt;
+  Eigen::Isometry3d pose(turn.normalized());
+  pose.translation() = Eigen::Vector3d(v[1], v[2], v[3]);
+  return TimedPose{v[0], pose};
+}
+
+}  // namespace
+
 PoseStream parse_tum_poses(const std::string& text, const std::string& name, double max_gap) {
-  PoseStream stream(max_gap);
   std::istringstream lines(text);
+  std::vector<TimedPose> poses;
   int number = 0;
+  bool is_w_first = false;
   for (std::string line; std::getline(lines, line);) {
     ++number;
-    line.resize(std::min(line.find('#'), line.size()));
-    std::istringstream words(line);
-    words.imbue(std::locale::classic());
-    std::string first, rest;
-    if (!(words >> first)) continue;
-    words.seekg(0);
-    std::array<double, 8> v{};
-    for (double& value : v) words >> value;
-    const Eigen::Quaterniond turn(v[7], v[4], v[5], v[6]);
-    const bool is_whole = words && !(words >> rest);
-    if (!is_whole || !(std::abs(turn.norm() - 1.0) < 1e-2)) {  // a stream reads finite numbers alone
-      throw std::invalid_argument(name + ", line " + std::to_string(number) +
-                                  ": expected 'time x y z qx qy qz qw' with a unit quaternion");
+    const auto refuse = [&](const std::string& why) {
+      throw std::invalid_argument(name + ", line " + std::to_string(number) + ": " + why);
+    };
+    if (const std::string order = quaternion_order(line); !order.empty() && poses.empty()) {
+      if (order != "xyzw" && order != "wxyz")
+        refuse("expected a quaternion as qx qy qz qw or qw qx qy qz, got " + quote(order));
+      is_w_first = order == "wxyz";
+      continue;
     }
-    Eigen::Isometry3d pose(turn.normalized());
-    pose.translation() = Eigen::Vector3d(v[1], v[2], v[3]);
-    stream.add(v[0], pose);
+    line.resize(std::min(line.find('#'), line.size()));
+    const std::vector<std::string> words = words_of(line);
+    if (words.empty()) continue;
+    const auto pose = timed_pose(words, is_w_first);
+    if (!pose)
+      refuse(std::string("expected 'time x y z ") + (is_w_first ? "qw qx qy qz" : "qx qy qz qw") +
+             "' with a unit quaternion");
+    poses.push_back(*pose);
   }
-  if (stream.size() == 0) throw std::invalid_argument(name + ": expected at least one pose");
+  if (poses.empty()) throw std::invalid_argument(name + ": expected at least one pose");
+  std::vector<double> times;
+  for (const TimedPose& pose : poses) times.push_back(pose.time);
+  make_seconds(times);
+  PoseStream stream(max_gap);
+  for (std::size_t i = 0; i < poses.size(); ++i) stream.add(times[i], poses[i].pose);
   return stream;
 }
 

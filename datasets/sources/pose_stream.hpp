@@ -46,8 +46,10 @@ class PoseStream {
   std::unique_ptr<State> state_;
 };
 
-/// Poses from text in the format of the TUM RGB-D benchmark: lines "time x y z qx qy qz qw" (s, m), `#`
-/// starts a comment. @throws std::invalid_argument naming `name`, the line and what was expected.
+/// Poses from text in the format of the TUM RGB-D benchmark: lines "time x y z qx qy qz qw" (m, and times as
+/// make_seconds reads them), also apart by commas; `#` starts a comment. A head before the first pose,
+/// commented out or not, may say that the quaternion begins with w ("# time tx ty tz qw qx qy qz"). @throws
+/// std::invalid_argument naming `name`, the line and what was expected.
 PoseStream parse_tum_poses(const std::string& text, const std::string& name, double max_gap);
 
 /// The same from a file of at most 256 MB. @throws std::invalid_argument also when it cannot be read.

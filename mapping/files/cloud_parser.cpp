@@ -4,9 +4,16 @@
 #include <pcl/io/pcd_io.h>
 #include <pcl/io/ply_io.h>
 
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <algorithm>
 #include <cstring>
+#include <memory>
 #include <stdexcept>
 
+#include "mapping/files/ply_header.hpp"
 #include "mapping/files/text_cloud.hpp"
 #include "mapping/system/child_process.hpp"
 #include "mapping/system/damaged_file.hpp"
@@ -52,15 +59,52 @@ Coordinate coordinate(const pcl::PCLPointCloud2& cloud, const std::string& name)
 
 constexpr std::size_t viewpoint_bytes = 7 * sizeof(float);
 
+/// A file of these bytes that has no name but this, as long as it lives.
+class NamelessFile {
+ public:
+  explicit NamelessFile(const std::string& bytes) {
+    const int made = memfd_create("cloud", MFD_CLOEXEC);
+    descriptor_ = fcntl(made, F_DUPFD_CLOEXEC, 3);
+    close(made);
+    for (std::size_t at = 0; at < bytes.size();) {
+      const ssize_t written = write(descriptor_, bytes.data() + at, bytes.size() - at);
+      if (written <= 0) throw std::runtime_error("there is no memory for it");
+      at += static_cast<std::size_t>(written);
+    }
+  }
+  ~NamelessFile() { close(descriptor_); }
+  NamelessFile(const NamelessFile&) = delete;
+  NamelessFile& operator=(const NamelessFile&) = delete;
+  int descriptor() const { return descriptor_; }
+  std::string name() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
+
+ private:
+  int descriptor_ = -1;
+};
+
+/// What PCL shall read in place of a .ply file; nothing for the file itself. The child may write no file.
+std::unique_ptr<NamelessFile> readable_ply(const std::filesystem::path& file) {
+  const InputFile input(file, "cloud");
+  std::string content;
+  try {
+    input.read_at(0, std::min(input.size(), megabyte), content);
+    if (!has_odd_colours(ply_header(content))) return nullptr;
+  } catch (const std::runtime_error&) {
+    return nullptr;  // the child says what is wrong
+  }
+  input.read_at(0, input.size(), content);
+  return std::make_unique<NamelessFile>(with_nameless_colours(content));
+}
+
 /// Runs in the child: the viewpoint (x y z, qw qx qy qz) and the points as raw floats.
-std::string read_with_pcl(const std::filesystem::path& file, bool is_pcd) {
+std::string read_with_pcl(const std::filesystem::path& file, const std::string& readable, bool is_pcd) {
   check_text_of_cloud(file, is_pcd);
   pcl::PCLPointCloud2 cloud;
   Eigen::Vector4f origin = Eigen::Vector4f::Zero();
   Eigen::Quaternionf turn = Eigen::Quaternionf::Identity();
   int version = 0;
-  const int status = is_pcd ? pcl::PCDReader().read(file.string(), cloud, origin, turn, version)
-                            : pcl::PLYReader().read(file.string(), cloud, origin, turn, version);
+  const int status = is_pcd ? pcl::PCDReader().read(readable, cloud, origin, turn, version)
+                            : pcl::PLYReader().read(readable, cloud, origin, turn, version);
   if (status < 0) throw std::runtime_error("its header or its points cannot be read");
   const std::size_t count = static_cast<std::size_t>(cloud.width) * cloud.height;
   if (count == 0) throw std::runtime_error("it holds no points");
@@ -92,7 +136,10 @@ std::string read_in_child(const std::filesystem::path& file) {
   const std::size_t budget = 128 * megabyte + 20 * size;
   const int seconds = 4 + static_cast<int>(size / (2 * megabyte));
   const bool is_pcd = extension_of(file) == ".pcd";
-  ChildOutcome read = run_in_child([&] { return read_with_pcl(file, is_pcd); }, {budget, budget, seconds});
+  const auto other = is_pcd ? nullptr : readable_ply(file);
+  const std::string readable = other ? other->name() : file.string();
+  ChildOutcome read = run_in_child([&] { return read_with_pcl(file, readable, is_pcd); },
+                                   {budget, budget, seconds, other ? other->descriptor() : -1});
   if (!read.finished) refuse(file, read.failure);
   return std::move(read.parts.at(0));
 }

@@ -36,6 +36,29 @@ std::uint64_t bytes_of(const std::string& type) {
   refuse_ply_header();
 }
 
+/// "red" of "red" and "diffuse_red"; empty for what is no colour.
+std::string colour_of(const PlyProperty& property) {
+  std::string name = property.name;
+  if (name.starts_with("diffuse_")) name.erase(0, 8);
+  const bool is_one = name == "red" || name == "green" || name == "blue" || name == "alpha";
+  return is_one ? name : std::string();
+}
+
+bool are_colours_odd(const PlyElement& element) {
+  const std::vector<PlyProperty>& all = element.properties;
+  const auto is = [&](std::size_t i, const char* name) {
+    return i < all.size() && colour_of(all[i]) == name;
+  };
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (colour_of(all[i]).empty()) continue;
+    if (!is(i, "red") || !is(i + 1, "green") || !is(i + 2, "blue")) return true;
+    i += is(i + 3, "alpha") ? 3 : 2;
+    for (std::size_t rest = i + 1; rest < all.size(); ++rest)
+      if (!colour_of(all[rest]).empty()) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 PlyHeader ply_header(std::string_view content) {
@@ -61,8 +84,31 @@ PlyHeader ply_header(std::string_view content) {
       line >> word;
     }
     property.bytes = bytes_of(word);
+    line >> property.name;
     header.elements.back().properties.push_back(property);
   }
+}
+
+bool has_odd_colours(const PlyHeader& header) {
+  return std::any_of(header.elements.begin(), header.elements.end(), are_colours_odd);
+}
+
+std::string with_nameless_colours(std::string_view content) {
+  const PlyHeader header = ply_header(content);
+  std::string text;
+  for (std::size_t at = 0; at < header.length;) {
+    const std::size_t end = content.find('\n', at) + 1;
+    std::string line(content.substr(at, end - at));
+    PlyProperty property;
+    std::istringstream words(line);
+    std::string key, type;
+    if (words >> key >> type >> property.name && key == "property" && type != "list" &&
+        !colour_of(property).empty())
+      line = "property " + type + " unread_" + std::to_string(at) + "\n";
+    text += line;
+    at = end;
+  }
+  return text.append(content.substr(header.length));
 }
 
 }  // namespace clearway

@@ -10,6 +10,7 @@ namespace clearway {
 
 /// A number of an element of a .ply file, or a list of them.
 struct PlyProperty {
+  std::string name;
   std::uint64_t count_bytes = 0;  ///< of a list's count, in binary data; 0: one number
   std::uint64_t bytes = 0;        ///< of a number, in binary data
 };
@@ -30,5 +31,12 @@ struct PlyHeader {
 /// @param content a .ply file, or its beginning
 /// @throws std::runtime_error with a clause, when the header does not end in it or has unknown types
 PlyHeader ply_header(std::string_view content);
+
+/// Whether colours of an element are not red, green, blue (and alpha) one after the other: PCL reads those
+/// and what follows them at wrong places.
+bool has_odd_colours(const PlyHeader& header);
+
+/// The file with other names for its colours, which PCL reads as any numbers. @param content all of it
+std::string with_nameless_colours(std::string_view content);
 
 }  // namespace clearway

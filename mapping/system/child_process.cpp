@@ -38,9 +38,13 @@ void send(int pipe, Mark mark, std::string_view text) {
 }
 
 [[noreturn]] void run_child(int pipe, pid_t parent, const PartedWork& work, const ChildLimits& limits) {
-  guard_child(
-      {&pipe},
-      {.memory = limits.memory, .seconds = static_cast<std::uint64_t>(limits.seconds), .parent = parent});
+  const ChildGuard guard{
+      .memory = limits.memory, .seconds = static_cast<std::uint64_t>(limits.seconds), .parent = parent};
+  int kept = limits.kept;
+  if (kept < 0)
+    guard_child({&pipe}, guard);
+  else
+    guard_child({&pipe, &kept}, guard);
   try {
     work([pipe](std::string_view part) { send(pipe, Mark::part, part); });
     send(pipe, Mark::end, "");

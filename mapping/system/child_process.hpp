@@ -13,6 +13,7 @@ struct ChildLimits {
   std::size_t memory = 0;  ///< address space beyond what the program has already, bytes
   std::size_t output = 0;  ///< bytes that the parent accepts
   int seconds = 10;        ///< wall clock, and processor time
+  int kept = -1;           ///< a descriptor from 3 on that the child keeps, besides its own
 };
 
 /// How a child process ended.

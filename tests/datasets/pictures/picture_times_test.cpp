@@ -1,4 +1,5 @@
 #include "datasets/pictures/picture_times.hpp"
+#include "datasets/sources/clock_seconds.hpp"
 
 #include <gtest/gtest.h>
 

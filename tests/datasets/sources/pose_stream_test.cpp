@@ -89,6 +89,26 @@ TEST(PoseStream, ReadsTheTumFormat) {
   EXPECT_NEAR(Eigen::AngleAxisd(middle->rotation()).angle(), M_PI / 4, 1e-5);
 }
 
+TEST(PoseStream, AHeadSaysTheOrderOfTheQuaternionAndNanosecondsAreTimes) {
+  for (const char* head : {"# timestamp tx ty tz qw qx qy qz\n",
+                           "#timestamp, p_x [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n",
+                           "timestamp tx ty tz qw qx qy qz\n"}) {
+    const PoseStream stream = parse_tum_poses(std::string(head) + "1 1 2 3 0.5 0.1 -0.7 0.5\n", "t", 1.0);
+    const Eigen::Quaterniond turn(stream.at(1.0)->rotation());
+    EXPECT_LT(turn.angularDistance(Eigen::Quaterniond(0.5, 0.1, -0.7, 0.5).normalized()), 1e-9) << head;
+  }
+  const PoseStream usual =
+      parse_tum_poses("# timestamp tx ty tz qx qy qz qw\n1 1 2 3 0.1 -0.7 0.5 0.5\n", "t", 1.0);
+  EXPECT_LT(Eigen::Quaterniond(usual.at(1.0)->rotation())
+                .angularDistance(Eigen::Quaterniond(0.5, 0.1, -0.7, 0.5).normalized()),
+            1e-9);
+  EXPECT_THROW(parse_tum_poses("# t x y z qy qx qz qw\n1 1 2 3 0 0 0 1\n", "t", 1.0), std::invalid_argument);
+  const PoseStream stream = parse_tum_poses(
+      "1403636579763555584.000000 0 0 0 0 0 0 1\n1403636579863555584.000000 1 0 0 0 0 0 1\n", "t", 1.0);
+  EXPECT_NEAR(*stream.first_time(), 1403636579.7635556, 1e-6);
+  EXPECT_NEAR(stream.at(1403636579.8135556)->translation().x(), 0.5, 1e-4);
+}
+
 TEST(PoseStream, NamesTheLineThatIsNoPose) {
   for (const char* bad :
        {"1 2 3\n", "1 0 0 0 0 0 0 2\n", "1 0 0 nan 0 0 0 1\n", "1 0 inf 0 0 0 0 1\n", "1 1e999 0 0 0 0 0 1\n",

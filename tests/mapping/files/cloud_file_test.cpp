@@ -215,6 +215,61 @@ TEST(CloudFile, CoordinatesOfEightBytesAreRead) {
   }
 }
 
+/// PLY names its properties, so that any order is as good as another.
+TEST(CloudFile, ColoursMayStandAnywhereInAPly) {
+  const TemporaryFolder folder;
+  const std::string floats = "property float x\nproperty float y\nproperty float z\n";
+  const auto bytes_of = [](float value) {
+    std::string bytes(sizeof(value), '\0');
+    std::memcpy(bytes.data(), &value, sizeof(value));
+    return bytes;
+  };
+  const std::vector<std::vector<std::string>> orders{{"red"},
+                                                     {"red", "", "green", "blue"},
+                                                     {"", "blue", "green", "red"},
+                                                     {"", "red", "green", "blue"},
+                                                     {"", "alpha"},
+                                                     {"alpha", "red", "green", "blue", ""},
+                                                     {"", "red", "green", "blue", "alpha"},
+                                                     {"diffuse_blue", "", "diffuse_red"}};
+  for (const auto& order : orders) {
+    std::string header = "ply\nformat binary_little_endian 1.0\nelement vertex 3\n", ascii = header, data,
+                text;
+    ascii.replace(ascii.find("binary_little_endian"), 20, "ascii");
+    std::vector<std::string> names = order;
+    if (std::find(names.begin(), names.end(), "") == names.end()) names.emplace_back("");
+    std::string properties;
+    for (const std::string& name : names)
+      properties += name.empty() ? floats : "property uchar " + name + "\n";
+    for (int point = 0; point < 3; ++point) {
+      for (const std::string& name : names) {
+        if (!name.empty()) {
+          data += static_cast<char>(200 + point);
+          text += std::to_string(200 + point) + " ";
+          continue;
+        }
+        for (int axis = 0; axis < 3; ++axis) {
+          const float value = 1.5F * static_cast<float>(point) + 0.25F * static_cast<float>(axis);
+          data += bytes_of(value);
+          text += std::to_string(value) + " ";
+        }
+      }
+      text += "\n";
+    }
+    for (const std::string& whole :
+         {header + properties + "end_header\n" + data, ascii + properties + "end_header\n" + text}) {
+      SCOPED_TRACE(properties);
+      const Points points = read_cloud(folder.write("c.ply", whole));
+      ASSERT_EQ(points.size(), 3U) << properties;
+      for (int point = 0; point < 3; ++point)
+        EXPECT_EQ(
+            points[static_cast<std::size_t>(point)],
+            Eigen::Vector3f::Constant(1.5F * static_cast<float>(point)) + Eigen::Vector3f(0.0F, 0.25F, 0.5F))
+            << properties;
+    }
+  }
+}
+
 TEST(CloudFile, WithoutAFinitePointIsNoMap) {
   const TemporaryFolder folder;
   const std::string file = folder.write("nan.pcd", format_pcd({{std::nanf(""), 0.0F, 0.0F}}));
