@@ -46,6 +46,7 @@ class Clouds final : public FrameSource {
         frame.kind = "points";
         frame.world_from_sensor = cloud.file_from_viewpoint;
         frame.points = std::move(cloud.points);
+        moved_ += !cloud.file_from_viewpoint.isApprox(Eigen::Isometry3d::Identity(), 1e-9);
         turned_ += !cloud.file_from_viewpoint.linear().isIdentity(1e-6);
         if (points_in_ != CloudFrameOf::sensor) {
           const Eigen::Isometry3f sensor_from_file = cloud.file_from_viewpoint.inverse().cast<float>();
@@ -62,6 +63,9 @@ class Clouds final : public FrameSource {
   }
   std::optional<std::string> damage() const override { return damage_.sentence(files_.size(), "clouds"); }
   std::vector<std::string> warnings() const override {
+    if (files_.size() > 1 && moved_ == 0)
+      return {"all " + std::to_string(files_.size()) +
+              " clouds have the viewpoint 0 0 0 1 0 0 0: a sensor that moved needs another for each."};
     if (turned_ == 0 || points_in_) return {};
     return {std::to_string(turned_) + " of " + std::to_string(files_.size()) +
             " clouds have a turned viewpoint; their points are taken as in the map's frame: "
@@ -73,7 +77,7 @@ class Clouds final : public FrameSource {
   std::vector<TimedFile> files_;
   std::string sensor_;
   std::optional<CloudFrameOf> points_in_;
-  std::size_t at_ = 0, turned_ = 0;
+  std::size_t at_ = 0, moved_ = 0, turned_ = 0;
   FolderDamage damage_;
 };
 
@@ -141,7 +145,15 @@ std::unique_ptr<FrameSource> open_frames(const fs::path& recording, const Source
     return open_pictures({recording}, recording.stem().string(), options);
   if (is_file && is_bag_file(recording)) return open_bag(recording, options);
   if (is_file && is_video_file(recording)) return open_video(recording, options);
-  return std::make_unique<Rawlog>(recording);
+  const std::string kind = extension_of(recording);
+  if (!is_file || kind.empty() || kind == ".rawlog" || kind == ".gz")
+    return std::make_unique<Rawlog>(recording);
+  try {
+    return std::make_unique<Rawlog>(recording);
+  } catch (const std::invalid_argument&) {
+    throw std::invalid_argument("recording " + quote_path(recording.string()) +
+                                " is of no kind that is read here; expected " + kinds_of_recordings);
+  }
 }
 
 ChosenSetup choose_setup(const fs::path& recording, const fs::path& setup_file) {

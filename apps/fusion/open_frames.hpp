@@ -11,8 +11,7 @@ namespace clearway {
 /// What a recording may be, for sentences that refuse something else.
 inline constexpr const char* kinds_of_recordings =
     "an MRPT rawlog, a ROS bag (.bag, .mcap), a video, a .pcd, .ply, .png or .jpg file, or a folder of such "
-    "files "
-    "or of depth pictures";
+    "files or of depth pictures";
 
 /// Whatever holds frames, recognized by what it is:
 /// - a folder of depth pictures as RGB-D data sets have it (datasets/pictures/depth_folder.hpp);

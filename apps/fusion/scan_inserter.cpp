@@ -2,8 +2,10 @@
 
 #include <stdexcept>
 
+#include "apps/console/parse.hpp"
 #include "apps/console/stopwatch.hpp"
 #include "apps/query/query.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/robot/kinematics.hpp"
 
@@ -62,6 +64,21 @@ int link_of(const SensorSetup& sensor, const Robot& robot) {
   }
   throw std::invalid_argument("setup, sensor '" + sensor.name + "': the robot has no link '" +
                               shortened(sensor.link) + "', expected 'tip'" + shortened(names));
+}
+
+/// Points in millimetres would be cast through kilometres of voxels.
+void require_metres(const Scan& scan, const MapSetup& map) {
+  constexpr double farthest = 300.0;  ///< m
+  if (map.max_range) return;
+  std::size_t finite = 0, far = 0;
+  for (const Eigen::Vector3f& point : scan.points) {
+    finite += point.allFinite();
+    far += point.allFinite() && point.norm() > farthest;
+  }
+  if (2 * far > finite)
+    throw std::invalid_argument("scan of sensor " + quote(scan.sensor) + ": " + grouped(far) + " of its " +
+                                grouped(finite) + " points lie farther away than " + short_text(farthest) +
+                                " m, expected metres, or map.max_range in the setup");
 }
 
 }  // namespace
@@ -160,6 +177,7 @@ void ScanInserter::insert(Waiting& waiting) {
     ++counts_.scans_probe_hidden;
     return;
   }
+  require_metres(scan, setup_.map);
   ScanFilter filter = filter_of(setup_.map);
   filter.bodies = robot_;
   if (visibility == HeldBodies::Visibility::unseen) ++counts_.scans_without_probe;

@@ -64,6 +64,18 @@ TEST_F(Emptiness, PointsThatAllLieBeyondTheRangeAreReported) {
   EXPECT_EQ(refusal("r.rawlog", "map: {max_range: 1.05}\n"), "");
 }
 
+TEST_F(Emptiness, PointsInMillimetresAreToldFromMetres) {
+  write_scan("r.rawlog", {{1000.0F, 0.0F, 0.0F}, {1200.0F, 500.0F, 0.0F}, {50.0F, 0.0F, 0.0F}});
+  EXPECT_NE(refusal("r.rawlog", "{}\n")
+                .find("2 of its 3 points lie farther away than 300 m, expected metres, or map.max_range in "
+                      "the setup"),
+            std::string::npos)
+      << refusal("r.rawlog", "{}\n");
+  EXPECT_EQ(refusal("r.rawlog", "map: {max_range: 60}\n"), "");
+  write_scan("far.rawlog", {{310.0F, 0.0F, 0.0F}, {50.0F, 0.0F, 0.0F}});  // half is not more than half
+  EXPECT_EQ(refusal("far.rawlog", "map: {resolution: 0.5}\n"), "");
+}
+
 TEST_F(Emptiness, ScansWithoutPointsOrWithoutAPoseAreReported) {
   write_scan("bare.rawlog", {});
   EXPECT_NE(refusal("bare.rawlog", "{}\n").find("1 scans got into the map: they hold no points"),

@@ -147,6 +147,19 @@ TEST_F(Scans, PointsAreInTheMapsFrameOrTheSensorsAndTurnedViewpointsAreTold) {
   EXPECT_LT((last_point(CloudFrameOf::sensor, 0) - Eigen::Vector3d(1.0, 2.0, 0.75)).norm(), 1e-6);
 }
 
+TEST_F(Scans, SeveralOfOneViewpointAreTold) {
+  const auto warnings = [&] {
+    const auto source = open_frames(folder_ / "scans", {});
+    while (source->next()) continue;
+    return source->warnings();
+  };
+  scan("1.pcd");
+  EXPECT_EQ(warnings(), std::vector<std::string>{});
+  scan("2.pcd");
+  ASSERT_EQ(warnings().size(), 1U);
+  EXPECT_TRUE(warnings()[0].starts_with("all 2 clouds have the viewpoint 0 0 0 1 0 0 0"));
+}
+
 TEST_F(Scans, WhatIsCalledLikeAScanAndIsNoFileIsDamage) {
   const auto scans = folder_ / "scans", odd = scans / "2.pcd";
   for (const char* name : {"1.pcd", "3.PCD"}) scan(name);
