@@ -1,8 +1,10 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
+#include <utility>
 
 #include "apps/check/check_contract.hpp"
 #include "apps/check/check_report.hpp"
+#include "apps/check/trajectory_plan.hpp"
 #include "apps/console/commands.hpp"
 #include "apps/console/table.hpp"
 #include "apps/query/query.hpp"
@@ -76,8 +78,11 @@ void check_motion_of(const Plan& plan, const Robot& robot, const Snapshot& map, 
 }  // namespace
 
 int run_check(const CheckOptions& options, Console& console) {
-  const Plan plan = load_plan(options.plan);
+  const std::optional<ForeignTrajectory> trajectory = read_trajectory(options.plan);
+  Plan plan = trajectory ? Plan{} : load_plan(options.plan);
   const Robot robot = robot_to_check(options, plan);
+  plan =
+      trajectory ? plan_of_trajectory(*trajectory, robot, options.plan) : in_order_of(robot, std::move(plan));
   const Snapshot map = load_map(options.map, options.cloud_resolution);
   if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
     console.warn("note: " + remark);
@@ -86,6 +91,7 @@ int run_check(const CheckOptions& options, Console& console) {
   CheckReport report;
   report.contract =
       state_contract(options, plan, robot, map, map_sha256(options.map), load_query_record(options.map));
+  if (trajectory) adopt_terms(report.contract, plan);
   report.deviations = deviations(report.contract, plan, robot, options.accepted);
   adopt_accepted(report.deviations, plan, report.contract);
   report.path = check_waypoints(report.contract, robot, map, plan);

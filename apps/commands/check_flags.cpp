@@ -12,7 +12,9 @@ Command add_check(CLI::App& app, Console& console) {
       app, "check",
       "check a plan independently and continuously against a stated contract (KDL kinematics, FCL geometry)",
       console);
-  command->add_option("plan", options->plan, "plan.json")->required()->type_name("PLAN.json");
+  command->add_option("plan", options->plan, "plan.json, or a JointTrajectory of ROS as .json or .yaml")
+      ->required()
+      ->type_name("PLAN");
   command->add_option("--map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply")
       ->required()
       ->type_name("MAP");

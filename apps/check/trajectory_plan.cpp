@@ -1,0 +1,177 @@
+#include "apps/check/trajectory_plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+#include "apps/console/parse.hpp"
+#include "apps/query/query.hpp"
+#include "datasets/descriptions/yaml_fields.hpp"
+#include "mapping/system/input_file.hpp"
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr double stands_within = 1e-4;  ///< rad or m
+constexpr Bounds any_value{-1e6, 1e6};
+
+/// The map that holds `joint_names`.
+std::optional<YamlFields> innermost(const YamlFields& root) {
+  if (root.has("joint_names")) return root;
+  if (root.has("joint_trajectory")) return root.map("joint_trajectory");
+  if (!root.has("trajectory")) return std::nullopt;
+  const std::vector<YamlFields> list = root.list_of_maps("trajectory");
+  if (list.size() != 1)
+    root.fail("trajectory", "expected one trajectory, got " + std::to_string(list.size()));
+  return innermost(list.front());
+}
+
+const HeldJoint* held_joint(const Robot& robot, const std::string& name) {
+  const auto held = std::find_if(robot.held.begin(), robot.held.end(),
+                                 [&](const HeldJoint& joint) { return joint.name == name; });
+  return held == robot.held.end() ? nullptr : &*held;
+}
+
+[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& what) {
+  throw std::invalid_argument(file.string() + ": the trajectory " + what);
+}
+
+/// The place of each of the robot's joints among those of the trajectory.
+std::vector<std::size_t> places_of_joints(const ForeignTrajectory& trajectory, const Robot& robot,
+                                          const std::filesystem::path& file) {
+  std::vector<std::size_t> places;
+  for (const Joint& joint : robot.joints) {
+    const auto found = std::find(trajectory.joints.begin(), trajectory.joints.end(), joint.name);
+    if (found == trajectory.joints.end())
+      refuse(file, "says nothing of joint " + quote(joint.name) + " of robot " + quote(robot.name) +
+                       ", expected its values, or --fix or --group, by which it stands still");
+    places.push_back(static_cast<std::size_t>(found - trajectory.joints.begin()));
+  }
+  return places;
+}
+
+void require_standing(const ForeignTrajectory& trajectory, const Robot& robot,
+                      const std::filesystem::path& file) {
+  for (std::size_t j = 0; j < trajectory.joints.size(); ++j) {
+    const std::string& name = trajectory.joints[j];
+    const bool moves = std::any_of(robot.joints.begin(), robot.joints.end(),
+                                   [&](const Joint& joint) { return joint.name == name; });
+    if (moves) continue;
+    const HeldJoint* held = held_joint(robot, name);
+    if (held == nullptr)
+      refuse(file,
+             "has values of joint " + quote(name) + ", which robot " + quote(robot.name) + " does not have");
+    for (const std::vector<double>& point : trajectory.points)
+      if (std::abs(point[j] - held->value) > stands_within)
+        refuse(file, "moves joint " + quote(name) + " to " + significant(point[j]) + ", which stands at " +
+                         significant(held->value) + ", expected --fix " + name +
+                         "=VALUE or a --group that it is part of");
+  }
+}
+
+template <typename Value>
+void take_default(Term<Value>& term) {
+  if (term.source == TermSource::plan) term.source = TermSource::by_default;
+}
+
+}  // namespace
+
+std::optional<ForeignTrajectory> read_trajectory(const std::filesystem::path& file) {
+  const std::string kind = extension_of(file);
+  const bool is_yaml = kind == ".yaml" || kind == ".yml";
+  if (!is_yaml && kind != ".json") return std::nullopt;
+  const std::string text = read_input(file, "plan file", 64U << 20U);
+  if (!is_yaml && text.find("\"joint_names\"") == std::string::npos) return std::nullopt;
+  const YamlFields root(text, "trajectory " + quote_path(file.string()));
+  const std::optional<YamlFields> found = innermost(root);
+  if (!found) root.fail("joint_names", "expected the names of a JointTrajectory");
+  ForeignTrajectory trajectory;
+  trajectory.joints = found->texts("joint_names");
+  if (trajectory.joints.empty()) found->fail("joint_names", "expected at least one");
+  if (std::set<std::string>(trajectory.joints.begin(), trajectory.joints.end()).size() !=
+      trajectory.joints.size())
+    found->fail("joint_names", "expected each name once");
+  for (const YamlFields& point : found->list_of_maps("points"))
+    trajectory.points.push_back(point.numbers("positions", any_value, trajectory.joints.size()));
+  if (trajectory.points.empty()) found->fail("points", "expected at least one");
+  return trajectory;
+}
+
+Plan plan_of_trajectory(const ForeignTrajectory& trajectory, const Robot& robot,
+                        const std::filesystem::path& file) {
+  const std::vector<std::size_t> places = places_of_joints(trajectory, robot, file);
+  require_standing(trajectory, robot, file);
+  PlanResult leg;
+  leg.status = PlanStatus::solved;
+  for (const std::vector<double>& point : trajectory.points) {
+    Configuration q(static_cast<Eigen::Index>(places.size()));
+    for (std::size_t j = 0; j < places.size(); ++j) q[static_cast<Eigen::Index>(j)] = point[places[j]];
+    if (leg.waypoints.empty() || q != leg.waypoints.back()) leg.waypoints.push_back(q);
+  }
+  if (leg.waypoints.size() == 1) leg.waypoints.push_back(leg.waypoints.front());
+  Plan plan;
+  plan.robot = robot.name;
+  plan.robot_scale = robot.scale;
+  plan.map_from_base = robot.map_from_base;
+  plan.joints = joint_names(robot);
+  plan.group = robot.group;
+  for (const HeldJoint& joint : robot.held) plan.held[joint.name] = joint.value;
+  plan.xacro = robot.xacro;
+  plan.planner = "a trajectory";
+  plan.start = leg.waypoints.front();
+  plan.goals = {leg.waypoints.back()};
+  plan.legs.push_back(std::move(leg));
+  return plan;
+}
+
+void adopt_terms(Contract& contract, Plan& plan) {
+  plan.robot = contract.robot.value;
+  plan.robot_scale = contract.scale.value;
+  plan.map_from_base = contract.map_from_base.value;
+  plan.policies = policies_of(contract);
+  plan.padding = contract.padding.value;
+  plan.seen_within = contract.seen_within.value;
+  plan.payload = contract.payload.value;
+  plan.gravity = contract.gravity.value;
+  plan.map_sha256 = contract.map_sha256.value;
+  plan.loads = contract.loads.value;
+  take_default(contract.group);
+  for (auto& [joint, term] : contract.held) take_default(term);
+  take_default(contract.scale);
+  take_default(contract.map_from_base);
+  for (auto& [part, term] : contract.policies) take_default(term);
+  take_default(contract.padding);
+  take_default(contract.seen_within);
+  take_default(contract.payload);
+  take_default(contract.gravity);
+  take_default(contract.loads);
+  contract.notes.push_back(
+      "the points of the trajectory are checked as joined by straight edges; times are not, and where a "
+      "controller goes between them is not known");
+}
+
+Plan in_order_of(const Robot& robot, Plan plan) {
+  const std::vector<std::string> own = joint_names(robot);
+  if (own == plan.joints ||
+      !std::is_permutation(own.begin(), own.end(), plan.joints.begin(), plan.joints.end()))
+    return plan;
+  std::vector<Eigen::Index> places;
+  for (const std::string& name : own)
+    places.push_back(std::find(plan.joints.begin(), plan.joints.end(), name) - plan.joints.begin());
+  const auto reorder = [&](std::vector<Configuration>& list) {
+    for (Configuration& q : list) q = Configuration(q(places));
+  };
+  if (plan.start.size() > 0) plan.start = Configuration(plan.start(places));
+  reorder(plan.goals);
+  for (PlanResult& leg : plan.legs) reorder(leg.waypoints);
+  if (plan.motion)
+    for (auto* list : {&plan.motion->motion.positions, &plan.motion->motion.velocities,
+                       &plan.motion->motion.accelerations})
+      reorder(*list);
+  plan.joints = own;
+  return plan;
+}
+
+}  // namespace clearway

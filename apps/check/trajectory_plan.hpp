@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "apps/check/check_contract.hpp"
+
+namespace clearway {
+
+/// A path of another program: a trajectory_msgs/JointTrajectory, or what holds one as `joint_trajectory`
+/// (moveit_msgs/RobotTrajectory) or as the only one in `trajectory` (DisplayTrajectory), as JSON or YAML.
+struct ForeignTrajectory {
+  std::vector<std::string> joints;
+  std::vector<std::vector<double>> points;  ///< values of `joints`, rad or m
+};
+
+/// Nothing of a file that is something else: a plan.
+/// @throws std::invalid_argument naming file, field and what was expected: names given twice, a point with
+/// another number of positions, no point.
+std::optional<ForeignTrajectory> read_trajectory(const std::filesystem::path& file);
+
+/// The points as a plan of one leg from the first to the last, in the order of the robot's joints. What the
+/// trajectory says of joints that stand still has to be where they stand, within 1e-4 rad or m.
+/// @throws std::invalid_argument naming `file` and the joint that the trajectory or the robot lacks, or that
+/// stands elsewhere.
+Plan plan_of_trajectory(const ForeignTrajectory& trajectory, const Robot& robot,
+                        const std::filesystem::path& file);
+
+/// A trajectory states nothing but its points: the other terms of the contract are the plan's own, and
+/// count as being there by default.
+void adopt_terms(Contract& contract, Plan& plan);
+
+/// The plan in the order of the robot's joints, when it has the same in another order.
+Plan in_order_of(const Robot& robot, Plan plan);
+
+}  // namespace clearway

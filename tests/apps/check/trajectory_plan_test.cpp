@@ -1,0 +1,113 @@
+// Trajectories of other programs, and plans with their joints in another order, at `clearway check`.
+#include "apps/check/trajectory_plan.hpp"
+
+#include "planning/robot_files/load_robot.hpp"
+#include "tests/apps/check/check_command.hpp"
+#include "tests/worlds/urdf_robots.hpp"
+
+namespace clearway {
+namespace check_test {
+
+/// Checks a file of this name and text for the robot `point`, whose joints are x and y.
+class CheckTrajectory : public Check {
+ protected:
+  CommandRun check_file(const std::string& name, const std::string& text,
+                        std::vector<std::string> more = {}) const {
+    std::vector<std::string> arguments{
+        "check", folder_.write(name, text), "--map", folder_.file("map"), "--robot", "point"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_command(arguments);
+  }
+  static Json trajectory(const Json& points, const Json& names = {"x", "y"}) {
+    Json message{{"header", {{"frame_id", "world"}}}, {"joint_names", names}, {"points", Json::array()}};
+    for (const Json& positions : points)
+      message["points"].push_back(
+          {{"positions", positions}, {"time_from_start", {{"sec", 0}, {"nanosec", 0}}}});
+    return message;
+  }
+};
+
+TEST_F(CheckTrajectory, EachFormOfAJointTrajectoryIsCheckedInTheRobotsOrder) {
+  // Painted is what lies within 1 of the origin; the disc's radius is 0.05.
+  const Json inside = trajectory({{0.0, 0.5}, {0.5, 0.0}, {0.5, 0.0}}),
+             flat{{"trajectory", {{{"joint_trajectory", inside}}}}};
+  for (const Json& message : {inside, Json{{"joint_trajectory", inside}}, flat}) {
+    const CommandRun run = check_file("t.json", message.dump(), {"--json"});
+    EXPECT_EQ(run.status, exit_done) << run.out << run.log;
+    const Json said = Json::parse(run.out);
+    EXPECT_EQ(said["waypoints"], 2);
+    EXPECT_EQ(said["policy"]["base"], "painted");
+    EXPECT_EQ(said["padding_m"], 0.001);
+    EXPECT_EQ(said["contract"]["start"]["value"], Json({0.0, 0.5}));
+    EXPECT_EQ(check_file("t.yaml", message.dump()).status, exit_done);
+  }
+  EXPECT_EQ(check_file("t.yaml",
+                       "header:\n  seq: 0\njoint_names: [y, x]\npoints:\n  - positions: [0.5, 0.0]\n"
+                       "    velocities: []\n  - positions: [0.0, 0.7]\n---\n")
+                .status,
+            exit_done);
+  // The same points in the other order of names lead out of the paint at y = -1.2.
+  const Json leaving = trajectory({{0.0, 0.5}, {-1.2, 0.0}}, {"y", "x"});
+  const CommandRun refused = check_file("t.json", leaving.dump());
+  EXPECT_EQ(refused.status, exit_no);
+  EXPECT_NE(refused.out.find("straight edges"), std::string::npos) << refused.out;
+  // What the user asks for holds.
+  EXPECT_EQ(check_file("t.json", inside.dump(), {"--goal=0.5,0", "--start=0,0.5"}).status, exit_done);
+  EXPECT_EQ(check_file("t.json", inside.dump(), {"--goal=0.4,0"}).status, exit_no);
+  EXPECT_EQ(check_file("t.json", inside.dump(), {"--padding", "0.6"}).status, exit_no);
+  EXPECT_EQ(
+      check_file("t.json", leaving.dump(), {"--policy", "not_occupied", "--allow-outside", "all"}).status,
+      exit_done);
+}
+
+TEST_F(CheckTrajectory, WhatDoesNotFitTheRobotIsNamed) {
+  const auto refusal = [&](const Json& message) {
+    const CommandRun run = check_file("t.json", message.dump());
+    EXPECT_EQ(run.status, exit_bad_input) << message;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
+    return run.log;
+  };
+  const Json point{{0.0, 0.0}};
+  for (const auto& [message, words] : std::vector<std::pair<Json, std::string>>{
+           {trajectory({{0.0}}, {"x"}), "says nothing of joint 'y' of robot 'point'"},
+           {trajectory({{0.0, 0.0, 0.0}}, {"x", "y", "z"}),
+            "has values of joint 'z', which robot 'point' does not"},
+           {trajectory({{0.0, 0.0}}, {"x", "x"}), "joint_names: expected each name once"},
+           {trajectory({{0.0, 0.0, 1.0}}), "points[0].positions"},
+           {trajectory({{0.0, "a"}}), "points[0].positions"},
+           {trajectory(Json::array()), "points: expected at least one"},
+           {Json{{"trajectory",
+                  {{{"joint_trajectory", trajectory(point)}}, {{"joint_trajectory", trajectory(point)}}}}},
+            "expected one trajectory, got 2"}})
+    EXPECT_NE(refusal(message).find(words), std::string::npos) << refusal(message);
+  const CommandRun run = check_file("t.yaml", "a: 1\n");
+  EXPECT_EQ(run.status, exit_bad_input);
+  EXPECT_NE(run.log.find("joint_names"), std::string::npos) << run.log;
+}
+
+TEST_F(CheckTrajectory, JointsThatStandStillMayBeInItWhereTheyStand) {
+  const std::string urdf = folder_.write("arm.urdf", worlds::arm_with_finger());
+  const Robot robot = load_robot(RobotRequest{urdf, {}, {}, {{"grip", 0.03}}});
+  const ForeignTrajectory still{{"grip", "elbow", "shoulder"}, {{0.03, 0.1, 0.2}, {0.03005, 0.3, 0.4}}};
+  const Plan plan = plan_of_trajectory(still, robot, "t.json");
+  EXPECT_EQ(plan.waypoints().back(), Configuration(Eigen::Vector2d(0.4, 0.3)));
+  const ForeignTrajectory moves{{"grip", "elbow", "shoulder"}, {{0.03, 0.1, 0.2}, {0.05, 0.3, 0.4}}};
+  EXPECT_THROW(plan_of_trajectory(moves, robot, "t.json"), std::invalid_argument);
+}
+
+TEST_F(CheckTrajectory, APlanWithItsJointsInAnotherOrderIsTheSamePlan) {
+  Json plan = plan_;
+  const auto swap = [](Json& q) { std::swap(q[0], q[1]); };
+  swap(plan["joints"]);
+  swap(plan["start"]);
+  for (const char* key : {"waypoints", "goals"})
+    for (Json& q : plan[key]) swap(q);
+  const CommandRun run = check(plan, {"--json"}), own = check(plan_, {"--json"});
+  EXPECT_EQ(run.status, exit_done) << run.out << run.log;
+  EXPECT_EQ(Json::parse(run.out), Json::parse(own.out));
+  plan["joints"][0] = "z";
+  EXPECT_EQ(check(plan).status, exit_bad_input);
+}
+
+}  // namespace check_test
+}  // namespace clearway
