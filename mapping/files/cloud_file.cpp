@@ -53,6 +53,22 @@ std::optional<double> stated_edge(const std::filesystem::path& file) {
   return std::nullopt;
 }
 
+bool has_turned_viewpoint(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string line;
+  for (int i = 0; i < 20 && std::getline(stream, line) && !line.starts_with("DATA"); ++i) {
+    std::string_view rest = line;
+    if (next_word(rest) != "VIEWPOINT") continue;
+    double turned = 0.0;  // x y z qw qx qy qz
+    for (int k = 0; k < 7; ++k) {
+      const double number = parsed_number(next_word(rest)).value_or(0.0);
+      if (k >= 4) turned = std::max(turned, std::abs(number));
+    }
+    return turned > 1e-6;
+  }
+  return false;
+}
+
 CloudVoxels voxels_of_cloud(const std::filesystem::path& file, const std::vector<Eigen::Vector3f>& points) {
   if (const auto edge = stated_edge(file)) return {*edge, {}};
   const auto whole = [](double apart) { return std::ceil(1250.0 * apart) / 1000.0; };

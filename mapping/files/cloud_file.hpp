@@ -36,6 +36,9 @@ ViewedCloud read_viewed_cloud(const std::filesystem::path& file);
 /// What a comment of the file says of its voxels' edge, metres: export_map writes it.
 std::optional<double> stated_edge(const std::filesystem::path& file);
 
+/// Whether a .pcd says that its sensor stood turned: then its points may be in the sensor's frame.
+bool has_turned_viewpoint(const std::filesystem::path& file);
+
 /// The voxels that a cloud's points stand for.
 struct CloudVoxels {
   double edge = usual_cloud_resolution;  ///< m

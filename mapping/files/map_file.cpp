@@ -180,7 +180,11 @@ std::string cloud_remark(const fs::path& path, const Snapshot& map, bool is_chos
   if (sparse >= 0.1)
     add(short_text(std::floor(100.0 * sparse)) + " % of the cloud's voxels of " + millimetres(edge) +
         " touch fewer than four others, so that surfaces may have holes that a path leads through");
-  return remark.empty() ? remark : remark + "; --cloud-resolution chooses others";
+  if (!remark.empty()) remark += "; --cloud-resolution chooses others";
+  if (has_turned_viewpoint(path))
+    add("the cloud's VIEWPOINT is turned and its points are taken as in the map's frame: where they are in "
+        "the sensor's, `clearway replay` with `source: {clouds: sensor}` places them");
+  return remark;
 }
 
 std::map<std::string, std::string> files_of_map(const Snapshot& map) {

@@ -189,6 +189,24 @@ TEST(CloudVoxels, OfAnExportedMapAreItsOwn) {
   }
 }
 
+TEST(CloudFile, ATurnedViewpointIsTold) {
+  const TemporaryFolder folder;
+  Points points;
+  for (int i = 0; i < 900; ++i)
+    points.push_back(
+        {0.01F + 0.02F * static_cast<float>(i % 30), 0.01F + 0.02F * static_cast<float>(i / 30), 0.01F});
+  const std::string none = "VIEWPOINT 0 0 0 1 0 0 0";
+  const auto remark_with = [&](const std::string& viewpoint) {
+    std::string bytes = format_pcd(points, 0.02);
+    const std::string file = folder.write("v.pcd", bytes.replace(bytes.find(none), none.size(), viewpoint));
+    return cloud_remark(file, load_map(file), false);
+  };
+  EXPECT_EQ(remark_with(none), "");
+  EXPECT_EQ(remark_with("VIEWPOINT 1 2 3 1 0 0 0"), "");
+  EXPECT_TRUE(remark_with("VIEWPOINT 0 0 0 0.70710678 0 0 0.70710678")
+                  .starts_with("the cloud's VIEWPOINT is turned"));
+}
+
 TEST(CloudFile, CoordinatesOfEightBytesAreRead) {
   const TemporaryFolder folder;
   const std::vector<double> numbers{0.1, -2.25, 3.0, 1e-3, 5.5, -0.75};
