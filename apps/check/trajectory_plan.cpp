@@ -20,6 +20,9 @@ constexpr Bounds any_value{-1e6, 1e6};
 /// The map that holds `joint_names`.
 std::optional<YamlFields> innermost(const YamlFields& root) {
   if (root.has("joint_names")) return root;
+  if (root.has("multi_dof_joint_trajectory") &&
+      !root.map("multi_dof_joint_trajectory").list_of_maps("points").empty())
+    root.fail("multi_dof_joint_trajectory", "expected no points: the robot's base stands still");
   if (root.has("joint_trajectory")) return root.map("joint_trajectory");
   if (!root.has("trajectory")) return std::nullopt;
   const std::vector<YamlFields> list = root.list_of_maps("trajectory");

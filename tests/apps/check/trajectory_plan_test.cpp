@@ -78,7 +78,10 @@ TEST_F(CheckTrajectory, WhatDoesNotFitTheRobotIsNamed) {
            {trajectory(Json::array()), "points: expected at least one"},
            {Json{{"trajectory",
                   {{{"joint_trajectory", trajectory(point)}}, {{"joint_trajectory", trajectory(point)}}}}},
-            "expected one trajectory, got 2"}})
+            "expected one trajectory, got 2"},
+           {Json{{"joint_trajectory", trajectory(point)},
+                 {"multi_dof_joint_trajectory", {{"joint_names", {"base"}}, {"points", {{{"a", 1}}}}}}},
+            "the robot's base stands still"}})
     EXPECT_NE(refusal(message).find(words), std::string::npos) << refusal(message);
   const CommandRun run = check_file("t.yaml", "a: 1\n");
   EXPECT_EQ(run.status, exit_bad_input);
