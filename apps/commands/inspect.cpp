@@ -149,6 +149,8 @@ int run_inspect(const InspectOptions& options, Console& console) {
           cloud_remark(options.map, loaded ? *loaded : map, options.cloud_resolution.has_value());
       !remark.empty())
     console.warn("note: " + remark);
+  if (!options.crop.empty() && leaves.bounds().isEmpty())
+    console.warn("note: the map holds nothing inside of --crop");
   require_in_reach(points, map);
   const std::optional<Provenance> provenance = provenance_of(options, console);
 

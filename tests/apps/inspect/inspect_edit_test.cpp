@@ -149,6 +149,9 @@ TEST_F(Inspect, makes_new_maps_of_maps) {
   expect_refused({map_, "--merge", other_, "--save", other_}, "is read by --merge");
   expect_refused({map_, "--coarsen", "0.3", "--save", out}, "2, 4, 8");
   expect_refused({map_, "--coarsen", "0.2"}, "--save");
+  EXPECT_NE(run_command({"inspect", map_, "--crop=50,50,50,51,51,51", "--save", folder_.file("none")})
+                .log.find("nothing inside of --crop"),
+            std::string::npos);
   expect_refused({map_, "--crop", "1,2,3", "--save", out}, "X0,Y0,Z0");
   EXPECT_EQ(read_file(map_ + "/map.ot"), before);
 }
