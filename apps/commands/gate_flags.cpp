@@ -17,6 +17,8 @@ Command add_gate(CLI::App& app, Console& console) {
       "Each gets one line on stdout. A chunk passes if its motion and the braking after it are proved free, "
       "with the\nloads of --attach. It must start where the last passed chunk ends, or where the robot has "
       "stopped after it.\n"
+      "Times of one chunk are not compared with those of another: whoever runs them starts one when the last "
+      "has ended, or\nthe robot stands. The map is read once; start gate anew for another.\n"
       "Exit status: 0 all chunks passed, 1 some were refused, 2 bad input.");
   command->add_option("--map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply")
       ->required()

@@ -206,6 +206,7 @@ void TeachSession::approve(std::string& remark) {
   if (!choice_.plan)
     refuse(choice_.outdated.empty() ? "there is no plan that is proved; 'plan' makes one"
                                     : choice_.outdated + " since it was planned; plan again");
+  if (choice_.is_approved) refuse("the plan is approved already; undo takes that back");
   TaughtPlan& plan = plans_[*choice_.plan];
   if (map_sha256(present_map()) != plan.map_digest) {
     const PathVerdict verdict = check_taught(plan, present_map());

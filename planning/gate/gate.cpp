@@ -151,13 +151,15 @@ GateVerdict Gate::judge(const MotionChunk& chunk) {
   const double age = chunk.times.front() - map->taken;
   if (options_.max_age != std::numeric_limits<double>::infinity() && !(std::abs(age) <= options_.max_age))
     return refused(GateReason::stale_map, stale_sentence(age, options_.max_age));
-  std::optional<Configuration> standing;
-  for (const Configuration& place : standing_)
-    require(place.size() == chunk.positions.front().size(), "gate: start: " + limit_violation(robot, place));
-  if (!standing_.empty()) standing = nearest_of(standing_, chunk.positions.front());
-  if (standing && !(gap(*standing, chunk.positions.front()) <= options_.tolerance))
+  const Configuration& first = chunk.positions.front();
+  std::vector<Configuration> standing;  // nobody says which of them it is
+  for (const Configuration& place : standing_) {
+    require(place.size() == first.size(), "gate: start: " + limit_violation(robot, place));
+    if (gap(place, first) <= options_.tolerance) standing.push_back(place);
+  }
+  if (!standing_.empty() && standing.empty())
     return refused(GateReason::jump,
-                   jump_sentence(robot, *standing, chunk.positions.front(), options_.tolerance));
+                   jump_sentence(robot, nearest_of(standing_, first), first, options_.tolerance));
 
   const std::vector<StraightPiece> pieces = straight_pieces(chunk, map->limits, standing);
   const std::size_t unproved = first_unproved(map->proof, pieces);

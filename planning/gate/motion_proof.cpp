@@ -72,11 +72,12 @@ std::string to_text(const MotionPiece& piece) {
 }
 
 std::vector<StraightPiece> straight_pieces(const MotionChunk& chunk, const JointLimits& limits,
-                                           const std::optional<Configuration>& standing) {
+                                           const std::vector<Configuration>& standing) {
   using Kind = MotionPiece::Kind;
   std::vector<StraightPiece> pieces;
   const std::vector<Configuration>& q = chunk.positions;
-  if (standing && *standing != q[0]) pieces.push_back({{Kind::joining, 0}, *standing, q[0]});
+  for (const Configuration& place : standing)
+    if (place != q[0]) pieces.push_back({{Kind::joining, 0}, place, q[0]});
   for (std::size_t i = 0; i + 1 < q.size(); ++i) {
     // Who waits where a proved piece ends needs no other proof.
     if (q[i] != q[i + 1] || pieces.empty()) pieces.push_back({{Kind::edge, i}, q[i], q[i + 1]});

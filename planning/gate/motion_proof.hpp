@@ -26,9 +26,9 @@ struct StraightPiece {
 };
 
 /// All that has to be proved, in the order of the motion.
-/// @param standing where the robot is; none: at the first configuration
+/// @param standing where the robot may be, each of which has a way to the first configuration; none: there
 std::vector<StraightPiece> straight_pieces(const MotionChunk& chunk, const JointLimits& limits,
-                                           const std::optional<Configuration>& standing);
+                                           const std::vector<Configuration>& standing);
 
 /// The first piece that is not proved free; pieces.size() when all are.
 std::size_t first_unproved(const ProofSpace& proof, const std::vector<StraightPiece>& pieces);

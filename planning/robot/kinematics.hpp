@@ -16,7 +16,7 @@ using LinkPoses = std::vector<Eigen::Isometry3d>;
 void forward_kinematics(const Robot& robot, const Configuration& q, LinkPoses& map_from_link);
 LinkPoses forward_kinematics(const Robot& robot, const Configuration& q);
 
-/// map_from_tip at q.
+/// map_from_tip at q. @pre q.size() == robot.dof()
 Eigen::Isometry3d tip_pose(const Robot& robot, const Configuration& q);
 
 /// Linear (rows 0-2) and angular (rows 3-5) velocity Jacobian, map frame, of the point `point` (map frame)

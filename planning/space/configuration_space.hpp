@@ -137,6 +137,7 @@ class ConfigurationSpace {
   /// longest axis) and each of the six map directions the nearest blocked voxel that lies that way, by the
   /// exact shapes; then each pair of bodies that is not exempt. A pair whose distance no joint can change (a
   /// floor under a sliding disc) has no constraint. Penetrating pairs have distance <= 0.
+  /// @throws std::invalid_argument when q is not of the robot's joints, finite
   std::vector<ProximityConstraint> proximity_constraints(const Configuration& q,
                                                          double influence_distance) const;
 

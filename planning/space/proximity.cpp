@@ -5,6 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include <stdexcept>
+#include <string>
+
 #include "planning/space/collision_model.hpp"
 
 namespace clearway {
@@ -84,6 +87,9 @@ std::array<Nearest, max_pieces * directions> nearest_voxels(const BodyCollision&
 std::vector<ProximityConstraint> ConfigurationSpace::proximity_constraints(const Configuration& q,
                                                                            double influence_distance) const {
   const CollisionModel& model = *model_;
+  if (q.size() != static_cast<Eigen::Index>(model.robot.dof()) || !q.allFinite())
+    throw std::invalid_argument("proximity constraints: got " + std::to_string(q.size()) +
+                                " values, expected " + std::to_string(model.robot.dof()) + " finite ones");
   const LinkPoses poses = forward_kinematics(model.robot, q);
   std::vector<ProximityConstraint> constraints;
   const auto append = [&](ProximityConstraint constraint) {

@@ -76,6 +76,7 @@ TEST_F(TeachSessionOf, AllThatWasDoneIsUndoneStepByStep) {
   ASSERT_EQ(act(TeachAction::goal, "1,0.5"), "");
   ASSERT_EQ(act(TeachAction::plan), "");
   ASSERT_EQ(act(TeachAction::approve), "");
+  EXPECT_EQ(act(TeachAction::approve), "approve: the plan is approved already; undo takes that back");
   EXPECT_EQ(act(TeachAction::undo), "");
   EXPECT_EQ(remark(), "approval is undone");
   EXPECT_EQ(session_.state(), TeachState::planned);

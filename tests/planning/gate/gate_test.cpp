@@ -194,6 +194,33 @@ TEST(Gate, WhatTheToleranceLeavesOpenIsProvedToo) {
   EXPECT_FALSE(verdict.may_go);
 }
 
+/// Who ends at 1 m/s in the origin stands at x = 0.25 m: a chunk near both is joined from either, and a post
+/// stands beside the way from the origin alone.
+TEST(Gate, WhereItMayBeInTwoPlacesTheWayFromEachIsProved) {
+  GateOptions options = with_limits(2.0);
+  options.tolerance = 0.25;
+  FreeSpaceMap map({.resolution = 0.005});
+  occupy(map, {-0.0175, 0.2325, 0.0025});
+  const ConfigurationSpace space(disc(), map.snapshot(), {.critical_by_default = false});
+  const Eigen::Vector2d end(0.0, 0.0), stop(0.25, 0.0), first(0.2, 0.15);
+  EXPECT_FALSE(space.is_edge_free(end, first));
+  EXPECT_TRUE(space.is_edge_free(stop, first));
+  MotionChunk next;
+  next.times = {0.0, 1.0};
+  next.positions = {first, Eigen::Vector2d(0.22, 0.15)};
+  Gate moving(options);
+  moving.publish(ConfigurationSpace(disc(), map.snapshot(), {.critical_by_default = false}));
+  EXPECT_TRUE(moving.judge(along_x({-0.1, 0.0})).is_passed());
+  const GateVerdict verdict = moving.judge(next);
+  EXPECT_EQ(verdict.reason, GateReason::blocked);
+  ASSERT_TRUE(verdict.piece);
+  EXPECT_EQ(verdict.piece->kind, Kind::joining);
+  Gate standing(options);  // known to stand at the stop
+  standing.publish(ConfigurationSpace(disc(), map.snapshot(), {.critical_by_default = false}));
+  standing.restart(stop);
+  EXPECT_TRUE(standing.judge(next).is_passed());
+}
+
 TEST(Gate, ARobotThatWaitsIsJudgedWhereItStands) {
   Gate gate(with_limits(5.0));
   gate.publish(before_wall());
