@@ -124,6 +124,10 @@ void report_turns(const Robot& robot, const Configuration& start, const std::vec
       const Joint& joint = robot.joints[j];
       if (joint.kind != JointKind::revolute || std::isfinite(joint.lower) || std::isfinite(joint.upper))
         continue;
+      const bool is_geared = std::any_of(robot.links.begin(), robot.links.end(), [&](const Link& link) {
+        return link.joint == static_cast<int>(j) && link.multiplier != std::round(link.multiplier);
+      });
+      if (is_geared) continue;  // a whole turn of it is none of what follows it
       const auto at = static_cast<Eigen::Index>(j);
       const double goal = goals[leg][at], from = (leg == 0 ? start : goals[leg - 1])[at];
       const double nearest = from + std::remainder(goal - from, 2.0 * std::numbers::pi);

@@ -208,22 +208,43 @@ class AlikeGroups {
   std::vector<double> steps_;
 };
 
+/// Cells of the same points for distances of each size, made when asked for.
+class CellsOfReach {
+ public:
+  CellsOfReach(const Points& points, const Indices& held, double least)
+      : points_(points), held_(held), least_(least) {}
+  /// With an edge of at least `reach`, at most twice that.
+  const PointCells& of(double reach) {
+    double edge = least_;
+    while (edge < reach) edge *= 2.0;
+    return cells_.try_emplace(edge, points_, held_, edge).first->second;
+  }
+
+ private:
+  const Points& points_;
+  const Indices& held_;
+  double least_;
+  std::map<double, PointCells> cells_;
+};
+
 /// Whether the points of a group spread along more than a line, and hardly any others are between them: of
 /// points strewn at random some are as far apart as their neighbours.
-bool is_surface_of_its_own(const Points& points, const Indices& group, const Indices& all, double apart,
+bool is_surface_of_its_own(const Points& points, const Indices& group, CellsOfReach& all, double apart,
                            AlikeGroups& groups) {
   constexpr double of_line = 0.55, of_mixed = 0.3;
   const Indices samples = spread(group, 400);
-  const PointCells cells(points, all, apart);
+  if (!(at_part(nearest(points, group, samples, apart, 2), 0.5) > of_line * apart)) return false;
+  const PointCells& cells = all.of(apart);
   std::size_t mixed = 0;
   for (const std::size_t i : samples) {
     bool is_mixed = false;
-    cells.visit_near(
-        i, [&](std::size_t other, double) { return !(is_mixed = groups.of(other) != groups.of(i)); });
+    cells.visit_near(i, [&](std::size_t other, double distance) {
+      is_mixed = distance <= apart && groups.of(other) != groups.of(i);
+      return !is_mixed;
+    });
     mixed += is_mixed;
   }
-  return at_part(nearest(points, group, samples, apart, 2), 0.5) > of_line * apart &&
-         static_cast<double>(mixed) <= of_mixed * static_cast<double>(samples.size());
+  return static_cast<double>(mixed) <= of_mixed * static_cast<double>(samples.size());
 }
 
 }  // namespace
@@ -239,13 +260,14 @@ std::vector<ThinnedPart> thinned_parts(const Points& points, double fine) {
   Indices sparse;
   std::copy_if(distinct.begin(), distinct.end(), std::back_inserter(sparse),
                [&](std::size_t i) { return !all.has_near(i, beside_in_a_row); });
+  CellsOfReach reaches(points, distinct, 1.05 * fine);
   AlikeGroups groups(points, sparse, fine);
   std::map<std::size_t, Indices> members;
   for (const std::size_t i : sparse) members[groups.of(i)].push_back(i);
   std::vector<ThinnedPart> parts;
   for (auto& [first, group] : members)
     if (const auto apart = even_spacing(points, group, fine);
-        apart && is_surface_of_its_own(points, group, distinct, *apart, groups))
+        apart && is_surface_of_its_own(points, group, reaches, *apart, groups))
       parts.push_back({*apart, std::move(group)});
   return parts;
 }

@@ -55,10 +55,16 @@ Configuration at_zero(const Robot& robot) {
   return q;
 }
 
-/// A value within the limits; an unlimited joint turns freely, so one turn stands for all.
-double random_value(const Joint& joint, std::mt19937_64& random) {
-  const double lower = std::isfinite(joint.lower) ? joint.lower : -std::numbers::pi;
-  const double upper = std::isfinite(joint.upper) ? joint.upper : std::numbers::pi;
+/// A value within the limits; an unlimited joint turns freely, so one turn stands for all: of the slowest
+/// link that follows it.
+double random_value(const Robot& robot, std::size_t j, std::mt19937_64& random) {
+  const Joint& joint = robot.joints[j];
+  double turn = std::numbers::pi;
+  for (const Link& link : robot.links)
+    if (link.joint == static_cast<int>(j))
+      turn = std::max(turn, std::numbers::pi / std::abs(link.multiplier));
+  const double lower = std::isfinite(joint.lower) ? joint.lower : -turn;
+  const double upper = std::isfinite(joint.upper) ? joint.upper : turn;
   const double unit = random_unit(random);
   return lower + unit * (upper - lower);
 }
@@ -84,10 +90,10 @@ bool never_meet(const Robot& robot, const AcrossJoint& pair) {
   constexpr int most_looks = 200;
   const Link& link = robot.links[static_cast<std::size_t>(pair.mover)];
   const Joint& joint = robot.joints[static_cast<std::size_t>(link.joint)];
-  const double lower = std::isfinite(joint.lower) ? joint.lower : -std::numbers::pi;
-  const double upper = std::isfinite(joint.upper) ? joint.upper : std::numbers::pi;
-  if (joint.kind == JointKind::prismatic && !(std::isfinite(joint.lower) && std::isfinite(joint.upper)))
-    return false;
+  const bool is_limited = std::isfinite(joint.lower) && std::isfinite(joint.upper);
+  if (joint.kind == JointKind::prismatic && !is_limited) return false;
+  const double turn = std::numbers::pi / std::abs(link.multiplier);  // half a turn of the link itself
+  const double lower = is_limited ? joint.lower : -turn, upper = is_limited ? joint.upper : turn;
   Configuration q = at_zero(robot);
   const auto poses_at = [&](double value) {
     q[link.joint] = value;
@@ -166,7 +172,7 @@ std::vector<std::pair<int, int>> always_colliding_bodies(const Robot& robot) {
   std::mt19937_64 random(1);
   for (int i = 0; i < sampled_configurations; ++i) {
     for (std::size_t j = 0; j < robot.dof(); ++j) {
-      q[static_cast<Eigen::Index>(j)] = random_value(robot.joints[j], random);
+      q[static_cast<Eigen::Index>(j)] = random_value(robot, j, random);
     }
     samples.push_back(forward_kinematics(robot, q));
   }

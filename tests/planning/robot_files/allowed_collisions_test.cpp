@@ -156,6 +156,30 @@ TEST(AllowedCollisions, PairsAreProvedToStayApartOnlyWhereTheyDo) {
   EXPECT_GT(meeting, 15);
 }
 
+/// Two balls about a joint that follows another at a part of its turns: they meet at one angle of it.
+TEST(AllowedCollisions, OfAnEndlessJointThatFollowsSlowlyAWholeTurnIsLookedAt) {
+  for (const double multiplier : {0.5, -0.25, 1.0, 3.0}) {
+    const std::string mimic = "<mimic joint='j1' multiplier='" + std::to_string(multiplier) + "'/>";
+    const UrdfRobot geared("geared", urdf_link("base", "0 0 -5", "<sphere radius='0.05'/>") +
+                                         urdf_link("l1", "0 0 0", "<sphere radius='0.05'/>") +
+                                         urdf_link("l2", "0 0 5", "<sphere radius='0.05'/>") +
+                                         urdf_link("a", "0 0 0", "<sphere radius='0.05'/>") +
+                                         urdf_link("b", "0 0 0", "<sphere radius='0.05'/>") +
+                                         urdf_joint("j1", "continuous", "base", "l1", "0 0 0", "0 0 1", "") +
+                                         urdf_joint("j2", "continuous", "l1", "l2", "0 0 1", "0 0 1", mimic) +
+                                         urdf_joint("fa", "fixed", "l1", "a", "-0.3 0.05 1", "0 0 1",
+                                                    "") +  // met after almost half a turn
+                                         urdf_joint("fb", "fixed", "l2", "b", "0.3 0.05 0", "0 0 1", ""));
+    const Robot& robot = geared.robot();
+    const auto is_between = [&](const std::pair<int, int>& pair) {
+      const std::string &first = robot.bodies[static_cast<std::size_t>(pair.first)].part,
+                        &second = robot.bodies[static_cast<std::size_t>(pair.second)].part;
+      return (first == "a" && second == "b") || (first == "b" && second == "a");
+    };
+    EXPECT_EQ(std::count_if(robot.exempt.begin(), robot.exempt.end(), is_between), 0) << multiplier;
+  }
+}
+
 /// A turret: a tool fixed to its arm turns through a post that is fixed beside its base.
 TEST(AllowedCollisions, WhatIsFixedToNeighboursIsTestedUnlessNothingElseIsBetweenThem) {
   const auto turret = [](bool base_has_body, bool arm_has_body, double post) {
