@@ -14,6 +14,7 @@
 #include "apps/fusion/recorded_frames.hpp"
 #include "apps/fusion/scan_inserter.hpp"
 #include "apps/fusion/tag_search.hpp"
+#include "datasets/sources/ordered_frames.hpp"
 #include "mapping/system/parallel.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -86,6 +87,7 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   fusion.setup_source = std::move(chosen.source);
   fusion.setup.source.camera_seconds = options.camera_seconds;
   std::unique_ptr<FrameSource> frames = open_frames(recording, fusion.setup.source);
+  if (!frames->is_live()) frames = std::make_unique<OrderedFrames>(std::move(frames), recording.string());
   if (options.is_paced && !frames->is_live()) frames = std::make_unique<PacedFrames>(std::move(frames));
   RecordedFrames* recorded = nullptr;
   if (!options.frames_file.empty()) {

@@ -6,6 +6,7 @@
 
 #include "datasets/ros/compressed_depth.hpp"
 #include "datasets/ros/sensor_frames.hpp"
+#include "datasets/ros/stamp_order.hpp"
 #include "datasets/sources/lens.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -40,6 +41,18 @@ double time_of(const RosHeader& header, double recorded) {
   return std::isfinite(header.time) && header.time > 0.0 ? header.time : recorded;
 }
 
+/// The same of a message whose header may be damaged.
+double stamp_of(const BagTopic& topic, const BagMessage& message) {
+  try {
+    WireReader in(message.bytes, *topic.wire);
+    return time_of(read_header(in), message.time);
+  } catch (const std::runtime_error&) {
+    return message.time;
+  }
+}
+
+constexpr std::size_t most_held_bytes = std::size_t{64} << 20U;  ///< of messages that wait for their turn
+
 }  // namespace
 
 BagFrames::BagFrames(MessageBag& bag, const SourceOptions& options) : bag_(bag), options_(options) {
@@ -68,16 +81,27 @@ void BagFrames::learn_camera(const std::string& topic, const RosCameraInfo& info
   if (topic == bag.depth_camera_info && !depth_camera_) depth_camera_ = camera_of(is_depth_rectified(bag));
 }
 
+bool BagFrames::is_sensor(const BagTopic& topic) const {
+  const BagTopics& bag = options_.bag;
+  return topic.name == bag.images || topic.name == bag.depth || holds(bag.clouds, topic.name) ||
+         holds(bag.scans, topic.name);
+}
+
 void BagFrames::learn() {
-  std::vector<bool> wanted;
+  const bool are_frames_read = !options_.bag.fixed_frame.empty() || takes_sensors_to_stand();
   for (const BagTopic& topic : bag_.topics()) {
     const bool is_camera =
         topic.name == options_.bag.camera_info || topic.name == options_.bag.depth_camera_info;
-    wanted.push_back(topic.wire &&
-                     (is_camera || (is_transforms(topic) && !options_.bag.fixed_frame.empty())));
+    sensors_.push_back(topic.wire && is_sensor(topic));
+    read_.push_back(topic.wire &&
+                    (sensors_.back() || is_camera || (is_transforms(topic) && are_frames_read)));
   }
-  bag_.visit(wanted, [&](const BagMessage& message) {
+  bag_.visit(read_, [&](const BagMessage& message) {
     const BagTopic& topic = bag_.topics()[message.topic];
+    if (sensors_[message.topic]) {
+      stamps_.push_back(stamp_of(topic, message));
+      return true;
+    }
     try {
       WireReader in(message.bytes, *topic.wire);
       if (is_transforms(topic)) {
@@ -86,37 +110,24 @@ void BagFrames::learn() {
         learn_camera(topic.name, read_camera_info(in));
       }
     } catch (const std::runtime_error& error) {
-      Missing& missing = left_out_[topic.name];
-      if (missing.count++ == 0) missing.first = error.what();
+      leave_out(topic, error);
     }
     return true;
   });
 }
 
+void BagFrames::leave_out(const BagTopic& topic, const std::runtime_error& error) {
+  Missing& missing = left_out_[topic.name];
+  if (missing.count++ == 0) missing.first = error.what();
+}
+
 void BagFrames::visit(const std::function<void(const Frame&)>& take) {
-  const BagTopics& bag = options_.bag;
-  std::vector<bool> wanted;
-  for (const BagTopic& topic : bag_.topics()) {
-    wanted.push_back(topic.wire && (topic.name == bag.images || topic.name == bag.depth ||
-                                    holds(bag.clouds, topic.name) || holds(bag.scans, topic.name)));
-  }
-  const bool are_frames_unused = takes_sensors_to_stand();
-  for (std::size_t i = 0; i < wanted.size(); ++i)
-    if (are_frames_unused && bag_.topics()[i].wire && is_transforms(bag_.topics()[i])) wanted[i] = true;
-  bag_.visit(wanted, [&](const BagMessage& message) {
-    const BagTopic& topic = bag_.topics()[message.topic];
+  visit_by_stamp(bag_, read_, sensors_, stamps_, most_held_bytes, [&](const BagMessage& message) {
     try {
-      if (is_transforms(topic)) {
-        WireReader in(message.bytes, *topic.wire);
-        add_transforms(topic, in, transforms_);
-        return true;
-      }
       if (const auto frame = frame_of(message)) take(*frame);
     } catch (const std::runtime_error& error) {
-      Missing& missing = left_out_[topic.name];
-      if (missing.count++ == 0) missing.first = error.what();
+      leave_out(bag_.topics()[message.topic], error);
     }
-    return true;
   });
 }
 

@@ -3,6 +3,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,8 @@
 
 namespace clearway {
 
-/// Makes frames of a bag's messages: reads it once for transforms and cameras, and once for what sensors saw.
+/// Makes frames of a bag's messages: reads it once for transforms, cameras and the stamps of what sensors
+/// saw, and once more, in the order of these stamps, for what they saw.
 class BagFrames {
  public:
   /// @throws std::runtime_error a clause: a camera_info topic has no message that can be used.
@@ -29,7 +31,9 @@ class BagFrames {
     std::size_t count = 0;
     std::string first;
   };
+  bool is_sensor(const BagTopic& topic) const;
   void learn();
+  void leave_out(const BagTopic& topic, const std::runtime_error& error);
   void learn_camera(const std::string& topic, const RosCameraInfo& info);
   std::optional<Frame> frame_of(const BagMessage& message) const;
   /// Whether neither the setup nor transforms say where some sensor of points is.
@@ -39,6 +43,8 @@ class BagFrames {
 
   MessageBag& bag_;
   const SourceOptions& options_;
+  std::vector<bool> read_, sensors_;  ///< whether a topic is read; whether it is a sensor's
+  std::vector<double> stamps_;        ///< s, of the sensors' messages in the bag's order
   TransformTree transforms_;
   std::optional<RosCamera> camera_, depth_camera_;  ///< where images or depth have one
   std::vector<Eigen::Vector2d> depth_rays_;         ///< of the depth camera

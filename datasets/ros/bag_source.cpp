@@ -47,11 +47,13 @@ std::vector<std::filesystem::path> files_with(const std::filesystem::path& folde
   return in_order_of_names(files);
 }
 
-/// Several bags, one after the other, as one. In the child.
+/// Several bags, one after the other in the order of their first messages, as one. In the child.
 class JoinedBag final : public MessageBag {
  public:
   explicit JoinedBag(const std::vector<std::filesystem::path>& files) {
     for (const std::filesystem::path& file : files) add(file);
+    std::stable_sort(parts_.begin(), parts_.end(),
+                     [](const Part& a, const Part& b) { return a.bag->first_time() < b.bag->first_time(); });
   }
 
   void visit(const std::vector<bool>& wanted, const std::function<bool(const BagMessage&)>& take) override {
@@ -68,6 +70,11 @@ class JoinedBag final : public MessageBag {
       note_damage(part);
       done_ += part.input->size();
     }
+  }
+  std::optional<double> first_time() const override {
+    for (const Part& part : parts_)  // one without messages comes first
+      if (const auto time = part.bag->first_time()) return time;
+    return std::nullopt;
   }
   std::uint64_t offset() const override {
     return done_ + (at_ < parts_.size() ? parts_[at_].bag->offset() : 0);

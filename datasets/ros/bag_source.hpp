@@ -31,15 +31,15 @@ inline bool is_bag_folder(const std::filesystem::path& folder) {
 
 inline bool is_bag(const std::filesystem::path& path) { return is_bag_file(path) || is_bag_folder(path); }
 
-/// What a bag holds (a file, or a folder of MCAP files, which are read in the order of their names), in the
-/// order of names. A bag that is damaged has what could be read.
+/// What a bag holds (a file, or a folder of MCAP files), in the order of names. A bag that is damaged has
+/// what could be read.
 /// @throws std::invalid_argument naming the file when it is no bag.
 std::vector<BagTopic> list_bag(const std::filesystem::path& file);
 
 /// The frames that its transforms join, in the order of names. @throws std::invalid_argument as list_bag.
 std::vector<BagFrame> list_frames(const std::filesystem::path& file);
 
-/// The topics of a bag that the options name, as frames in the order of their recording, in tf's
+/// The topics of a bag that the options name, as frames in the order of their times, in tf's
 /// poses; the time of a frame is that of its header, where it has one. Sensors are called like their topics.
 /// Frames whose pose is not known at their time, and messages that are damaged, are left out and reported.
 /// Decoded in a child process with limits.

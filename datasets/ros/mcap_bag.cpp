@@ -127,6 +127,12 @@ class McapBag final : public MessageBag {
 
   std::uint64_t offset() const override { return offset_; }
 
+  std::optional<double> first_time() const override {
+    for (const Place& place : places_)  // a chunk without messages says 0
+      if (place.first_time > 0) return 1e-9 * static_cast<double>(place.first_time);
+    return std::nullopt;
+  }
+
   void visit(const std::vector<bool>& wanted, const std::function<bool(const BagMessage&)>& take) override {
     struct Open {
       std::vector<std::uint8_t> bytes;

@@ -39,6 +39,8 @@ class MessageBag {
   /// Calls `take` with the messages of these topics in the order of their times; those of one time as the
   /// file has them. Returning false ends it.
   virtual void visit(const std::vector<bool>& topics, const std::function<bool(const BagMessage&)>& take) = 0;
+  /// When the first message was recorded, s since 1970; nothing: there is none.
+  virtual std::optional<double> first_time() const = 0;
   /// How much of the file `visit` has been through, bytes.
   virtual std::uint64_t offset() const = 0;
 

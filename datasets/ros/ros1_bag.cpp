@@ -25,6 +25,7 @@ class Ros1Bag final : public MessageBag {
       rosbag::View view(bag_);
       for (const rosbag::ConnectionInfo* connection : view.getConnections()) learn(*connection);
       for (const rosbag::MessageInstance& message : view) ++topics_[topic_of(message)].count;
+      if (view.size() > 0) first_time_ = view.getBeginTime().toSec();
     } catch (const rosbag::BagUnindexedException&) {
       throw std::runtime_error(
           "it has no index, as its recorder was ended: expected it after `rosbag reindex`");
@@ -34,6 +35,8 @@ class Ros1Bag final : public MessageBag {
           "reindex`");
     }
   }
+
+  std::optional<double> first_time() const override { return first_time_; }
 
   std::uint64_t offset() const override {
     return static_cast<std::uint64_t>(share_ * static_cast<double>(bag_.getSize()));
@@ -90,6 +93,7 @@ class Ros1Bag final : public MessageBag {
 
   rosbag::Bag bag_;
   std::map<std::pair<std::string, std::string>, std::size_t> topic_of_;
+  std::optional<double> first_time_;
   double share_ = 0.0;
 };
 

@@ -3,19 +3,6 @@
 namespace clearway {
 namespace {
 
-RosHeader read_header(WireReader& in) {
-  if (in.wire() == RosWire::ros1) in.number<std::uint32_t>();  // of the sequence
-  RosHeader header;
-  const auto seconds = in.number<std::uint32_t>();  // unsigned in ROS 1 alone
-  const auto nanoseconds = in.number<std::uint32_t>();
-  header.time = in.wire() == RosWire::ros1 ? static_cast<double>(seconds)
-                                           : static_cast<double>(static_cast<std::int32_t>(seconds));
-  header.time += 1e-9 * nanoseconds;
-  header.frame = in.text();
-  if (header.frame.starts_with('/')) header.frame.erase(0, 1);  // tf's first version
-  return header;
-}
-
 template <std::size_t count>
 std::array<double, count> read_array(WireReader& in) {
   std::array<double, count> numbers;
@@ -34,6 +21,19 @@ std::string short_type(std::string_view type) {
   std::string result(type);
   if (const auto at = result.find("/msg/"); at != std::string::npos) result.erase(at, 4);
   return result;
+}
+
+RosHeader read_header(WireReader& in) {
+  if (in.wire() == RosWire::ros1) in.number<std::uint32_t>();  // of the sequence
+  RosHeader header;
+  const auto seconds = in.number<std::uint32_t>();  // unsigned in ROS 1 alone
+  const auto nanoseconds = in.number<std::uint32_t>();
+  header.time = in.wire() == RosWire::ros1 ? static_cast<double>(seconds)
+                                           : static_cast<double>(static_cast<std::int32_t>(seconds));
+  header.time += 1e-9 * nanoseconds;
+  header.frame = in.text();
+  if (header.frame.starts_with('/')) header.frame.erase(0, 1);  // tf's first version
+  return header;
 }
 
 RosImage read_image(WireReader& in) {

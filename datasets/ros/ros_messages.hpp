@@ -23,6 +23,7 @@ struct RosHeader {
   double time = 0;  ///< s
   std::string frame;
 };
+RosHeader read_header(WireReader& in);  ///< with which messages of sensors begin
 
 constexpr std::uint32_t most_image_side = 20'000;  ///< pixels
 

@@ -1,0 +1,134 @@
+// What recordings saw last is what the map knows last, in whatever order their messages lie: through the
+// command line.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "datasets/sources/recording.hpp"
+#include "tests/apps/run_command.hpp"
+#include "tests/worlds/bags/scan_bag.hpp"
+
+namespace clearway {
+namespace scan_order_test {
+
+using Json = nlohmann::json;
+using worlds::BagTime;
+using worlds::ScanBag;
+
+/// Seen from the origin: a wall 2 m ahead, and from 22 s on a box 1 m ahead.
+std::vector<Eigen::Vector3f> points_at(double time) {
+  std::vector<Eigen::Vector3f> points;
+  for (float y = -0.8F; y < 0.8F; y += 0.025F) {
+    for (float z = -0.6F; z < 0.6F; z += 0.025F) {
+      const float x = time >= 22 && std::abs(y) < 0.7F && std::abs(z) < 0.4F ? 1.0F : 2.0F;
+      points.emplace_back(x, x / 2 * y, x / 2 * z);
+    }
+  }
+  return points;
+}
+
+void add(ScanBag& bag, const BagTime& time) { bag.cloud("/points", time, "map", points_at(time.stamp)); }
+
+class ScanOrder : public ::testing::Test {
+ protected:
+  static constexpr double first = 10, box = 22, end = 25;
+
+  /// The map of a recording, and what it says at a point of the box.
+  Json replay(const std::string& recording) {
+    folder_.write("setup.yaml",
+                  "map: {resolution: 0.05}\nsource: {bag: {clouds: [/points], fixed_frame: map}}\n");
+    const CommandRun run =
+        run_command({"replay", folder_.file(recording), "--setup", folder_.file("setup.yaml"), "--out",
+                     folder_.file(recording + ".map"), "--no-plan"});
+    EXPECT_EQ(run.status, exit_done) << run.log;
+    EXPECT_NE(run.out.find("15 scans, 0 odometry), 14 s"), std::string::npos) << run.out;
+    return Json::parse(
+        run_command({"inspect", folder_.file(recording + ".map"), "--at", "1.01,0.01,0.01", "--json"}).out);
+  }
+  std::string map_of(const std::string& recording) const {
+    return read_file(folder_ / (recording + ".map/map.ot"));
+  }
+  void expect_as_in_order(const std::string& recording) {
+    const Json json = replay(recording);
+    EXPECT_EQ(json["at"][0]["state"], "occupied") << json.dump();
+    ScanBag bag(folder_ / "in_order.mcap");
+    for (double time = first; time < end; ++time) add(bag, time);
+    bag.write();
+    replay("in_order.mcap");
+    EXPECT_EQ(map_of(recording), map_of("in_order.mcap")) << "byte for byte";
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(ScanOrder, parts_of_a_bag_are_taken_in_the_order_of_their_times) {
+  std::filesystem::create_directory(folder_ / "bag");
+  folder_.write("bag/metadata.yaml", "rosbag2_bagfile_information:\n  version: 5\n");
+  ScanBag late(folder_ / "bag/x_0.mcap"), early(folder_ / "bag/x_1.mcap");
+  for (double time = first; time < end; ++time) add(time < box ? early : late, time);
+  late.write();
+  early.write();
+  expect_as_in_order("bag");
+}
+
+TEST_F(ScanOrder, stamps_count_where_a_bag_was_recorded_in_another_order) {
+  for (const char* name : {"stamps.mcap", "stamps.bag"}) {
+    ScanBag bag(folder_ / name);
+    double recorded = 9;
+    for (double time = box; time < end; ++time) add(bag, {recorded++, time});
+    for (double time = first; time < box; ++time) add(bag, {recorded++, time});
+    bag.write();
+    expect_as_in_order(name);
+  }
+}
+
+TEST_F(ScanOrder, stamps_may_run_against_the_order_of_recording) {
+  ScanBag bag(folder_ / "reversed.mcap");
+  for (double time = end - 1; time >= first; --time) add(bag, {100 - time, time});
+  bag.write();
+  expect_as_in_order("reversed.mcap");
+}
+
+/// Writes a rawlog with scans at these times.
+void write_rawlog(const std::filesystem::path& file, const std::vector<double>& times) {
+  RecordingWriter writer(file);
+  for (const double time : times) {
+    CloudFrame cloud;
+    cloud.kind = "points";
+    cloud.points = points_at(time);
+    writer.write({time, "points", cloud});
+  }
+  writer.finish();
+}
+
+TEST_F(ScanOrder, rawlogs_whose_scans_are_late_give_the_same_map) {
+  std::vector<double> times;
+  for (double time = box; time < end; ++time) times.push_back(time);
+  for (double time = first; time < box; ++time) times.push_back(time);
+  write_rawlog(folder_ / "late.rawlog", times);
+  replay("late.rawlog");
+  std::sort(times.begin(), times.end());
+  write_rawlog(folder_ / "sorted.rawlog", times);
+  EXPECT_EQ(replay("sorted.rawlog")["at"][0]["state"], "occupied");
+  EXPECT_EQ(map_of("late.rawlog"), map_of("sorted.rawlog"));
+}
+
+TEST_F(ScanOrder, rawlogs_whose_scans_are_too_late_are_read_without_them_and_say_so) {
+  std::vector<double> times;
+  for (int i = 0; i < 100; ++i) times.push_back(22 + 0.1 * i);
+  for (double time = first; time < box; ++time) times.push_back(time);
+  write_rawlog(folder_ / "late.rawlog", times);
+  const CommandRun run = run_command({"replay", folder_.file("late.rawlog"), "--out", folder_.file("map"),
+                                      "--no-plan", "--resolution", "0.05"});
+  EXPECT_EQ(run.status, exit_damaged);
+  EXPECT_NE(run.log.find("is not in the order of its times: "), std::string::npos) << run.log;
+  EXPECT_EQ(Json::parse(run_command({"inspect", folder_.file("map"), "--at", "1.01,0.01,0.01", "--json"})
+                            .out)["at"][0]["state"],
+            "occupied");
+}
+
+}  // namespace scan_order_test
+}  // namespace clearway

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "datasets/ros/mcap_writer.hpp"
+#include "tests/worlds/bags/camera_bag.hpp"
+#include "tests/worlds/ros1_bag_writer.hpp"
+
+namespace clearway::worlds {
+
+/// When a message was recorded, and the stamp in its header; one number: both.
+struct BagTime {
+  BagTime(double time) : recorded(time), stamp(time) {}  // NOLINT: a time is one
+  BagTime(double recorded, double stamp) : recorded(recorded), stamp(stamp) {}
+  double recorded, stamp;
+};
+
+/// A LaserScan but for its ranges.
+struct BagSweep {
+  float angle_min = 0, angle_increment = 0, time_increment = 0, range_max = 30;
+};
+
+/// A bag of what range sensors saw, and of transforms: MCAP (CDR) or a ROS 1 bag, as its file's name ends.
+class ScanBag {
+ public:
+  explicit ScanBag(const std::filesystem::path& file) : file_(file), is_ros1_(file.extension() == ".bag") {}
+
+  /// @param times of the points, as a field of float32 of this name; none: no such field
+  void cloud(const std::string& topic, const BagTime& time, const std::string& frame,
+             const std::vector<Eigen::Vector3f>& points, const std::string& time_field = "",
+             const std::vector<float>& times = {}) {
+    MessageBytes out(is_ros1_);
+    std::vector<std::string> names{"x", "y", "z"};
+    if (!times.empty()) names.push_back(time_field);
+    const auto count = static_cast<std::uint32_t>(points.size());
+    const auto step = static_cast<std::uint32_t>(4 * names.size());
+    out.header(time.stamp, frame)
+        .add(std::uint32_t{1})
+        .add(count)
+        .add(static_cast<std::uint32_t>(names.size()));
+    for (std::size_t i = 0; i < names.size(); ++i)
+      out.text(names[i]).add(static_cast<std::uint32_t>(4 * i)).add(std::uint8_t{7}).add(std::uint32_t{1});
+    out.add(std::uint8_t{0}).add(step).add(step * count).add(step * count);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      for (int axis = 0; axis < 3; ++axis) out.add(points[i][axis]);
+      if (!times.empty()) out.add(times[i]);
+    }
+    add("sensor_msgs", "PointCloud2", topic, time, out.add(std::uint8_t{1}));
+  }
+
+  void sweep(const std::string& topic, const BagTime& time, const std::string& frame, const BagSweep& sweep,
+             const std::vector<float>& ranges) {
+    MessageBytes out(is_ros1_);
+    const auto steps = static_cast<float>(ranges.size());
+    out.header(time.stamp, frame).add(sweep.angle_min);
+    out.add(sweep.angle_min + (steps - 1) * sweep.angle_increment).add(sweep.angle_increment);
+    out.add(sweep.time_increment).add(steps * sweep.time_increment).add(0.05F).add(sweep.range_max);
+    add("sensor_msgs", "LaserScan", topic, time, out.list(ranges).add(std::uint32_t{0}));
+  }
+
+  void transform(const BagTime& time, const std::string& parent, const std::string& child,
+                 const Eigen::Isometry3d& parent_from_child, bool is_fixed = false) {
+    const Eigen::Quaterniond turn(parent_from_child.linear());
+    MessageBytes out(is_ros1_);
+    out.add(std::uint32_t{1}).header(time.stamp, parent).text(child);
+    for (const double value : {parent_from_child.translation().x(), parent_from_child.translation().y(),
+                               parent_from_child.translation().z(), turn.x(), turn.y(), turn.z(), turn.w()})
+      out.add(value);
+    add("tf2_msgs", "TFMessage", is_fixed ? "/tf_static" : "/tf", time, out);
+  }
+
+  void write() const {
+    if (is_ros1_) return write_ros1_bag(file_, records_);
+    McapWriter bag(file_);
+    std::map<std::string, std::uint16_t> topics;
+    for (const BagRecord& record : records_) {
+      if (!topics.contains(record.topic)) topics[record.topic] = bag.add_topic(record.topic, record.type, "");
+      bag.write(topics.at(record.topic), record.time, record.bytes);
+    }
+    bag.finish();
+  }
+
+ private:
+  void add(const std::string& package, const std::string& type, const std::string& topic, const BagTime& time,
+           const MessageBytes& message) {
+    records_.push_back({topic, package + (is_ros1_ ? "/" : "/msg/") + type, time.recorded, message.bytes()});
+  }
+
+  std::filesystem::path file_;
+  bool is_ros1_;
+  std::vector<BagRecord> records_;
+};
+
+}  // namespace clearway::worlds
