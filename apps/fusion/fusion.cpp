@@ -173,7 +173,8 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   if (body) counts.body_spheres = body->spheres();
   fusion.damage = frames->damage();
   if (fusion.damage && fusion.counts.frames == 0)
-    throw std::invalid_argument(*fusion.damage + "; nothing gets into the map");
+    throw std::invalid_argument(fusion.damage->substr(0, fusion.damage->find_last_not_of('.') + 1) +
+                                "; nothing gets into the map");
   if (fusion.damage) fusion.map.note_damaged_recording(fusion.counts.frames);
   fusion.warnings = frames->warnings();
   fusion.cameras = cameras.all(*frames);

@@ -4,10 +4,12 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "datasets/ros/clock_restart.hpp"
 #include "datasets/ros/compressed_depth.hpp"
 #include "datasets/ros/sensor_frames.hpp"
 #include "datasets/ros/stamp_order.hpp"
 #include "datasets/sources/lens.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -17,10 +19,7 @@ bool is_transforms(const BagTopic& topic) {
   return topic.type == "tf2_msgs/TFMessage" || topic.type == "tf/tfMessage";
 }
 
-void add_transforms(const BagTopic& topic, WireReader& in, TransformTree& tree) {
-  const bool is_fixed = topic.name.ends_with("tf_static");
-  for (const RosTransform& transform : read_transforms(in)) tree.add(transform, is_fixed);
-}
+bool is_fixed(const BagTopic& topic) { return topic.name.ends_with("tf_static"); }
 
 bool holds(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -41,14 +40,28 @@ double time_of(const RosHeader& header, double recorded) {
   return std::isfinite(header.time) && header.time > 0.0 ? header.time : recorded;
 }
 
-/// The same of a message whose header may be damaged.
-double stamp_of(const BagTopic& topic, const BagMessage& message) {
+/// The header of a sensor's message, with that time; a damaged one has nothing else.
+RosHeader header_of(const BagTopic& topic, const BagMessage& message) {
+  RosHeader header;
   try {
     WireReader in(message.bytes, *topic.wire);
-    return time_of(read_header(in), message.time);
+    header = read_header(in);
   } catch (const std::runtime_error&) {
-    return message.time;
   }
+  header.time = time_of(header, message.time);
+  return header;
+}
+
+/// Why a stream of messages is not of one run of its clock; "": it is.
+std::string restart_in(const std::string& name, std::span<const double> times, const char* what) {
+  const auto at = find_restart(times);
+  if (!at) return "";
+  const double reached = *std::max_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(*at));
+  return "holds more than one run of its clock: " + std::string(what) + " of " + name + " jump back by " +
+         short_text(reached - times[*at]) + " s at message " + std::to_string(*at + 1) + " of " +
+         std::to_string(times.size()) +
+         ", and pass the same times again, so that nothing says which poses belong to which scans; expected "
+         "one run, to which `ros2 bag convert` or `rosbag filter` cuts it";
 }
 
 constexpr std::size_t most_held_bytes = std::size_t{64} << 20U;  ///< of messages that wait for their turn
@@ -96,24 +109,72 @@ void BagFrames::learn() {
     read_.push_back(topic.wire &&
                     (sensors_.back() || is_camera || (is_transforms(topic) && are_frames_read)));
   }
+  std::map<std::string, Stream> streams;
+  const auto note = [&](const std::string& name, double stamp, const BagMessage& message) {
+    Stream& stream = streams[name];
+    stream.stamps.push_back(stamp);
+    stream.recorded.emplace_back(message.place, message.time);
+  };
   bag_.visit(read_, [&](const BagMessage& message) {
     const BagTopic& topic = bag_.topics()[message.topic];
     if (sensors_[message.topic]) {
-      stamps_.push_back(stamp_of(topic, message));
+      const RosHeader header = header_of(topic, message);
+      stamps_.push_back(header.time);
+      sensor_frames_.insert(header.frame);
+      note(quote(topic.name), header.time, message);
       return true;
     }
     try {
       WireReader in(message.bytes, *topic.wire);
-      if (is_transforms(topic)) {
-        add_transforms(topic, in, transforms_);
-      } else {
+      if (!is_transforms(topic)) {
         learn_camera(topic.name, read_camera_info(in));
+        return true;
+      }
+      for (const RosTransform& transform : read_transforms(in)) {
+        transforms_.add(transform, is_fixed(topic));
+        if (!is_fixed(topic) && std::isfinite(transform.header.time))
+          note(quote(topic.name) + ", frame " + quote(transform.child) + ",", transform.header.time, message);
       }
     } catch (const std::runtime_error& error) {
       leave_out(topic, error);
     }
     return true;
   });
+  refuse_contradictions(streams);
+}
+
+std::set<std::string> BagFrames::used_frames() const {
+  std::set<std::string> frames;
+  for (const std::string& sensor : sensor_frames_)
+    for (const std::string& end : {sensor, options_.bag.fixed_frame})
+      for (const std::string& frame : transforms_.chain_of(end)) frames.insert(frame);
+  return frames;
+}
+
+void BagFrames::refuse_contradictions(const std::map<std::string, Stream>& streams) const {
+  for (const auto& [name, stream] : streams) {
+    std::string restart = restart_in(name, stream.stamps, "the stamps");
+    if (restart.empty()) {
+      std::vector<std::pair<BagPlace, double>> recorded = stream.recorded;
+      std::stable_sort(recorded.begin(), recorded.end(),
+                       [](const auto& a, const auto& b) { return a.first < b.first; });
+      std::vector<double> times;
+      for (const auto& [place, time] : recorded) times.push_back(time);
+      restart = restart_in(name, times, "the times of recording");
+    }
+    if (!restart.empty()) throw ContradictoryBag(restart);
+  }
+  if (options_.bag.fixed_frame.empty()) return;
+  for (const std::string& frame : used_frames()) {
+    const PoseConflicts conflicts = transforms_.conflicts_of(frame);
+    if (conflicts.are_many())
+      throw ContradictoryBag(
+          "has transforms that contradict each other: " + std::to_string(conflicts.count()) + " of " +
+          std::to_string(conflicts.poses) + " poses of frame " + quote(frame) + " are up to " +
+          short_text(conflicts.farthest) +
+          " m away from others of their time, as of two publishers or two runs; expected "
+          "one publisher of each frame");
+  }
 }
 
 void BagFrames::leave_out(const BagTopic& topic, const std::runtime_error& error) {
@@ -218,6 +279,16 @@ std::vector<std::string> BagFrames::left_out() const {
         "has transforms, but its sensors are taken to stand still: the setup names no "
         "'source: bag: fixed_frame'; frames of the bag: " +
         list_of(transforms_.frames()));
+  if (!options_.bag.fixed_frame.empty()) {
+    for (const std::string& frame : used_frames()) {
+      const PoseConflicts conflicts = transforms_.conflicts_of(frame);
+      if (conflicts.same_time > 0)
+        clauses.push_back("holds " + std::to_string(conflicts.same_time) + " of " +
+                          std::to_string(conflicts.poses) + " poses of frame " + quote(frame) +
+                          " that contradict others of the same time, by up to " +
+                          short_text(conflicts.farthest) + " m; the last one counts");
+    }
+  }
   if (transforms_.left_out() > 0)
     clauses.push_back("holds " + std::to_string(transforms_.left_out()) +
                       " transforms that are no turns, or give a frame another parent");
@@ -232,7 +303,7 @@ std::vector<BagFrame> frames_of(MessageBag& bag) {
     const BagTopic& topic = bag.topics()[message.topic];
     try {
       WireReader in(message.bytes, *topic.wire);
-      add_transforms(topic, in, tree);
+      for (const RosTransform& transform : read_transforms(in)) tree.add(transform, is_fixed(topic));
     } catch (const std::runtime_error&) {
     }
     return true;

@@ -3,8 +3,10 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "datasets/ros/message_bag.hpp"
@@ -14,11 +16,19 @@
 
 namespace clearway {
 
+/// A bag that is whole, but says of one time that things are in two places.
+class ContradictoryBag : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 /// Makes frames of a bag's messages: reads it once for transforms, cameras and the stamps of what sensors
 /// saw, and once more, in the order of these stamps, for what they saw.
 class BagFrames {
  public:
   /// @throws std::runtime_error a clause: a camera_info topic has no message that can be used.
+  /// @throws ContradictoryBag a clause: its clock starts again, or frames on the way to a sensor alternate
+  /// between places.
   BagFrames(MessageBag& bag, const SourceOptions& options);
 
   void visit(const std::function<void(const Frame&)>& take);
@@ -31,6 +41,14 @@ class BagFrames {
     std::size_t count = 0;
     std::string first;
   };
+  /// Times of the messages of a sensor, or of one frame's transforms.
+  struct Stream {
+    std::vector<double> stamps;                         ///< s
+    std::vector<std::pair<BagPlace, double>> recorded;  ///< where, and when, s
+  };
+  /// Frames that lead to the sensors.
+  std::set<std::string> used_frames() const;
+  void refuse_contradictions(const std::map<std::string, Stream>& streams) const;
   bool is_sensor(const BagTopic& topic) const;
   void learn();
   void leave_out(const BagTopic& topic, const std::runtime_error& error);
@@ -43,8 +61,9 @@ class BagFrames {
 
   MessageBag& bag_;
   const SourceOptions& options_;
-  std::vector<bool> read_, sensors_;  ///< whether a topic is read; whether it is a sensor's
-  std::vector<double> stamps_;        ///< s, of the sensors' messages in the bag's order
+  std::vector<bool> read_, sensors_;     ///< whether a topic is read; whether it is a sensor's
+  std::vector<double> stamps_;           ///< s, of the sensors' messages in the bag's order
+  std::set<std::string> sensor_frames_;  ///< that headers of sensors' messages name
   TransformTree transforms_;
   std::optional<RosCamera> camera_, depth_camera_;  ///< where images or depth have one
   std::vector<Eigen::Vector2d> depth_rays_;         ///< of the depth camera

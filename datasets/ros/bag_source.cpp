@@ -8,6 +8,7 @@
 
 #include "datasets/pictures/picture_times.hpp"
 #include "datasets/ros/bag_frames.hpp"
+#include "datasets/ros/clock_restart.hpp"
 #include "datasets/ros/wire_writer.hpp"
 #include "datasets/sources/decoding_child.hpp"
 #include "datasets/sources/frame_bytes.hpp"
@@ -65,6 +66,7 @@ class JoinedBag final : public MessageBag {
       for (const std::size_t topic : part.topics) of_part.push_back(wanted[topic]);
       part.bag->visit(of_part, [&](BagMessage message) {
         message.topic = part.topics[message.topic];
+        message.place.part = part.number;
         return goes_on = take(message);
       });
       note_damage(part);
@@ -86,10 +88,12 @@ class JoinedBag final : public MessageBag {
     std::unique_ptr<InputFile> input;
     std::unique_ptr<MessageBag> bag;
     std::vector<std::size_t> topics;  ///< numbers of its topics here
+    std::size_t number = 0;           ///< in the order of names
   };
 
   void add(const std::filesystem::path& file) {
     Part part{quote_path(file.filename().string()), std::make_unique<InputFile>(file, "bag"), nullptr, {}};
+    part.number = parts_.size();
     try {
       part.bag = open_messages(file, part.input->descriptor(), part.input->size());
     } catch (const std::runtime_error& error) {
@@ -195,6 +199,9 @@ class BagSource final : public FrameSource {
         }
       } else if (message.kind == ChildMessage::skipped) {
         warnings_.push_back(sentence(file_, message.text) + ".");
+      } else if (message.kind == ChildMessage::lost) {
+        finished_ = true;
+        damage_ = sentence(file_, message.text) + ".";
       } else {
         end(message.kind == ChildMessage::end ? "" : message.text);
       }
@@ -222,6 +229,8 @@ class BagSource final : public FrameSource {
         report.send(ChildMessage::skipped, bag->offset(), what);
       if (bag->damage().empty()) return report.send(ChildMessage::end, files.size(), "");
       report.send(ChildMessage::damage, bag->offset(), bag->damage());
+    } catch (const ContradictoryBag& error) {
+      report.send(ChildMessage::lost, 0, error.what());
     } catch (const std::bad_alloc&) {
       report.send(ChildMessage::damage, 0, "it asks for more memory than it may take");
     } catch (const std::exception& error) {
@@ -403,6 +412,7 @@ JointStream read_joints(const std::filesystem::path& file, const std::string& to
                         }
                       });
   JointStream stream(max_gap);
+  std::vector<double> times;
   for (;;) {
     const ChildMessage message = child.receive();
     if (message.kind != ChildMessage::skipped) break;  // what came before damage is used
@@ -413,12 +423,17 @@ JointStream read_joints(const std::filesystem::path& file, const std::string& to
       std::vector<std::string> names(in.length(4));
       for (std::string& name : names) name = in.text();
       stream.add(time, names, in.numbers<double>());
+      times.push_back(time);
     } catch (const std::exception&) {  // not finite, or of another number than names
     }
   }
   if (stream.empty())
     throw std::invalid_argument(
         sentence(file, "has no joint positions that can be used in topic " + quote(topic)));
+  if (find_restart(times))
+    throw std::invalid_argument(
+        sentence(file, "holds more than one run of its clock: the stamps of topic " + quote(topic) +
+                           " jump back and pass the same times again; expected one run"));
   return stream;
 }
 

@@ -103,6 +103,7 @@ struct Message {
   std::size_t topic = 0;
   std::uint64_t time = 0;  ///< ns
   Bytes bytes;
+  BagPlace place;
 };
 
 /// Where messages are: a chunk, or one message outside of any.
@@ -162,7 +163,8 @@ class McapBag final : public MessageBag {
       queue.pop();
       Open& place = open.at(at);
       const Message& message = place.messages[place.next];
-      if (!take({message.topic, 1e-9 * static_cast<double>(message.time), message.bytes})) return;
+      const double time = 1e-9 * static_cast<double>(message.time);
+      if (!take({message.topic, time, message.bytes, message.place})) return;
       if (++place.next < place.messages.size()) {
         queue.emplace(place.messages[place.next].time, at);
       } else {
@@ -303,7 +305,7 @@ class McapBag final : public MessageBag {
       const auto time = in.number<std::uint64_t>();
       in.number<std::uint64_t>();  // of publishing
       if (topic != topic_of_.end() && wanted[topic->second])
-        messages.push_back({topic->second, time, in.rest()});
+        messages.push_back({topic->second, time, in.rest(), {0, place.at, messages.size()}});
     });
     std::stable_sort(messages.begin(), messages.end(),
                      [](const Message& a, const Message& b) { return a.time < b.time; });

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -20,10 +21,17 @@ struct BagTopic {
   std::uint64_t count = 0;      ///< messages
 };
 
+/// Where a message lies: of one topic, later ones are greater. All equal where that is not known (ROS 1).
+struct BagPlace {
+  std::uint64_t part = 0, chunk = 0, message = 0;
+  auto operator<=>(const BagPlace&) const = default;
+};
+
 struct BagMessage {
   std::size_t topic = 0;                ///< index into topics
   double time = 0;                      ///< s since 1970, when it was recorded
   std::span<const std::uint8_t> bytes;  ///< until the next message is taken
+  BagPlace place = {};
 };
 
 /// A recording of ROS messages. Libraries below may crash on hostile files: to be opened in a child process

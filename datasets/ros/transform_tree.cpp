@@ -19,7 +19,36 @@ void TransformTree::add(const RosTransform& transform, bool is_fixed) {
     if (edge->second.poses.empty()) edges_.erase(edge);
     return;
   }
-  edge->second.poses.insert_or_assign(time, Pose{transform.translation, transform.rotation.normalized()});
+  const Pose pose{transform.translation, transform.rotation.normalized()};
+  const auto [known, is_new_time] = edge->second.poses.try_emplace(time, pose);
+  if (is_new_time) return;
+  const double distance = (known->second.translation - pose.translation).norm();
+  constexpr double least = 1e-3;  // m, rad
+  if (distance > least || known->second.rotation.angularDistance(pose.rotation) > least) {
+    ++edge->second.contradicted;
+    edge->second.farthest = std::max(edge->second.farthest, distance);
+  }
+  known->second = pose;
+}
+
+PoseConflicts TransformTree::conflicts_of(const std::string& frame) const {
+  const auto found = edges_.find(frame);
+  if (found == edges_.end() || found->second.is_fixed) return {};
+  const Edge& edge = found->second;
+  PoseConflicts conflicts{edge.poses.size() + edge.contradicted, edge.contradicted, 0, edge.farthest};
+  if (edge.poses.size() < 3) return conflicts;
+  for (auto before = edge.poses.begin(), pose = std::next(before), after = std::next(pose);
+       after != edge.poses.end(); ++before, ++pose, ++after) {
+    if (after->first - before->first > max_gap) continue;
+    const double part = (pose->first - before->first) / (after->first - before->first);
+    const Eigen::Vector3d way = after->second.translation - before->second.translation;
+    const double off = (pose->second.translation - before->second.translation - part * way).norm();
+    constexpr double least_off = 0.05;  // m
+    if (off < least_off || off < 4.0 * way.norm()) continue;
+    ++conflicts.alternating;
+    conflicts.farthest = std::max(conflicts.farthest, off);
+  }
+  return conflicts;
 }
 
 std::optional<Eigen::Isometry3d> TransformTree::pose_at(const Edge& edge, double time) {

@@ -16,6 +16,18 @@ struct BagFrame {
   bool is_fixed = false;  ///< by /tf_static
 };
 
+/// Poses of one frame that cannot all be true, as of two publishers.
+struct PoseConflicts {
+  std::size_t poses = 0;        ///< of the frame
+  std::size_t same_time = 0;    ///< a pose of the same time differed by more than 1 mm or 1 mrad
+  std::size_t alternating = 0;  ///< over 5 cm off the way between their neighbours, which are much closer
+  double farthest = 0.0;        ///< m, of these
+
+  std::size_t count() const { return same_time + alternating; }
+  /// More than single errors: at least 5, a fifth of all, and 5 cm.
+  bool are_many() const { return count() >= 5 && count() * 5 >= poses && farthest > 0.05; }
+};
+
 /// Where the frames of a recording are in one another, by its transforms, as tf2 has it: each frame has one
 /// parent, fixed to it or with poses at times.
 class TransformTree {
@@ -32,6 +44,11 @@ class TransformTree {
   std::optional<Eigen::Isometry3d> root_from_frame(const std::string& root, const std::string& frame,
                                                    double time) const;
 
+  /// The frame, its parent, and so on.
+  std::vector<std::string> chain_of(const std::string& frame) const;
+  /// Of a frame that moves; elsewhere 0.
+  PoseConflicts conflicts_of(const std::string& frame) const;
+
   std::vector<std::string> frames() const;  ///< sorted
   std::vector<BagFrame> edges() const;      ///< in the order of the children's names
   std::size_t left_out() const { return left_out_; }
@@ -47,9 +64,10 @@ class TransformTree {
     std::string parent;
     bool is_fixed = false;
     std::map<double, Pose> poses;
+    std::size_t contradicted = 0;  ///< by another pose of their time
+    double farthest = 0.0;         ///< m, of these
   };
   static std::optional<Eigen::Isometry3d> pose_at(const Edge& edge, double time);
-  std::vector<std::string> chain_of(const std::string& frame) const;
 
   std::map<std::string, Edge> edges_;  ///< of the child
   std::size_t left_out_ = 0;

@@ -10,6 +10,7 @@
 #include "tests/datasets/complaint.hpp"
 #include "tests/worlds/bag_topics.hpp"
 #include "tests/worlds/bags/camera_bag.hpp"
+#include "tests/worlds/bags/scan_bag.hpp"
 #include "tests/worlds/ros1_bag_writer.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
@@ -123,20 +124,30 @@ TEST(Bag, ACutRos1BagIsRefusedWithTheProgramThatMendsIt) {
   EXPECT_NE(sentence.find("expected it after `rosbag reindex`"), std::string::npos) << sentence;
 }
 
-TEST(Bag, TheFolderOfARecorderIsReadFileByFileInTheOrderOfNumbers) {
+TEST(Bag, TheFolderOfARecorderIsReadFileByFileInTheOrderOfTimes) {
   const TemporaryFolder folder;
   folder.write("metadata.yaml", "rosbag2_bagfile_information:\n  version: 9\n");
   fs::copy_file(bag("cdr_none.mcap"), folder / "r_2.mcap");
   EXPECT_TRUE(is_bag_folder(folder.path()));
   expect_the_written(read(folder.path(), all_topics()));
   fs::copy_file(bag("cdr_zstd_unended.mcap"), folder / "r_10.mcap");
+  const Reading twice = read(folder.path(), all_topics());
+  EXPECT_TRUE(twice.frames.empty());
+  ASSERT_TRUE(twice.damage);
+  EXPECT_NE(twice.damage->find("holds more than one run of its clock"), std::string::npos) << *twice.damage;
+  fs::remove(folder / "r_2.mcap");
+  worlds::ScanBag before(folder / "r_11.mcap");
+  for (const double time : {51.0, 52.0}) before.cloud("/points", time, "map", {{1, 2, 3}});
+  before.transform(51.0, "map", "base", pose(0, 0, 0));
+  before.write();
   const Reading both = read(folder.path(), all_topics());
-  EXPECT_EQ(both.frames.size(), 32U);
+  ASSERT_EQ(both.frames.size(), 18U);
+  EXPECT_EQ(both.frames[0].time, 51.0);
   ASSERT_TRUE(both.damage);
   EXPECT_NE(both.damage->find("of its 'r_10.mcap': "), std::string::npos) << *both.damage;
   const std::vector<BagTopic> topics = list_bag(folder.path());
   ASSERT_EQ(topics.size(), 8U);
-  EXPECT_EQ(topics[6].count, 18U);
+  EXPECT_EQ(topics[6].count, 10U);
   folder.write("r_1.mcap", "no bag");
   EXPECT_NE(complaint([&] { list_bag(folder.path()); }).find("of its 'r_1.mcap': "), std::string::npos);
 }

@@ -1,9 +1,10 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <filesystem>
-#include <limits>
 #include <map>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -74,6 +75,12 @@ class ScanBag {
     add("tf2_msgs", "TFMessage", is_fixed ? "/tf_static" : "/tf", time, out);
   }
 
+  /// Puts the messages so far in the order in which a recorder meets them.
+  void sort() {
+    std::stable_sort(records_.begin(), records_.end(),
+                     [](const BagRecord& a, const BagRecord& b) { return a.time < b.time; });
+  }
+  void shuffle(unsigned seed) { std::shuffle(records_.begin(), records_.end(), std::mt19937(seed)); }
   void write() const {
     if (is_ros1_) return write_ros1_bag(file_, records_);
     McapWriter bag(file_);

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+
+namespace clearway {
+
+/// Where the times of one stream of messages start again, as those of a simulator that was reset, or of a
+/// recording that is played in a loop: the first message after a jump back by more than a second (as tf2
+/// looks for one) from which on at least three messages in order lie within times that were passed before.
+/// Single late messages, streams without order (a jump in every fourth message, or a tenth of the span back
+/// per message) and parts that are only in another order than their times are no restart. Nothing: there is
+/// none.
+/// @param times s, in the order of the messages
+std::optional<std::size_t> find_restart(std::span<const double> times);
+
+}  // namespace clearway

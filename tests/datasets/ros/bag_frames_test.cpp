@@ -1,0 +1,160 @@
+// Where and when the scans of bags were taken, with transforms that come late, twice, or of two runs.
+
+#include "datasets/ros/bag_frames.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "datasets/ros/bag_source.hpp"
+#include "tests/worlds/bags/scan_bag.hpp"
+#include "tests/worlds/temporary_folder.hpp"
+
+namespace clearway {
+namespace bag_frames_test {
+
+using worlds::BagTime;
+using worlds::ScanBag;
+
+/// Where the base is: on a line, turning.
+Eigen::Isometry3d base_at(double time) {
+  return Eigen::Translation3d(0.1 * time, -0.4, 0.3) *
+         Eigen::AngleAxisd(0.3 * time, Eigen::Vector3d::UnitZ());
+}
+Eigen::Isometry3d elsewhere_at(double time) { return Eigen::Translation3d(0, 1, 0) * base_at(time); }
+Eigen::Isometry3d mount() {
+  return Eigen::Translation3d(0.1, 0.05, 0.5) * Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY());
+}
+
+class BagFramesTest : public ::testing::Test {
+ protected:
+  struct Reading {
+    std::vector<Frame> frames;
+    std::string damage, warnings;
+  };
+  Reading read(const ScanBag& bag, const std::string& name) {
+    bag.write();
+    SourceOptions options;
+    options.bag.clouds = {"/points"};
+    options.bag.fixed_frame = "map";
+    const auto source = open_bag(folder_ / name, options);
+    Reading reading;
+    while (auto frame = source->next()) reading.frames.push_back(std::move(*frame));
+    reading.damage = source->damage().value_or("");
+    for (const std::string& warning : source->warnings()) reading.warnings += warning + "\n";
+    return reading;
+  }
+  static void expect_pose(const Frame& frame, const Eigen::Isometry3d& expected) {
+    const auto& cloud = std::get<CloudFrame>(frame.content);
+    EXPECT_TRUE(cloud.world_from_sensor.isApprox(expected, 1e-5)) << frame.time << '\n'
+                                                                  << cloud.world_from_sensor.matrix();
+  }
+  TemporaryFolder folder_;
+};
+
+/// Scans at these times, and the base's poses between 10 and 13 s, recorded `delay` s later.
+void add_run(ScanBag& bag, double later, double delay = 0.0) {
+  bag.transform(later + 10, "base", "sensor", mount(), true);
+  for (double time = 10; time < 13.001; time += 0.05)
+    bag.transform({later + time + delay, time}, "map", "base", base_at(time));
+  for (const double time : {10.53, 11.11, 11.97, 12.41})
+    bag.cloud("/points", {later + time + 0.01, time}, "sensor", {{1, 2, 3}});
+}
+
+TEST_F(BagFramesTest, TransformsThatAreRecordedLatePlaceScansAsThoseInTime) {
+  for (const char* name : {"late.mcap", "late.bag"}) {
+    ScanBag bag(folder_ / name);
+    add_run(bag, 0, 0.4);
+    const Reading reading = read(bag, name);
+    EXPECT_EQ(reading.damage + reading.warnings, "");
+    ASSERT_EQ(reading.frames.size(), 4U);
+    for (const Frame& frame : reading.frames) expect_pose(frame, base_at(frame.time) * mount());
+  }
+}
+
+TEST_F(BagFramesTest, MessagesThatLieInAnyOrderAreTakenByTheirTimes) {
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    ScanBag bag(folder_ / "a.mcap");
+    add_run(bag, 0, 0.4);
+    bag.shuffle(seed);
+    const Reading reading = read(bag, "a.mcap");
+    EXPECT_EQ(reading.damage + reading.warnings, "");
+    ASSERT_EQ(reading.frames.size(), 4U);
+    for (const Frame& frame : reading.frames) expect_pose(frame, base_at(frame.time) * mount());
+  }
+}
+
+TEST_F(BagFramesTest, ARunAfterTheClockWasResetIsRefused) {
+  for (const char* name : {"runs.mcap", "runs.bag"}) {
+    ScanBag bag(folder_ / name);
+    for (const double later : {0.0, 10.0}) add_run(bag, later);
+    const Reading reading = read(bag, name);
+    EXPECT_TRUE(reading.frames.empty());
+    EXPECT_NE(
+        reading.damage.find("holds more than one run of its clock: the stamps of '/points' jump back by "
+                            "1.88 s at message 5 of 8"),
+        std::string::npos)
+        << reading.damage;
+  }
+}
+
+TEST_F(BagFramesTest, ARunOfWhichOnlyTransformsStartAgainIsRefused) {
+  ScanBag bag(folder_ / "a.mcap");
+  add_run(bag, 0);
+  for (double time = 10; time < 13; time += 0.05)
+    bag.transform({10 + time, time + 0.02}, "map", "base", elsewhere_at(time));
+  const Reading reading = read(bag, "a.mcap");
+  EXPECT_TRUE(reading.frames.empty());
+  EXPECT_NE(reading.damage.find("the stamps of '/tf', frame 'base', jump back by 2.98 s"), std::string::npos)
+      << reading.damage;
+}
+
+TEST_F(BagFramesTest, ARunThatWasRecordedByTheClockThatWasResetIsRefused) {
+  ScanBag bag(folder_ / "a.mcap");
+  for (int run = 0; run < 2; ++run) add_run(bag, 0);
+  const Reading reading = read(bag, "a.mcap");
+  EXPECT_TRUE(reading.frames.empty());
+  EXPECT_NE(reading.damage.find("the times of recording of '/points' jump back by 1.88 s"), std::string::npos)
+      << reading.damage;
+}
+
+TEST_F(BagFramesTest, TwoPublishersOfOneFrameAreRefusedWhereTheyAlternate) {
+  for (const char* name : {"two.mcap", "two.bag"}) {
+    ScanBag bag(folder_ / name);
+    add_run(bag, 0);
+    for (double time = 10.02; time < 13; time += 0.05) bag.transform(time, "map", "base", elsewhere_at(time));
+    bag.sort();
+    const Reading reading = read(bag, name);
+    EXPECT_TRUE(reading.frames.empty());
+    EXPECT_NE(reading.damage.find("poses of frame 'base' are up to 1"), std::string::npos) << reading.damage;
+  }
+}
+
+TEST_F(BagFramesTest, SinglePosesThatContradictOthersOfTheirTimeAreReported) {
+  ScanBag bag(folder_ / "a.mcap");
+  add_run(bag, 0);
+  for (const double time : {10.4, 10.9}) {
+    bag.transform(time, "map", "base", elsewhere_at(time));
+    bag.transform({time + 0.01, time}, "map", "base", base_at(time));
+    bag.transform({time + 0.01, time}, "map", "base", base_at(time));  // the same again
+  }
+  bag.sort();
+  const Reading reading = read(bag, "a.mcap");
+  ASSERT_EQ(reading.frames.size(), 4U);
+  expect_pose(reading.frames[0], base_at(10.53) * mount());
+  EXPECT_NE(
+      reading.warnings.find("poses of frame 'base' that contradict others of the same time, by up to 1 m"),
+      std::string::npos)
+      << reading.warnings;
+}
+
+TEST_F(BagFramesTest, AFrameThatLeadsToNoSensorMayAlternate) {
+  ScanBag bag(folder_ / "a.mcap");
+  add_run(bag, 0);
+  for (int i = 0; i < 50; ++i)
+    bag.transform(10 + 0.05 * i, "map", "goal", Eigen::Isometry3d(Eigen::Translation3d(0, i % 2, 0)));
+  EXPECT_EQ(read(bag, "a.mcap").frames.size(), 4U);
+}
+
+}  // namespace bag_frames_test
+}  // namespace clearway
