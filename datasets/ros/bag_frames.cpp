@@ -131,7 +131,7 @@ void BagFrames::learn() {
         return true;
       }
       for (const RosTransform& transform : read_transforms(in)) {
-        transforms_.add(transform, is_fixed(topic));
+        transforms_.add(transform, is_fixed(topic), message.time);
         if (!is_fixed(topic) && std::isfinite(transform.header.time))
           note(quote(topic.name) + ", frame " + quote(transform.child) + ",", transform.header.time, message);
       }
@@ -236,7 +236,7 @@ std::optional<Frame> BagFrames::frame_of(const BagMessage& message) const {
   }
   frame.time = time_of(header, message.time);
   if (bag.fixed_frame.empty()) return frame;
-  const auto pose = transforms_.root_from_frame(bag.fixed_frame, header.frame, frame.time);
+  const auto pose = transforms_.root_from_frame(bag.fixed_frame, header.frame, frame.time, message.time);
   if (!pose)
     throw std::runtime_error("frame " + quote(header.frame) + " is not known in " + quote(bag.fixed_frame) +
                              why_unknown(header.frame));
@@ -287,6 +287,10 @@ std::vector<std::string> BagFrames::left_out() const {
                           std::to_string(conflicts.poses) + " poses of frame " + quote(frame) +
                           " that contradict others of the same time, by up to " +
                           short_text(conflicts.farthest) + " m; the last one counts");
+      if (const std::size_t changes = transforms_.changes_of(frame); changes > 0)
+        clauses.push_back("moves the fixed frame " + quote(frame) + " " + std::to_string(changes) +
+                          (changes == 1 ? " time" : " times") +
+                          " in /tf_static; each pose holds from its recording on");
     }
   }
   if (transforms_.left_out() > 0)
@@ -303,7 +307,8 @@ std::vector<BagFrame> frames_of(MessageBag& bag) {
     const BagTopic& topic = bag.topics()[message.topic];
     try {
       WireReader in(message.bytes, *topic.wire);
-      for (const RosTransform& transform : read_transforms(in)) tree.add(transform, is_fixed(topic));
+      for (const RosTransform& transform : read_transforms(in))
+        tree.add(transform, is_fixed(topic), message.time);
     } catch (const std::runtime_error&) {
     }
     return true;

@@ -7,10 +7,10 @@
 
 namespace clearway {
 
-void TransformTree::add(const RosTransform& transform, bool is_fixed) {
-  const double length = transform.rotation.norm(), time = transform.header.time;
-  const bool is_sound =
-      std::abs(length - 1.0) <= 0.01 && transform.translation.allFinite() && std::isfinite(time);
+void TransformTree::add(const RosTransform& transform, bool is_fixed, double recorded) {
+  const double length = transform.rotation.norm();
+  const bool is_sound = std::abs(length - 1.0) <= 0.01 && transform.translation.allFinite() &&
+                        std::isfinite(transform.header.time);
   const auto [edge, is_new] = edges_.try_emplace(transform.child);
   if (is_new && is_sound) edge->second = {transform.header.frame, is_fixed, {}};
   if (!is_sound || edge->second.parent != transform.header.frame ||
@@ -20,6 +20,7 @@ void TransformTree::add(const RosTransform& transform, bool is_fixed) {
     return;
   }
   const Pose pose{transform.translation, transform.rotation.normalized()};
+  const double time = edge->second.is_fixed ? recorded : transform.header.time;
   const auto [known, is_new_time] = edge->second.poses.try_emplace(time, pose);
   if (is_new_time) return;
   const double distance = (known->second.translation - pose.translation).norm();
@@ -51,11 +52,14 @@ PoseConflicts TransformTree::conflicts_of(const std::string& frame) const {
   return conflicts;
 }
 
-std::optional<Eigen::Isometry3d> TransformTree::pose_at(const Edge& edge, double time) {
+std::optional<Eigen::Isometry3d> TransformTree::pose_at(const Edge& edge, double time, double recorded) {
   const auto isometry = [](const Pose& pose) {
     return Eigen::Isometry3d(Eigen::Translation3d(pose.translation) * pose.rotation);
   };
-  if (edge.is_fixed) return isometry(edge.poses.rbegin()->second);
+  if (edge.is_fixed) {
+    const auto later = edge.poses.upper_bound(recorded);
+    return isometry((later == edge.poses.begin() ? later : std::prev(later))->second);
+  }
   const auto after = edge.poses.lower_bound(time);
   if (after == edge.poses.end()) return std::nullopt;
   if (after->first == time) return isometry(after->second);
@@ -77,7 +81,8 @@ std::vector<std::string> TransformTree::chain_of(const std::string& frame) const
 }
 
 std::optional<Eigen::Isometry3d> TransformTree::root_from_frame(const std::string& root,
-                                                                const std::string& frame, double time) const {
+                                                                const std::string& frame, double time,
+                                                                double recorded) const {
   const std::vector<std::string> of_frame = chain_of(frame), of_root = chain_of(root);
   const auto common = std::find_first_of(of_frame.begin(), of_frame.end(), of_root.begin(), of_root.end());
   if (common == of_frame.end()) return std::nullopt;
@@ -85,7 +90,7 @@ std::optional<Eigen::Isometry3d> TransformTree::root_from_frame(const std::strin
     Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
     for (const std::string& link : chain) {
       if (link == *common) return result;
-      const auto pose = pose_at(edges_.at(link), time);
+      const auto pose = pose_at(edges_.at(link), time, recorded);
       if (!pose) return std::nullopt;
       result = *pose * result;
     }
@@ -94,6 +99,23 @@ std::optional<Eigen::Isometry3d> TransformTree::root_from_frame(const std::strin
   const auto from_root = common_from(of_root), from_frame = common_from(of_frame);
   if (!from_root || !from_frame) return std::nullopt;
   return from_root->inverse() * *from_frame;
+}
+
+std::size_t TransformTree::changes_of(const std::string& frame) const {
+  const auto found = edges_.find(frame);
+  if (found == edges_.end() || !found->second.is_fixed) return 0;
+  const auto differ = [](const auto& before, const auto& after) {
+    constexpr double least = 1e-9;  // m, and of the quaternion
+    const Pose &a = before.second, &b = after.second;
+    return (a.translation - b.translation).norm() > least ||
+           std::min((a.rotation.coeffs() - b.rotation.coeffs()).norm(),
+                    (a.rotation.coeffs() + b.rotation.coeffs()).norm()) > least;
+  };
+  std::size_t changes = 0;
+  const auto& poses = found->second.poses;
+  for (auto pose = poses.begin(); std::next(pose) != poses.end(); ++pose)
+    changes += differ(*pose, *std::next(pose)) ? 1 : 0;
+  return changes;
 }
 
 std::vector<BagFrame> TransformTree::edges() const {

@@ -35,19 +35,24 @@ class TransformTree {
   /// Poses of one frame; the last of one time counts. A transform that is no rotation (its quaternion is off
   /// unit length by more than 1 %) or not finite is left out, and so is one that gives a frame another
   /// parent.
-  /// @param is_fixed it holds at all times (/tf_static)
-  void add(const RosTransform& transform, bool is_fixed);
+  /// @param is_fixed it holds from when it was recorded on, until another one is (/tf_static); the first one
+  /// before, too
+  /// @param recorded s since 1970
+  void add(const RosTransform& transform, bool is_fixed, double recorded);
 
   /// Maps from `frame` to `root` at that time: between two poses the translation in a straight line and the
   /// shortest turn. Nothing: no chain joins the two, or a pose of it is not known within max_gap on both
   /// sides (at one of exactly that time a side is enough).
+  /// @param recorded s since 1970, of what is placed: which of several fixed poses holds
   std::optional<Eigen::Isometry3d> root_from_frame(const std::string& root, const std::string& frame,
-                                                   double time) const;
+                                                   double time, double recorded) const;
 
   /// The frame, its parent, and so on.
   std::vector<std::string> chain_of(const std::string& frame) const;
   /// Of a frame that moves; elsewhere 0.
   PoseConflicts conflicts_of(const std::string& frame) const;
+  /// How often the pose of a fixed frame was replaced by another one.
+  std::size_t changes_of(const std::string& frame) const;
 
   std::vector<std::string> frames() const;  ///< sorted
   std::vector<BagFrame> edges() const;      ///< in the order of the children's names
@@ -63,11 +68,11 @@ class TransformTree {
   struct Edge {
     std::string parent;
     bool is_fixed = false;
-    std::map<double, Pose> poses;
+    std::map<double, Pose> poses;  ///< by time; where it is fixed by when it was recorded
     std::size_t contradicted = 0;  ///< by another pose of their time
     double farthest = 0.0;         ///< m, of these
   };
-  static std::optional<Eigen::Isometry3d> pose_at(const Edge& edge, double time);
+  static std::optional<Eigen::Isometry3d> pose_at(const Edge& edge, double time, double recorded);
 
   std::map<std::string, Edge> edges_;  ///< of the child
   std::size_t left_out_ = 0;

@@ -148,6 +148,38 @@ TEST_F(BagFramesTest, SinglePosesThatContradictOthersOfTheirTimeAreReported) {
       << reading.warnings;
 }
 
+TEST_F(BagFramesTest, AFixedFrameThatIsMovedIsInItsNewPlaceFromThenOn) {
+  const Eigen::Isometry3d moved = mount() * Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ());
+  for (const char* name : {"moved.mcap", "moved.bag"}) {
+    ScanBag bag(folder_ / name);
+    add_run(bag, 0);
+    bag.transform(11.2, "base", "sensor", mount(), true);  // said again
+    bag.transform(11.5, "base", "sensor", moved, true);
+    bag.sort();
+    const Reading reading = read(bag, name);
+    ASSERT_EQ(reading.frames.size(), 4U);
+    for (const Frame& frame : reading.frames)
+      expect_pose(frame, base_at(frame.time) * (frame.time < 11.5 ? mount() : moved));
+    EXPECT_NE(
+        reading.warnings.find("moves the fixed frame 'sensor' 1 time in /tf_static; each pose holds from "
+                              "its recording on"),
+        std::string::npos)
+        << reading.warnings;
+  }
+}
+
+TEST_F(BagFramesTest, AFixedFrameThatIsRecordedLateHoldsBeforeToo) {
+  ScanBag bag(folder_ / "a.mcap");
+  add_run(bag, 0);
+  bag.transform(12.9, "sensor", "tip", mount(), true);
+  bag.cloud("/points", 12.2, "tip", {{1, 2, 3}});
+  bag.sort();
+  const Reading reading = read(bag, "a.mcap");
+  EXPECT_EQ(reading.damage + reading.warnings, "");
+  ASSERT_EQ(reading.frames.size(), 5U);
+  expect_pose(reading.frames[3], base_at(12.2) * mount() * mount());
+}
+
 TEST_F(BagFramesTest, AFrameThatLeadsToNoSensorMayAlternate) {
   ScanBag bag(folder_ / "a.mcap");
   add_run(bag, 0);
