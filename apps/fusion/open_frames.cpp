@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "datasets/bags/bag_metadata.hpp"
 #include "datasets/pictures/depth_folder.hpp"
 #include "datasets/pictures/image_folder.hpp"
 #include "datasets/pictures/picture_file.hpp"
@@ -132,7 +133,11 @@ void take_as_rendered(Setup& setup) {
 
 std::unique_ptr<FrameSource> open_frames(const fs::path& recording, const SourceOptions& options) {
   std::error_code error;
-  if (is_bag_folder(recording)) return open_bag(recording, options);
+  if (is_bag_folder(recording)) {
+    SourceOptions of_bag = options;
+    of_bag.bag.parts = listed_parts(recording);
+    return open_bag(recording, of_bag);
+  }
   if (fs::is_directory(recording, error)) return open_folder(recording, options);
   if (is_camera_name(recording)) return open_camera(recording, options);
   const bool is_file = fs::is_regular_file(recording, error);

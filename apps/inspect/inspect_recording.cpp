@@ -10,6 +10,7 @@
 
 #include "apps/console/table.hpp"
 #include "apps/fusion/open_frames.hpp"
+#include "datasets/bags/bag_metadata.hpp"
 #include "datasets/ros/bag_source.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -100,6 +101,7 @@ int inspect_recording(const InspectOptions& options, Console& console) {
     json["bag"] = name;
     json["topics"] = topics_of(options, rows);
     json["frames"] = frames_of(options, frame_rows);
+    if (is_bag_folder(options.map)) damage = missing_parts(options.map, listed_parts(options.map));
   } else {
     const std::unique_ptr<FrameSource> frames = open_frames(options.map, {});
     json["recording"] = name;

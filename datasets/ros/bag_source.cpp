@@ -141,6 +141,19 @@ class BagFiles {
   }
 
   std::uint64_t size() const { return size_; }
+  /// A clause that names those of the parts that are not read; "": all are.
+  std::string missing(const std::vector<std::string>& parts) const {
+    std::string first;
+    std::size_t count = 0;
+    for (const std::string& part : parts) {
+      const bool is_read = std::any_of(files_.begin(), files_.end(),
+                                       [&](const auto& file) { return file.filename() == part; });
+      if (!is_read && count++ == 0) first = quote(part);
+    }
+    if (count == 0) return "";
+    return "its metadata.yaml lists " + first + ", which is not there" +
+           (count > 1 ? ", nor are " + std::to_string(count - 1) + " more" : "") + " as an MCAP file";
+  }
   int descriptor() const { return inputs_.front()->descriptor(); }
   /// In the child. @param descriptor of the first file
   std::unique_ptr<MessageBag> open(int descriptor) const {
@@ -181,6 +194,7 @@ class BagSource final : public FrameSource {
   BagSource(const std::filesystem::path& file, const SourceOptions& options)
       : file_(file),
         input_(file),
+        missing_(input_.missing(options.bag.parts)),
         cameras_(taken_cameras(options.bag)),
         child_(limits_of(input_.size()), input_.descriptor(),
                [this, options](const ChildReport& report, int descriptor) {
@@ -240,11 +254,13 @@ class BagSource final : public FrameSource {
 
   void end(const std::string& reason) {
     finished_ = true;
-    if (!reason.empty()) damage_ = sentence(file_, "is damaged: " + reason) + ".";
+    const std::string all = missing_ + (missing_.empty() || reason.empty() ? "" : "; ") + reason;
+    if (!all.empty()) damage_ = sentence(file_, "is damaged: " + all) + ".";
   }
 
   std::filesystem::path file_;
   BagFiles input_;
+  std::string missing_;
   std::vector<TakenCamera> cameras_;
   DecodingChild child_;
   std::vector<std::string> warnings_;
@@ -357,6 +373,13 @@ std::vector<Line> ask(const std::filesystem::path& file,
 }
 
 }  // namespace
+
+std::optional<std::string> missing_parts(const std::filesystem::path& folder,
+                                         const std::vector<std::string>& parts) {
+  const std::string missing = BagFiles(folder).missing(parts);
+  if (missing.empty()) return std::nullopt;
+  return sentence(folder, "is damaged: " + missing) + ".";
+}
 
 std::vector<BagTopic> list_bag(const std::filesystem::path& file) {
   const auto lines = ask(file, [](MessageBag& bag, const Tell& tell) {

@@ -2,6 +2,8 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "datasets/ros/message_bag.hpp"
@@ -36,13 +38,17 @@ inline bool is_bag(const std::filesystem::path& path) { return is_bag_file(path)
 /// @throws std::invalid_argument naming the file when it is no bag.
 std::vector<BagTopic> list_bag(const std::filesystem::path& file);
 
+/// One sentence when the folder of a bag lacks some of these parts, which its metadata.yaml lists.
+std::optional<std::string> missing_parts(const std::filesystem::path& folder,
+                                         const std::vector<std::string>& parts);
+
 /// The frames that its transforms join, in the order of names. @throws std::invalid_argument as list_bag.
 std::vector<BagFrame> list_frames(const std::filesystem::path& file);
 
 /// The topics of a bag that the options name, as frames in the order of their times, in tf's
 /// poses; the time of a frame is that of its header, where it has one. Sensors are called like their topics.
 /// Frames whose pose is not known at their time, and messages that are damaged, are left out and reported.
-/// Decoded in a child process with limits.
+/// Parts that the options list and the folder lacks are damage. Decoded in a child process with limits.
 /// @throws std::invalid_argument naming the file and what it has instead, when a topic is missing or of
 /// another type, or the camera of images is not known.
 std::unique_ptr<FrameSource> open_bag(const std::filesystem::path& file, const SourceOptions& options);

@@ -41,7 +41,8 @@ struct BagTopics {
   std::string depth, depth_camera_info;            ///< Image with depths; its CameraInfo
   std::optional<bool> rectified, depth_rectified;  ///< whether they are; empty: as the topics' names say
   std::vector<std::string> clouds, scans;          ///< PointCloud2, LaserScan
-  std::string fixed_frame;  ///< poses of sensors are in it, by tf; empty: sensors do not move
+  std::vector<std::string> parts;  ///< files that the bag's folder should hold; none: not known
+  std::string fixed_frame;         ///< poses of sensors are in it, by tf; empty: sensors do not move
 
   bool empty() const { return images.empty() && depth.empty() && clouds.empty() && scans.empty(); }
 };

@@ -74,6 +74,34 @@ TEST_F(ScanOrder, parts_of_a_bag_are_taken_in_the_order_of_their_times) {
   expect_as_in_order("bag");
 }
 
+TEST_F(ScanOrder, a_part_that_is_missing_is_damage_and_named) {
+  std::filesystem::create_directory(folder_ / "bag");
+  folder_.write("bag/metadata.yaml",
+                "rosbag2_bagfile_information:\n  version: 5\n  relative_file_paths:\n    - x_0.mcap\n    - "
+                "bag/x_1.mcap\n");
+  folder_.write("setup.yaml",
+                "map: {resolution: 0.05}\nsource: {bag: {clouds: [/points], fixed_frame: map}}\n");
+  ScanBag early(folder_ / "bag/x_0.mcap"), late(folder_ / "bag/x_1.mcap");
+  for (double time = first; time < end; ++time) add(time < box ? early : late, time);
+  early.write();
+  const std::vector<std::string> command{
+      "replay", folder_.file("bag"), "--setup",  folder_.file("setup.yaml"),
+      "--out",  folder_.file("map"), "--no-plan"};
+  const CommandRun lacking = run_command(command);
+  EXPECT_EQ(lacking.status, exit_damaged);
+  EXPECT_NE(lacking.log.find("is damaged: its metadata.yaml lists 'x_1.mcap', which is not there"),
+            std::string::npos)
+      << lacking.log;
+  const CommandRun map = run_command({"inspect", folder_.file("map")});
+  EXPECT_NE((map.out + map.log).find("damaged recording"), std::string::npos) << map.out << map.log;
+  const CommandRun listed = run_command({"inspect", folder_.file("bag")});
+  EXPECT_EQ(listed.status, exit_damaged);
+  EXPECT_NE(listed.log.find("'x_1.mcap'"), std::string::npos) << listed.log;
+  late.write();
+  EXPECT_EQ(run_command(command).status, exit_done);
+  EXPECT_EQ(run_command({"inspect", folder_.file("bag")}).status, exit_done);
+}
+
 TEST_F(ScanOrder, stamps_count_where_a_bag_was_recorded_in_another_order) {
   for (const char* name : {"stamps.mcap", "stamps.bag"}) {
     ScanBag bag(folder_ / name);

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace clearway {
+
+/// The names, without folders, of the files of a ROS 2 bag that its metadata.yaml lists
+/// (rosbag2_bagfile_information: relative_file_paths); none when it has no such list.
+/// @param folder of the bag @throws std::invalid_argument naming the file, the line and what was expected.
+std::vector<std::string> listed_parts(const std::filesystem::path& folder);
+
+}  // namespace clearway
