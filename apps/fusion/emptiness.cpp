@@ -30,11 +30,22 @@ bool saw_a_board(const Fusion& fusion) {
   return false;
 }
 
+/// What the source says it left out, as one clause; "" when it left nothing out.
+std::string left_out_of(const Fusion& fusion) {
+  std::string clause;
+  for (const std::string& warning : fusion.warnings)
+    clause += (clause.empty() ? "" : "; ") + warning.substr(0, warning.size() - warning.ends_with('.'));
+  return clause;
+}
+
 void require_tags(const Fusion& fusion, const std::string& name) {
   if (!fusion.setup.probe || saw_a_board(fusion)) return;
   const FusionCounts& counts = fusion.counts;
   const std::string images = grouped(counts.images) + " images";
-  const std::string what = counts.images == 0 ? "there is no camera image"
+  const std::string left_out = left_out_of(fusion);
+  const std::string none =
+      left_out.empty() ? "there is no camera image" : "no camera image of it can be used: " + left_out;
+  const std::string what = counts.images == 0 ? none
                            : counts.ids_seen.empty()
                                ? "there is no tag in its " + images
                                : "none of the tags in its " + images + " (ids " +
@@ -61,14 +72,6 @@ std::string fate_of_scans(const FusionCounts& counts) {
       "points were taken out by min_range, crop, thin_to, outliers, or as the robot or the probe");
   const std::string scans = "nothing of its " + grouped(counts.scans) + " scans got into the map: ";
   return scans + (fate.empty() ? "they hold no points" : fate);
-}
-
-/// What the source says it left out, as one clause; "" when it left nothing out.
-std::string left_out_of(const Fusion& fusion) {
-  std::string clause;
-  for (const std::string& warning : fusion.warnings)
-    clause += (clause.empty() ? "" : "; ") + warning.substr(0, warning.size() - warning.ends_with('.'));
-  return clause;
 }
 
 std::string reason_for_nothing(const Fusion& fusion) {

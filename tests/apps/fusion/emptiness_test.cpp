@@ -7,6 +7,7 @@
 #include "datasets/simulation/simulate.hpp"
 #include "datasets/sources/recording.hpp"
 #include "tests/apps/run_command.hpp"
+#include "tests/worlds/bags/camera_bag.hpp"
 #include "tests/worlds/picture_bytes.hpp"
 #include "tests/worlds/small_scene.hpp"
 
@@ -55,6 +56,15 @@ TEST_F(Emptiness, ACropThatTakesEveryPointIsReported) {
                 .find("nothing of its 1 scans got into the map: 2 points were taken out by min_range, crop"),
             std::string::npos);
   EXPECT_EQ(refusal("r.rawlog", "map: {crop: [0, -1, -1, 2, 2, 2]}\n"), "");
+}
+
+TEST_F(Emptiness, ImagesOfABagThatCannotBeUsedAreReportedWithTheReason) {
+  worlds::CameraBag bag(folder_ / "r.mcap");
+  bag.image("/image", 5, "lens", "nv21", 48, std::vector<std::uint8_t>(48 * 36));
+  bag.write();
+  const std::string sentence = refusal("r.mcap", small_setup + "source: {bag: {images: /image}}\n");
+  EXPECT_NE(sentence.find("no camera image of it can be used: "), std::string::npos) << sentence;
+  EXPECT_NE(sentence.find("its encoding 'nv21' is not known here"), std::string::npos) << sentence;
 }
 
 TEST_F(Emptiness, PointsThatAllLieBeyondTheRangeAreReported) {
