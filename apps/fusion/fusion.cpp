@@ -86,6 +86,8 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   fusion.setup = std::move(chosen.setup);
   fusion.setup_source = std::move(chosen.source);
   fusion.setup.source.camera_seconds = options.camera_seconds;
+  const MapOptions map = map_options(options, fusion.setup.map);
+  fusion.setup.source.resolution = map.resolution;
   std::unique_ptr<FrameSource> frames = open_frames(recording, fusion.setup.source);
   if (!frames->is_live()) frames = std::make_unique<OrderedFrames>(std::move(frames), recording.string());
   if (options.is_paced && !frames->is_live()) frames = std::make_unique<PacedFrames>(std::move(frames));
@@ -96,7 +98,7 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
     recorded = recording_frames.get();
     frames = std::move(recording_frames);
   }
-  fusion.map = FreeSpaceMap(map_options(options, fusion.setup.map));
+  fusion.map = FreeSpaceMap(map);
   fusion.map.keep_scans();
 
   for (const VolumeSetup& volume : fusion.setup.volumes)

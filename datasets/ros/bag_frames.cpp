@@ -6,6 +6,7 @@
 
 #include "datasets/ros/clock_restart.hpp"
 #include "datasets/ros/compressed_depth.hpp"
+#include "datasets/ros/laser_sweep.hpp"
 #include "datasets/ros/sensor_frames.hpp"
 #include "datasets/ros/stamp_order.hpp"
 #include "datasets/sources/lens.hpp"
@@ -185,14 +186,56 @@ void BagFrames::leave_out(const BagTopic& topic, const std::runtime_error& error
 void BagFrames::visit(const std::function<void(const Frame&)>& take) {
   visit_by_stamp(bag_, read_, sensors_, stamps_, most_held_bytes, [&](const BagMessage& message) {
     try {
-      if (const auto frame = frame_of(message)) take(*frame);
+      for (const Frame& frame : frames_in(message)) take(frame);
     } catch (const std::runtime_error& error) {
       leave_out(bag_.topics()[message.topic], error);
     }
   });
 }
 
-std::optional<Frame> BagFrames::frame_of(const BagMessage& message) const {
+std::vector<Frame> BagFrames::frames_in(const BagMessage& message) {
+  const BagTopic& topic = bag_.topics()[message.topic];
+  if (topic.type == "sensor_msgs/LaserScan" && !options_.bag.fixed_frame.empty()) {
+    WireReader in(message.bytes, *topic.wire);
+    const RosLaserScan scan = read_laser_scan(in);
+    if (scan.time_increment != 0.0F)
+      return frames_of_sweep(scan, topic.name, time_of(scan.header, message.time), 0.25 * options_.resolution,
+                             [&](double time) { return pose_of(scan.header.frame, time, message.time); });
+  }
+  return {frame_of(message)};
+}
+
+Eigen::Isometry3d BagFrames::pose_of(const std::string& frame, double time, double recorded) const {
+  const auto pose = transforms_.root_from_frame(options_.bag.fixed_frame, frame, time, recorded);
+  if (!pose)
+    throw std::runtime_error("frame " + quote(frame) + " is not known in " + quote(options_.bag.fixed_frame) +
+                             why_unknown(frame));
+  return *pose;
+}
+
+void BagFrames::note_motion(const std::string& topic, const RosPointCloud& cloud, const Frame& frame,
+                            double recorded) {
+  const auto span = time_span(cloud);
+  if (!span || options_.bag.fixed_frame.empty()) return;
+  const auto pose_at = [&](double since_stamp) {
+    return transforms_.root_from_frame(options_.bag.fixed_frame, cloud.header.frame, frame.time + since_stamp,
+                                       recorded);
+  };
+  const auto first = pose_at(span->first), last = pose_at(span->last);
+  if (!first || !last) return;
+  const Eigen::Isometry3d last_from_first = last->inverse() * *first;
+  double farthest = 0.0;
+  for (const Eigen::Vector3f& point : std::get<CloudFrame>(frame.content).points) {
+    const Eigen::Vector3d place = point.cast<double>();
+    farthest = std::max(farthest, (last_from_first * place - place).norm());
+  }
+  if (farthest <= options_.resolution) return;
+  Motion& motion = moved_[topic];
+  ++motion.count;
+  motion.farthest = std::max(motion.farthest, farthest);
+}
+
+Frame BagFrames::frame_of(const BagMessage& message) {
   const BagTopics& bag = options_.bag;
   const BagTopic& topic = bag_.topics()[message.topic];
   WireReader in(message.bytes, *topic.wire);
@@ -228,7 +271,9 @@ std::optional<Frame> BagFrames::frame_of(const BagMessage& message) const {
   } else if (topic.type == "sensor_msgs/PointCloud2") {
     const RosPointCloud cloud = read_point_cloud(in);
     header = cloud.header;
+    frame.time = time_of(header, message.time);
     frame.content = points_cloud(cloud);
+    note_motion(topic.name, cloud, frame, message.time);
   } else {
     const RosLaserScan scan = read_laser_scan(in);
     header = scan.header;
@@ -236,11 +281,8 @@ std::optional<Frame> BagFrames::frame_of(const BagMessage& message) const {
   }
   frame.time = time_of(header, message.time);
   if (bag.fixed_frame.empty()) return frame;
-  const auto pose = transforms_.root_from_frame(bag.fixed_frame, header.frame, frame.time, message.time);
-  if (!pose)
-    throw std::runtime_error("frame " + quote(header.frame) + " is not known in " + quote(bag.fixed_frame) +
-                             why_unknown(header.frame));
-  const Eigen::Isometry3d world_from_sensor = *pose * message_from_sensor;
+  const Eigen::Isometry3d world_from_sensor =
+      pose_of(header.frame, frame.time, message.time) * message_from_sensor;
   if (auto* picture = std::get_if<ImageFrame>(&frame.content)) picture->world_from_sensor = world_from_sensor;
   if (auto* cloud = std::get_if<CloudFrame>(&frame.content)) cloud->world_from_sensor = world_from_sensor;
   return frame;
@@ -274,6 +316,10 @@ std::vector<std::string> BagFrames::left_out() const {
                       (missing.count == 1 ? "" : "s") + " in topic " + quote(topic) +
                       " that cannot be used: " + missing.first);
   }
+  for (const auto& [topic, motion] : moved_)
+    clauses.push_back("holds " + std::to_string(motion.count) + " clouds in topic " + quote(topic) +
+                      " during which the sensor moved, what it saw by up to " + short_text(motion.farthest) +
+                      " m; each is placed by one pose, at its stamp");
   if (options_.bag.fixed_frame.empty() && !transforms_.frames().empty())
     clauses.push_back(
         "has transforms, but its sensors are taken to stand still: the setup names no "

@@ -53,7 +53,12 @@ class BagFrames {
   void learn();
   void leave_out(const BagTopic& topic, const std::runtime_error& error);
   void learn_camera(const std::string& topic, const RosCameraInfo& info);
-  std::optional<Frame> frame_of(const BagMessage& message) const;
+  /// What a sensor saw: one frame, or the parts of a sweep.
+  std::vector<Frame> frames_in(const BagMessage& message);
+  Frame frame_of(const BagMessage& message);
+  Eigen::Isometry3d pose_of(const std::string& frame, double time, double recorded) const;
+  /// Notes by how much the sensor moves while a cloud is measured.
+  void note_motion(const std::string& topic, const RosPointCloud& cloud, const Frame& frame, double recorded);
   /// Whether neither the setup nor transforms say where some sensor of points is.
   bool takes_sensors_to_stand() const;
   /// The end of the clause that says that a frame has no pose.
@@ -67,7 +72,12 @@ class BagFrames {
   TransformTree transforms_;
   std::optional<RosCamera> camera_, depth_camera_;  ///< where images or depth have one
   std::vector<Eigen::Vector2d> depth_rays_;         ///< of the depth camera
-  std::map<std::string, Missing> left_out_;         ///< of the topic
+  struct Motion {
+    std::size_t count = 0;
+    double farthest = 0.0;  ///< m, of a point
+  };
+  std::map<std::string, Missing> left_out_;  ///< of the topic
+  std::map<std::string, Motion> moved_;  ///< of the topic: clouds that are measured while the sensor moves
 };
 
 /// The frames that the transforms of a bag join; leaves out damaged ones.

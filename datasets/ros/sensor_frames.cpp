@@ -1,6 +1,7 @@
 #include "datasets/ros/sensor_frames.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -84,6 +85,42 @@ double depth_at(const RosImage& image, std::size_t at, bool is_float) {
   return std::isfinite(depth) && depth > 0.0 ? depth : 0.0;
 }
 
+void require_points(const RosPointCloud& cloud) {
+  if (cloud.width > 0 && (cloud.row_step / cloud.width < cloud.point_step ||
+                          (cloud.row_step > 0 && cloud.data.size() / cloud.row_step < cloud.height)))
+    throw std::runtime_error("its data is shorter than its size says");
+}
+
+/// Bytes of a number of PointField; 0 for a kind that there is not.
+std::size_t size_of(std::uint8_t datatype) {
+  constexpr std::array<std::size_t, 9> sizes{0, 1, 1, 2, 2, 4, 4, 4, 8};
+  return datatype < sizes.size() ? sizes[datatype] : 0;
+}
+
+double number_of(const RosPointCloud& cloud, std::size_t at, std::uint8_t datatype) {
+  const auto number = [&](auto kind) {
+    return static_cast<double>(number_at<decltype(kind)>(cloud.data, at, cloud.is_bigendian));
+  };
+  switch (datatype) {
+    case 1:
+      return number(std::int8_t{});
+    case 2:
+      return number(std::uint8_t{});
+    case 3:
+      return number(std::int16_t{});
+    case 4:
+      return number(std::uint16_t{});
+    case 5:
+      return number(std::int32_t{});
+    case 6:
+      return number(std::uint32_t{});
+    case 7:
+      return number(float{});
+    default:
+      return number(double{});
+  }
+}
+
 const RosPointField& field_of(const RosPointCloud& cloud, const std::string& name) {
   const auto found = std::find_if(cloud.fields.begin(), cloud.fields.end(),
                                   [&](const RosPointField& field) { return field.name == name; });
@@ -150,12 +187,37 @@ CloudFrame depth_cloud(const RosImage& image, const CameraIntrinsics& camera,
   return cloud;
 }
 
+std::optional<TimeSpan> time_span(const RosPointCloud& cloud) {
+  const auto is_time = [&](const RosPointField& field) {
+    constexpr std::array names{"t", "time", "timestamp", "time_stamp", "offset_time", "time_offset"};
+    return std::find(names.begin(), names.end(), field.name) != names.end() && size_of(field.datatype) > 0 &&
+           field.offset <= cloud.point_step && cloud.point_step - field.offset >= size_of(field.datatype);
+  };
+  const auto field = std::find_if(cloud.fields.begin(), cloud.fields.end(), is_time);
+  if (field == cloud.fields.end()) return std::nullopt;
+  require_points(cloud);
+  TimeSpan span{HUGE_VAL, -HUGE_VAL};
+  for (std::size_t row = 0; row < cloud.height; ++row) {
+    for (std::size_t column = 0; column < cloud.width; ++column) {
+      const std::size_t at = row * cloud.row_step + column * cloud.point_step + field->offset;
+      const double time = number_of(cloud, at, field->datatype);
+      if (!std::isfinite(time)) continue;
+      span = {std::min(span.first, time), std::max(span.last, time)};
+    }
+  }
+  const bool is_integer = field->datatype < 7;
+  const double unit = is_integer || std::abs(span.last) >= 1e15 ? 1e-9 : 1.0;
+  span = {unit * span.first, unit * span.last};
+  if (std::abs(span.last) >= 1e6) span = {span.first - cloud.header.time, span.last - cloud.header.time};
+  constexpr double longest = 10.0;  // s
+  const bool is_sound = span.last - span.first <= longest && std::abs(span.first) <= longest;
+  return is_sound ? std::optional(span) : std::nullopt;
+}
+
 CloudFrame points_cloud(const RosPointCloud& cloud) {
   const RosPointField* const fields[3] = {&field_of(cloud, "x"), &field_of(cloud, "y"),
                                           &field_of(cloud, "z")};
-  if (cloud.width > 0 && (cloud.row_step / cloud.width < cloud.point_step ||
-                          (cloud.row_step > 0 && cloud.data.size() / cloud.row_step < cloud.height)))
-    throw std::runtime_error("its data is shorter than its size says");
+  require_points(cloud);
   CloudFrame out;
   out.kind = "points";
   for (std::size_t row = 0; row < cloud.height; ++row) {
@@ -175,21 +237,33 @@ CloudFrame points_cloud(const RosPointCloud& cloud) {
   return out;
 }
 
-CloudFrame laser_cloud(const RosLaserScan& scan) {
+std::vector<LaserReturn> laser_returns(const RosLaserScan& scan) {
   if (!std::isfinite(scan.angle_min) || !std::isfinite(scan.angle_increment))
     throw std::runtime_error("its angles are not finite");
-  CloudFrame cloud;
-  cloud.kind = "laser2d";
-  if (std::isfinite(scan.range_max) && scan.range_max > 0.0F) cloud.max_range = double{scan.range_max};
+  std::vector<LaserReturn> returns;
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
     const double range = double{scan.ranges[i]};
     const double angle = double{scan.angle_min} + static_cast<double>(i) * double{scan.angle_increment};
     const bool is_return = std::isfinite(range) && range > 0.0 && range >= double{scan.range_min} &&
                            range <= double{scan.range_max};
     if (is_return)
-      cloud.points.emplace_back(static_cast<float>(range * std::cos(angle)),
-                                static_cast<float>(range * std::sin(angle)), 0.0F);
+      returns.push_back(
+          {i,
+           {static_cast<float>(range * std::cos(angle)), static_cast<float>(range * std::sin(angle)), 0.0F}});
   }
+  return returns;
+}
+
+CloudFrame empty_laser_cloud(const RosLaserScan& scan) {
+  CloudFrame cloud;
+  cloud.kind = "laser2d";
+  if (std::isfinite(scan.range_max) && scan.range_max > 0.0F) cloud.max_range = double{scan.range_max};
+  return cloud;
+}
+
+CloudFrame laser_cloud(const RosLaserScan& scan) {
+  CloudFrame cloud = empty_laser_cloud(scan);
+  for (const LaserReturn& one : laser_returns(scan)) cloud.points.push_back(one.point);
   return cloud;
 }
 

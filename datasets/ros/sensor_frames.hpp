@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "datasets/ros/ros_messages.hpp"
 #include "datasets/sources/recording.hpp"
@@ -25,7 +28,24 @@ Eigen::Isometry3d optical_from_sensor();
 
 /// Its finite points but those at the origin, which drivers put where nothing came back.
 CloudFrame points_cloud(const RosPointCloud& cloud);
-/// The returns between its least and its largest range.
+/// When the first and the last of its points were measured, s since its stamp, by a field of each point's
+/// time: t, time, timestamp, time_stamp, offset_time or time_offset, in nanoseconds where they are integers,
+/// else in seconds; from 1e6 on they are seconds (from 1e15 on nanoseconds) since 1970. Nothing: it has none,
+/// or they span more than 10 s.
+struct TimeSpan {
+  double first = 0.0, last = 0.0;
+};
+std::optional<TimeSpan> time_span(const RosPointCloud& cloud);
+
+/// A return of a laser between its least and its largest range.
+struct LaserReturn {
+  std::size_t ray = 0;    ///< its number in the scan
+  Eigen::Vector3f point;  ///< m, in the laser's axes while this ray was out
+};
+std::vector<LaserReturn> laser_returns(const RosLaserScan& scan);
+/// These returns as if all were measured at once.
 CloudFrame laser_cloud(const RosLaserScan& scan);
+/// Such a cloud without points.
+CloudFrame empty_laser_cloud(const RosLaserScan& scan);
 
 }  // namespace clearway

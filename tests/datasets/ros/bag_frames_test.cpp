@@ -35,8 +35,10 @@ class BagFramesTest : public ::testing::Test {
   Reading read(const ScanBag& bag, const std::string& name) {
     bag.write();
     SourceOptions options;
-    options.bag.clouds = {"/points"};
+    (name.starts_with("sweep") ? options.bag.scans
+                               : options.bag.clouds) = {name.starts_with("sweep") ? "/scan" : "/points"};
     options.bag.fixed_frame = "map";
+    options.resolution = 0.05;
     const auto source = open_bag(folder_ / name, options);
     Reading reading;
     while (auto frame = source->next()) reading.frames.push_back(std::move(*frame));
@@ -186,6 +188,123 @@ TEST_F(BagFramesTest, AFrameThatLeadsToNoSensorMayAlternate) {
   for (int i = 0; i < 50; ++i)
     bag.transform(10 + 0.05 * i, "map", "goal", Eigen::Isometry3d(Eigen::Translation3d(0, i % 2, 0)));
   EXPECT_EQ(read(bag, "a.mcap").frames.size(), 4U);
+}
+
+/// A base that drives and turns fast.
+Eigen::Isometry3d driving_at(double time) {
+  return Eigen::Translation3d(1.5 * time - 15, 0.2, 0.3) * Eigen::AngleAxisd(time, Eigen::Vector3d::UnitZ());
+}
+
+/// How far a wall at x = 8 m or y = 3 m is along a ray, cast here; 0: there is none.
+float range_to_walls(const Eigen::Isometry3d& map_from_laser, double angle) {
+  const Eigen::Vector3d origin = map_from_laser.translation();
+  const Eigen::Vector3d ray = map_from_laser.linear() * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0);
+  double nearest = HUGE_VAL;
+  if (ray.x() > 0) nearest = std::min(nearest, (8 - origin.x()) / ray.x());
+  if (ray.y() > 0) nearest = std::min(nearest, (3 - origin.y()) / ray.y());
+  return nearest < 25 ? static_cast<float>(nearest) : std::numeric_limits<float>::infinity();
+}
+
+constexpr int rays = 360;
+const worlds::BagSweep turn{-3.0F, 6.0F / rays, 0.1F / rays};
+
+/// Sweeps from 10 s on, every second one beginning at the last ray, with the base's poses until `end`.
+void add_sweeps(ScanBag& bag, double end, const std::vector<double>& times, float direction) {
+  const Eigen::Isometry3d laser(Eigen::Translation3d(0.1, 0, 0.25));
+  bag.transform(9, "base", "laser", laser, true);
+  for (double time = 9.5; time < end; time += 0.02) bag.transform(time, "map", "base", driving_at(time));
+  worlds::BagSweep sweep = turn;
+  sweep.time_increment *= direction;
+  for (const double time : times) {
+    std::vector<float> ranges;
+    for (int ray = 0; ray < rays; ++ray) {
+      const double at = time + ray * double{sweep.time_increment};
+      ranges.push_back(range_to_walls(driving_at(at) * laser,
+                                      double{turn.angle_min} + ray * double{turn.angle_increment}));
+    }
+    bag.sweep("/scan", time, "laser", sweep, ranges);
+  }
+  bag.sort();
+}
+
+TEST_F(BagFramesTest, EachRayOfASweepIsWhereTheLaserWasThen) {
+  for (const float direction : {1.0F, -1.0F}) {
+    for (const char* name : {"sweep.mcap", "sweep.bag"}) {
+      ScanBag bag(folder_ / name);
+      add_sweeps(bag, 12, {10.0, 10.5, 11.0}, direction);
+      const Reading reading = read(bag, name);
+      EXPECT_EQ(reading.damage + reading.warnings, "");
+      std::size_t points = 0;
+      double before = 0.0;
+      for (const Frame& frame : reading.frames) {
+        const auto& cloud = std::get<CloudFrame>(frame.content);
+        EXPECT_GE(frame.time, before);
+        before = frame.time;
+        const Eigen::Vector3d origin = cloud.world_from_sensor.translation();
+        const Eigen::Vector3d then =
+            driving_at(frame.time) * Eigen::Vector3d(0.1, 0, 0.25);  // at its first ray
+        EXPECT_LT((origin - then).norm(), 0.0126 + 1e-3) << "within a quarter voxel";
+        for (const Eigen::Vector3f& point : cloud.points) {
+          const Eigen::Vector3d place = cloud.world_from_sensor * point.cast<double>();
+          EXPECT_LT(std::min(std::abs(place.x() - 8), std::abs(place.y() - 3)), 1e-3) << place.transpose();
+          ++points;
+        }
+      }
+      EXPECT_GT(reading.frames.size(), 20U) << "15 cm of way each, a third of it without a wall";
+      EXPECT_GT(points, 500U);
+    }
+  }
+}
+
+TEST_F(BagFramesTest, ASweepOfALaserThatStandsIsOneFrame) {
+  for (const float increment : {0.0F, turn.time_increment}) {
+    ScanBag bag(folder_ / "sweep.mcap");
+    bag.transform(9, "map", "laser", mount(), true);
+    worlds::BagSweep sweep = turn;
+    sweep.time_increment = increment;
+    bag.sweep("/scan", 10, "laser", sweep, std::vector<float>(rays, 2.5F));
+    const Reading reading = read(bag, "sweep.mcap");
+    ASSERT_EQ(reading.frames.size(), 1U);
+    EXPECT_EQ(reading.frames[0].time, 10);
+    const auto& cloud = std::get<CloudFrame>(reading.frames[0].content);
+    ASSERT_EQ(cloud.points.size(), static_cast<std::size_t>(rays));
+    for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+      const double angle = double{turn.angle_min} + static_cast<double>(i) * double{turn.angle_increment};
+      EXPECT_EQ(cloud.points[i], Eigen::Vector3f(static_cast<float>(2.5 * std::cos(angle)),
+                                                 static_cast<float>(2.5 * std::sin(angle)), 0));
+    }
+  }
+}
+
+TEST_F(BagFramesTest, ASweepWhoseEndHasNoPoseIsLeftOutAndCounted) {
+  ScanBag bag(folder_ / "sweep.mcap");
+  add_sweeps(bag, 10.57, {10.0, 10.5}, 1.0F);
+  const Reading reading = read(bag, "sweep.mcap");
+  ASSERT_FALSE(reading.frames.empty());
+  EXPECT_LT(reading.frames.back().time, 10.2);
+  EXPECT_NE(
+      reading.warnings.find("holds 1 message in topic '/scan' that cannot be used: frame 'laser' is not "
+                            "known in 'map' at its time"),
+      std::string::npos)
+      << reading.warnings;
+}
+
+TEST_F(BagFramesTest, CloudsDuringWhichTheSensorMovesAreReported) {
+  const std::vector<Eigen::Vector3f> points{{1, 0, 0}, {0, 2, 0}, {3, 0, 0}};
+  for (const bool moves : {false, true}) {
+    ScanBag bag(folder_ / "a.mcap");
+    for (double time = 9; time < 12; time += 0.02)
+      bag.transform(time, "map", "base", moves ? driving_at(time) : base_at(0));
+    bag.cloud("/points", 10, "base", points, "time", {-0.1F, -0.05F, 0.0F});
+    bag.cloud("/points", 11, "base", points);
+    bag.sort();
+    const Reading reading = read(bag, "a.mcap");
+    ASSERT_EQ(reading.frames.size(), 2U);
+    const bool is_reported =
+        reading.warnings.find("holds 1 clouds in topic '/points' during which the sensor moved") !=
+        std::string::npos;
+    EXPECT_EQ(is_reported, moves) << reading.warnings;
+  }
 }
 
 }  // namespace bag_frames_test

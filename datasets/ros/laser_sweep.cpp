@@ -1,0 +1,69 @@
+#include "datasets/ros/laser_sweep.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <stdexcept>
+#include <utility>
+
+#include "datasets/ros/sensor_frames.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr double most_parts = 32.0, longest = 60.0;  // s
+
+/// A return, and where the laser was then.
+struct PlacedReturn {
+  LaserReturn seen;
+  Eigen::Isometry3d world_from_laser;
+};
+
+/// m, of the laser between the first and the last return.
+double way_of(const std::vector<PlacedReturn>& returns) {
+  double way = 0.0;
+  for (std::size_t i = 1; i < returns.size(); ++i)
+    way += (returns[i].world_from_laser.translation() - returns[i - 1].world_from_laser.translation()).norm();
+  return way;
+}
+
+/// Where a return is in the laser's axes at another time.
+Eigen::Vector3f moved(const PlacedReturn& one, const Eigen::Isometry3d& world_from_laser) {
+  if (one.world_from_laser.matrix() == world_from_laser.matrix()) return one.seen.point;
+  return (world_from_laser.inverse() * (one.world_from_laser * one.seen.point.cast<double>())).cast<float>();
+}
+
+}  // namespace
+
+std::vector<Frame> frames_of_sweep(const RosLaserScan& scan, const std::string& sensor, double time,
+                                   double most_way,
+                                   const std::function<Eigen::Isometry3d(double time)>& world_from_laser) {
+  const double increment = double{scan.time_increment};
+  const std::size_t rays = scan.ranges.size();
+  if (!std::isfinite(increment) || std::abs(increment) * static_cast<double>(rays) > longest)
+    throw std::runtime_error("its time increment is not sound: expected a sweep of 60 s at most");
+  const auto time_of = [&](std::size_t ray) { return time + increment * static_cast<double>(ray); };
+  std::vector<PlacedReturn> returns;
+  for (const LaserReturn& one : laser_returns(scan))
+    returns.push_back({one, world_from_laser(time_of(one.ray))});
+  const auto parts =
+      static_cast<std::size_t>(std::clamp(std::ceil(way_of(returns) / most_way), 1.0, most_parts));
+  std::vector<Frame> frames;
+  auto next = returns.begin();
+  for (std::size_t part = 0; part < parts; ++part) {
+    const std::size_t begin = rays * part / parts, end = rays * (part + 1) / parts;
+    const auto first = std::exchange(next, std::find_if(next, returns.end(), [&](const PlacedReturn& one) {
+                                       return one.seen.ray >= end;
+                                     }));
+    if (first == next && parts > 1) continue;
+    CloudFrame cloud = empty_laser_cloud(scan);
+    cloud.world_from_sensor = world_from_laser(time_of((begin + end) / 2));
+    for (const PlacedReturn& one : std::span(first, next))
+      cloud.points.push_back(moved(one, cloud.world_from_sensor));
+    frames.push_back({time_of(increment < 0.0 && end > begin ? end - 1 : begin), sensor, std::move(cloud)});
+  }
+  if (increment < 0.0) std::reverse(frames.begin(), frames.end());
+  return frames;
+}
+
+}  // namespace clearway
