@@ -58,8 +58,8 @@ TEST(OrderedFrames, ScansThatComeTooLateAreLeftOutAndReportedAndImagesAreNot) {
 }
 
 TEST(OrderedFrames, ACommentAtTheBeginningIsGivenBeforeAnythingElseIsRead) {
-  auto memory = std::make_unique<MemoryFrames>(
-      std::vector<Frame>{{5.0, "", CommentFrame{"setup"}}, image(7), scan(6)});
+  auto memory =
+      std::make_unique<MemoryFrames>(std::vector<Frame>{{5.0, "", CommentFrame{"setup"}}, image(7), scan(6)});
   MemoryFrames& source = *memory;
   OrderedFrames frames(std::move(memory), "r");
   EXPECT_TRUE(std::holds_alternative<CommentFrame>(frames.next()->content));
