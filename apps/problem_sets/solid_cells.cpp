@@ -117,7 +117,7 @@ Snapshot map_of_foreign_world(const ForeignWorld& world, double resolution, std:
     }
     cells.push_back(keep_each_once(centers, before));
   }
-  return {tree_of_cloud(centers, {resolution, {}}, world.name), {}};
+  return {tree_of_cloud(centers, {resolution, {}, {}}, world.name), {}};
 }
 
 }  // namespace clearway

@@ -42,7 +42,7 @@ Snapshot map_of_solids(const std::vector<SceneShape>& solids, double resolution)
   std::vector<Eigen::Vector3f> centers;
   for (const SceneShape& solid : solids)
     append_cells(shape_of(solid), solid.map_from_shape, resolution, centers);
-  return {tree_of_cloud(centers, {resolution, {}}, "solids"), {}};
+  return {tree_of_cloud(centers, {resolution, {}, {}}, "solids"), {}};
 }
 
 }  // namespace clearway

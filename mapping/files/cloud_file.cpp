@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
@@ -69,21 +70,42 @@ bool has_turned_viewpoint(const std::filesystem::path& file) {
   return false;
 }
 
+namespace {
+
+/// Takes out the parts that would take more than some 20 million voxels together, those of the most first.
+std::vector<ThinnedPart> take_costly(CloudVoxels& voxels) {
+  constexpr double most_filled = 2e7;
+  const auto cost = [&](const ThinnedPart& part) {
+    return static_cast<double>(part.points.size()) * std::pow(1.0 + of_apart * part.apart / voxels.edge, 3);
+  };
+  std::stable_sort(voxels.parts.begin(), voxels.parts.end(),
+                   [&](const ThinnedPart& a, const ThinnedPart& b) { return cost(a) < cost(b); });
+  double filled = 0.0;
+  std::size_t kept = 0;
+  while (kept < voxels.parts.size() && (filled += cost(voxels.parts[kept])) <= most_filled) ++kept;
+  const auto first = voxels.parts.begin() + static_cast<std::ptrdiff_t>(kept);
+  std::vector<ThinnedPart> left(std::make_move_iterator(first), std::make_move_iterator(voxels.parts.end()));
+  voxels.parts.erase(first, voxels.parts.end());
+  return left;
+}
+
+}  // namespace
+
 CloudVoxels voxels_of_cloud(const std::filesystem::path& file, const std::vector<Eigen::Vector3f>& points) {
-  if (const auto edge = stated_edge(file)) return {*edge, {}};
+  if (const auto edge = stated_edge(file)) return {*edge, {}, {}};
   const auto whole = [](double apart) { return std::ceil(1250.0 * apart) / 1000.0; };
   CloudVoxels voxels;
   if (const auto spacing = thinned_spacing(points, voxels.edge)) voxels.edge = whole(*spacing);
-  constexpr double most_filled = 2e7;
   for (;;) {
     voxels.parts = thinned_parts(points, voxels.edge);
-    double filled = 0.0, widest = 0.0;
-    for (const ThinnedPart& part : voxels.parts) {
-      filled +=
-          static_cast<double>(part.points.size()) * std::pow(1.0 + of_apart * part.apart / voxels.edge, 3);
+    voxels.left = take_costly(voxels);
+    std::size_t left = 0;
+    double widest = 0.0;
+    for (const ThinnedPart& part : voxels.left) {
+      left += part.points.size();
       widest = std::max(widest, part.apart);
     }
-    if (filled <= most_filled) return voxels;
+    if (2 * left <= points.size()) return voxels;
     voxels.edge = whole(widest);
   }
 }
@@ -111,6 +133,8 @@ ViewedCloud read_viewed_cloud(const std::filesystem::path& file) {
   cloud.file_from_viewpoint.translation() = origin.cast<double>();
   return cloud;
 }
+
+float left_log_odds(const FusedTree& tree) { return 2.0F * tree.getProbHitLog(); }
 
 std::shared_ptr<const FusedTree> tree_of_cloud(const std::vector<Eigen::Vector3f>& points,
                                                const CloudVoxels& voxels, const std::filesystem::path& file) {
@@ -147,6 +171,8 @@ std::shared_ptr<const FusedTree> tree_of_cloud(const std::vector<Eigen::Vector3f
   }
   for (const Eigen::Vector3f& point : points)
     occupy(cell_of(point.cast<double>()), tree->getClampingThresMaxLog());
+  for (const ThinnedPart& part : voxels.left)
+    for (const std::size_t i : part.points) occupy(cell_of(points[i].cast<double>()), left_log_odds(*tree));
   tree->finish();
   return tree;
 }

@@ -43,20 +43,24 @@ bool has_turned_viewpoint(const std::filesystem::path& file);
 struct CloudVoxels {
   double edge = usual_cloud_resolution;  ///< m
   std::vector<ThinnedPart> parts;        ///< each point stands for a cube a quarter wider than they are apart
+  std::vector<ThinnedPart> left;         ///< others, whose cubes would be too many: they keep their holes
 };
 
 /// Edge as the file states it; else 2 cm, or, of a surface that was thinned to fewer points
 /// (thinned_spacing), a quarter more than these are apart, in whole millimetres, so that it has no holes.
-/// With the surfaces in it that were thinned further, where nothing is stated; where filling them would take
-/// more than some 20 million voxels, the edge is theirs.
+/// With the surfaces in it that were thinned further, where nothing is stated; those that it would take more
+/// than some 20 million voxels to fill are left, or, where they are most of the cloud, the edge is theirs.
 CloudVoxels voxels_of_cloud(const std::filesystem::path& file, const std::vector<Eigen::Vector3f>& points);
 
 /// A tree in which each voxel that holds a point is occupied, with OctoMap's highest log odds; and what the
-/// cubes of thinned parts touch, with those of a single hit.
+/// cubes of thinned parts touch, with those of a single hit; of parts that are left with left_log_odds().
 /// @throws std::invalid_argument when the resolution is outside [1e-4, 100] m or too fine for the farthest
 /// point.
 std::shared_ptr<const FusedTree> tree_of_cloud(const std::vector<Eigen::Vector3f>& points,
                                                const CloudVoxels& voxels, const std::filesystem::path& file);
+
+/// Those of two hits.
+float left_log_odds(const FusedTree& tree);
 
 /// Centres of the occupied and conflict voxels at the finest resolution.
 /// @throws std::invalid_argument naming `file` when there are more than 100 million.

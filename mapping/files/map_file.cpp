@@ -89,24 +89,32 @@ bool is_sparse(const Snapshot& map, const CellCube& cube) {
 }
 
 /// Of the leaves that hold a cloud's points, at most some thousands spread over the tree, the share that is
-/// sparse, 0 of few; and how many voxels were filled round points of thinned parts.
-std::pair<double, std::int64_t> sparse_and_filled(const Snapshot& map) {
+/// sparse, 0 of few; and how many voxels were filled round points of thinned parts, or belong to such that
+/// were left.
+struct CloudLooks {
+  double sparse = 0.0;
+  std::int64_t filled = 0, left = 0;
+};
+CloudLooks looks_of_cloud(const Snapshot& map) {
   const FusedTree& tree = map.tree();
   std::vector<CellCube> occupied;
-  std::int64_t filled = 0;
+  CloudLooks looks;
   tree.visit_leaves([&](const FusedNode& node, const CellCube& cube) {
     if (tree.state(node) != VoxelState::occupied) return;
-    if (node.getLogOdds() < tree.getClampingThresMaxLog())
-      filled += static_cast<std::int64_t>(cube.volume());
+    const float log_odds = node.getLogOdds();
+    if (log_odds == left_log_odds(tree)) looks.left += static_cast<std::int64_t>(cube.volume());
+    if (log_odds == tree.getProbHitLog())
+      looks.filled += static_cast<std::int64_t>(cube.volume());
     else
       occupied.push_back(cube);
   });
   constexpr std::size_t most = 4000, fewest = 4;
-  if (occupied.size() < fewest) return {0.0, filled};
+  if (occupied.size() < fewest) return looks;
   const std::size_t step = 1 + occupied.size() / most;
   std::size_t looked = 0, sparse = 0;
   for (std::size_t i = 0; i < occupied.size(); i += step, ++looked) sparse += is_sparse(map, occupied[i]);
-  return {static_cast<double>(sparse) / static_cast<double>(looked), filled};
+  looks.sparse = static_cast<double>(sparse) / static_cast<double>(looked);
+  return looks;
 }
 
 }  // namespace
@@ -121,7 +129,7 @@ Snapshot load_map(const fs::path& path, std::optional<double> cloud_resolution) 
     if (points.empty())
       throw std::invalid_argument("'" + file.string() + "' holds no finite point, expected some");
     const CloudVoxels voxels =
-        cloud_resolution ? CloudVoxels{*cloud_resolution, {}} : voxels_of_cloud(file, points);
+        cloud_resolution ? CloudVoxels{*cloud_resolution, {}, {}} : voxels_of_cloud(file, points);
     return {tree_of_cloud(points, voxels, file), {}};
   }
   throw std::invalid_argument("map '" + path.string() +
@@ -172,11 +180,15 @@ std::string cloud_remark(const fs::path& path, const Snapshot& map, bool is_chos
   if (!is_chosen && edge != usual_cloud_resolution && !stated_edge(path))
     remark = "the cloud's points are some " + std::to_string(std::lround(800.0 * edge)) + " mm" +
              " apart and stand for voxels of " + millimetres(edge);
-  const auto [sparse, filled] = sparse_and_filled(map);
+  const auto [sparse, filled, left] = looks_of_cloud(map);
   const auto add = [&](const std::string& text) { remark += (remark.empty() ? "" : "; ") + text; };
   if (filled > 0)
     add(std::to_string(filled) + " voxels of " + millimetres(edge) +
         " fill the gaps of surfaces that were thinned further");
+  if (left > 0)
+    add(std::to_string(left) + " voxels of " + millimetres(edge) +
+        " stand for points so far apart that the gaps between them are left, so that these surfaces have "
+        "holes");
   if (sparse >= 0.1)
     add(short_text(std::floor(100.0 * sparse)) + " % of the cloud's voxels of " + millimetres(edge) +
         " touch fewer than four others, so that surfaces may have holes that a path leads through");

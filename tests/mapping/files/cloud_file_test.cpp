@@ -160,15 +160,25 @@ TEST(CloudVoxels, OfScatteredPointsAndLinesAreNotFilled) {
   EXPECT_TRUE(thinned_parts(points, 0.02).empty());
 }
 
-TEST(CloudVoxels, OfAWideThinSurfaceBesideADenseOneGrow) {
-  Points points;
-  for (int i = 0; i < 150'000; ++i)
-    points.push_back({0.01F * static_cast<float>(i % 300), 0.01F * static_cast<float>(i / 300), 0.0F});
-  for (int i = 0; i < 10'000; ++i)
-    points.push_back({0.5F * static_cast<float>(i % 100), 0.5F * static_cast<float>(i / 100), 5.0F});
-  const CloudVoxels voxels = voxels_of_cloud("none.pcd", points);
+TEST(CloudVoxels, OfAWideThinSurfaceAreLeftWhereMostIsDense) {
+  const TemporaryFolder folder;
+  const auto cloud = [](int dense) {
+    Points points;
+    for (int i = 0; i < dense; ++i)
+      points.push_back({0.01F * static_cast<float>(i % 300), 0.01F * static_cast<float>(i / 300), 0.0F});
+    for (int i = 0; i < 10'000; ++i)
+      points.push_back({0.5F * static_cast<float>(i % 100), 0.5F * static_cast<float>(i / 100), 5.0F});
+    return points;
+  };
+  const std::string file = folder.write("wide.pcd", format_pcd(cloud(150'000)));
+  const Snapshot map = load_map(file);
+  EXPECT_EQ(map.resolution(), 0.02);
+  EXPECT_NE(cloud_remark(file, map, false).find("10000 voxels of 20 mm stand for points so far apart"),
+            std::string::npos)
+      << cloud_remark(file, map, false);
+  const CloudVoxels voxels = voxels_of_cloud("none.pcd", cloud(9'000));
   EXPECT_NEAR(voxels.edge, 0.625, 1.1e-3);
-  EXPECT_TRUE(voxels.parts.empty());
+  EXPECT_TRUE(voxels.left.empty());
 }
 
 TEST(CloudVoxels, OfAnExportedMapAreItsOwn) {
