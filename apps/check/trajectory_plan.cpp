@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <stdexcept>
 
@@ -19,6 +20,8 @@ constexpr Bounds any_value{-1e6, 1e6};
 
 /// The map that holds `joint_names`.
 std::optional<YamlFields> innermost(const YamlFields& root) {
+  if (root.has("joint_names") && root.has("joint_trajectory"))
+    root.fail("joint_trajectory", "expected it or 'joint_names', got both");
   if (root.has("joint_names")) return root;
   if (root.has("multi_dof_joint_trajectory") &&
       !root.map("multi_dof_joint_trajectory").list_of_maps("points").empty())
@@ -29,6 +32,21 @@ std::optional<YamlFields> innermost(const YamlFields& root) {
   if (list.size() != 1)
     root.fail("trajectory", "expected one trajectory, got " + std::to_string(list.size()));
   return innermost(list.front());
+}
+
+/// Where the robot is before the trajectory, as a DisplayTrajectory says; not with anything in its hand.
+std::map<std::string, double> start_of(const YamlFields& root) {
+  std::map<std::string, double> start;
+  if (!root.has("trajectory_start")) return start;
+  const YamlFields state = root.map("trajectory_start");
+  if (!state.list_of_maps("attached_collision_objects").empty())
+    state.fail("attached_collision_objects", "expected none; --attach says what the robot carries");
+  if (!state.has("joint_state")) return start;
+  const YamlFields joints = state.map("joint_state");
+  const std::vector<std::string> names = joints.texts("name");
+  const std::vector<double> values = joints.numbers("position", any_value, names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) start[names[i]] = values[i];
+  return start;
 }
 
 const HeldJoint* held_joint(const Robot& robot, const std::string& name) {
@@ -55,23 +73,56 @@ std::vector<std::size_t> places_of_joints(const ForeignTrajectory& trajectory, c
   return places;
 }
 
+Configuration configuration_of(const std::vector<double>& point, const std::vector<std::size_t>& places) {
+  Configuration q(static_cast<Eigen::Index>(places.size()));
+  for (std::size_t j = 0; j < places.size(); ++j) q[static_cast<Eigen::Index>(j)] = point[places[j]];
+  return q;
+}
+
+/// What the trajectory says of a joint that the robot does not plan for.
+class StillJoint {
+ public:
+  StillJoint(const std::string& name, const Robot& robot, const std::filesystem::path& file)
+      : name_(name), file_(file), held_(held_joint(robot, name)) {
+    const bool is_links = std::any_of(robot.links.begin(), robot.links.end(),
+                                      [&](const Link& link) { return link.joint_name == name; });
+    if (held_ == nullptr && is_links)
+      refuse(file, "has values of joint " + quote(name) +
+                       ", which follows another (mimic) or is fixed, expected it to be left out");
+    if (held_ == nullptr)
+      refuse(file,
+             "has values of joint " + quote(name) + ", which robot " + quote(robot.name) + " does not have");
+    if (robot.scale != 1.0)
+      refuse(file, "has values of joint " + quote(name) +
+                       ", which stands still, expected it to be left out for a robot of another scale");
+  }
+  void require(double value) const {
+    if (std::abs(value - held_->value) <= stands_within) return;
+    refuse(file_, "has joint " + quote(name_) + " at " + significant(value) + ", which stands at " +
+                      significant(held_->value) + ", expected --fix " + name_ +
+                      "=VALUE or a --group that it is part of");
+  }
+
+ private:
+  const std::string& name_;
+  const std::filesystem::path& file_;
+  const HeldJoint* held_;
+};
+
+bool is_planned(const Robot& robot, const std::string& name) {
+  return std::any_of(robot.joints.begin(), robot.joints.end(),
+                     [&](const Joint& joint) { return joint.name == name; });
+}
+
 void require_standing(const ForeignTrajectory& trajectory, const Robot& robot,
                       const std::filesystem::path& file) {
   for (std::size_t j = 0; j < trajectory.joints.size(); ++j) {
-    const std::string& name = trajectory.joints[j];
-    const bool moves = std::any_of(robot.joints.begin(), robot.joints.end(),
-                                   [&](const Joint& joint) { return joint.name == name; });
-    if (moves) continue;
-    const HeldJoint* held = held_joint(robot, name);
-    if (held == nullptr)
-      refuse(file,
-             "has values of joint " + quote(name) + ", which robot " + quote(robot.name) + " does not have");
-    for (const std::vector<double>& point : trajectory.points)
-      if (std::abs(point[j] - held->value) > stands_within)
-        refuse(file, "moves joint " + quote(name) + " to " + significant(point[j]) + ", which stands at " +
-                         significant(held->value) + ", expected --fix " + name +
-                         "=VALUE or a --group that it is part of");
+    if (is_planned(robot, trajectory.joints[j])) continue;
+    const StillJoint joint(trajectory.joints[j], robot, file);
+    for (const std::vector<double>& point : trajectory.points) joint.require(point[j]);
   }
+  for (const auto& [name, value] : trajectory.start)
+    if (held_joint(robot, name) != nullptr) StillJoint(name, robot, file).require(value);
 }
 
 template <typename Value>
@@ -91,6 +142,7 @@ std::optional<ForeignTrajectory> read_trajectory(const std::filesystem::path& fi
   const std::optional<YamlFields> found = innermost(root);
   if (!found) root.fail("joint_names", "expected the names of a JointTrajectory");
   ForeignTrajectory trajectory;
+  trajectory.start = start_of(root);
   trajectory.joints = found->texts("joint_names");
   if (trajectory.joints.empty()) found->fail("joint_names", "expected at least one");
   if (std::set<std::string>(trajectory.joints.begin(), trajectory.joints.end()).size() !=
@@ -108,9 +160,15 @@ Plan plan_of_trajectory(const ForeignTrajectory& trajectory, const Robot& robot,
   require_standing(trajectory, robot, file);
   PlanResult leg;
   leg.status = PlanStatus::solved;
+  if (!trajectory.start.empty()) {  // from there a controller goes to the first point
+    Configuration q = configuration_of(trajectory.points.front(), places);
+    for (std::size_t j = 0; j < robot.dof(); ++j)
+      if (const auto found = trajectory.start.find(robot.joints[j].name); found != trajectory.start.end())
+        q[static_cast<Eigen::Index>(j)] = found->second;
+    leg.waypoints.push_back(q);
+  }
   for (const std::vector<double>& point : trajectory.points) {
-    Configuration q(static_cast<Eigen::Index>(places.size()));
-    for (std::size_t j = 0; j < places.size(); ++j) q[static_cast<Eigen::Index>(j)] = point[places[j]];
+    const Configuration q = configuration_of(point, places);
     if (leg.waypoints.empty() || q != leg.waypoints.back()) leg.waypoints.push_back(q);
   }
   if (leg.waypoints.size() == 1) leg.waypoints.push_back(leg.waypoints.front());

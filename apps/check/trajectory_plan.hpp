@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 
 #include "apps/check/check_contract.hpp"
@@ -12,6 +13,7 @@ namespace clearway {
 struct ForeignTrajectory {
   std::vector<std::string> joints;
   std::vector<std::vector<double>> points;  ///< values of `joints`, rad or m
+  std::map<std::string, double> start{};    ///< by joint, where the robot is before; may be empty
 };
 
 /// Nothing of a file that is something else: a plan.
@@ -19,8 +21,9 @@ struct ForeignTrajectory {
 /// another number of positions, no point.
 std::optional<ForeignTrajectory> read_trajectory(const std::filesystem::path& file);
 
-/// The points as a plan of one leg from the first to the last, in the order of the robot's joints. What the
-/// trajectory says of joints that stand still has to be where they stand, within 1e-4 rad or m.
+/// The points as a plan of one leg from the first (where the file says where the robot is before, from there)
+/// to the last, in the order of the robot's joints. What the trajectory says of joints that stand still has
+/// to be where they stand, within 1e-4 rad or m.
 /// @throws std::invalid_argument naming `file` and the joint that the trajectory or the robot lacks, or that
 /// stands elsewhere.
 Plan plan_of_trajectory(const ForeignTrajectory& trajectory, const Robot& robot,

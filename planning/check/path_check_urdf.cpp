@@ -60,6 +60,8 @@ void keep_soft_limits(tinyxml2::XMLElement& joint) {
                                                                   text_of(*soft, "soft_upper_limit");
   const auto value = [](const char* text) { return parsed_number(text).value_or(0.0); };
   if (value(low) == 0.0 && value(high) == 0.0) return;
+  if (!joint.Attribute("type", "prismatic") && value(low) < -endless_turn && value(high) > endless_turn)
+    return;
   tinyxml2::XMLElement* limit = joint.FirstChildElement("limit");
   if (!limit) {
     limit = joint.InsertNewChildElement("limit");

@@ -104,11 +104,14 @@ std::set<std::string> links_below_joints(const Element& robot) {
   return links;
 }
 
-/// The lesser of acceleration and deceleration, which no planner of ours tells apart.
+/// The lesser of acceleration and deceleration, which no planner of ours tells apart. As of velocities, what
+/// is not above 0 says nothing, nor does a limit that no robot reaches.
 UrdfDocument::Changes changes_of(const Place& place, const Element& joint) {
   const Element* limit = joint.FirstChildElement("limit");
   const auto value = [&](const char* name) {
-    return limit && limit->Attribute(name) ? urdf_numbers(place, *limit, name, 1, urdf_any)[0] : 0.0;
+    const double given =
+        limit && limit->Attribute(name) ? urdf_numbers(place, *limit, name, 1, urdf_any)[0] : 0.0;
+    return given >= 1e-9 && given <= 1e9 ? given : 0.0;
   };
   const double speeding = value("acceleration"), braking = value("deceleration");
   return {speeding > 0.0 && braking > 0.0 ? std::min(speeding, braking) : std::max(speeding, braking),

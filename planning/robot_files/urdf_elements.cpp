@@ -69,7 +69,7 @@ void check_limit(const Place& place, const Element& joint, const std::string& ty
   const bool is_unknown = urdf_numbers(place, *limit, "velocity", 1, urdf_any)[0] == no_limit;
   if (!is_unknown) urdf_numbers(place, *limit, "velocity", 1, urdf_speed);
   for (const char* change : {"acceleration", "deceleration", "jerk"})
-    if (limit->Attribute(change)) urdf_numbers(place, *limit, change, 1, urdf_change);
+    if (limit->Attribute(change)) urdf_numbers(place, *limit, change, 1, urdf_any);
   const UrdfRange range = type == "prismatic" ? urdf_metres : is_limited ? urdf_turns : urdf_any;
   const auto bound = [&](const char* name) {  // URDF: 0 where only the other one is given
     return limit->Attribute(name) ? urdf_numbers(place, *limit, name, 1, range)[0] : 0.0;
@@ -89,6 +89,8 @@ void keep_soft_limits(const Place& place, Element& joint, std::string& type) {
   if (has_lower != has_upper)
     place.refuse(std::string("<safety_controller> has ") + names[has_lower ? 0 : 1] + " alone, expected " +
                  names[0] + " and " + names[1]);
+  const auto any = [&](int i) { return urdf_numbers(place, *soft, names[i], 1, urdf_any)[0]; };
+  if (type != "prismatic" && any(0) < urdf_turns.least && any(1) > urdf_turns.most) return;  // none, as 1e16
   const UrdfRange range = type == "prismatic" ? urdf_metres : urdf_turns;
   const double lower = urdf_numbers(place, *soft, names[0], 1, range)[0];
   const double upper = urdf_numbers(place, *soft, names[1], 1, range)[0];

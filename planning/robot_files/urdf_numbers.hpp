@@ -32,7 +32,6 @@ constexpr UrdfRange urdf_radians{-12.6, 12.6, "radians"};  ///< roll, pitch, yaw
 constexpr UrdfRange urdf_size{1e-6, 1e3, "metres"};
 constexpr UrdfRange urdf_turns{-1e3, 1e3, "radians"};  ///< limits of a revolute joint
 constexpr UrdfRange urdf_speed{0.0, 1e6, "rad/s or m/s"};
-constexpr UrdfRange urdf_change{1e-9, 1e9, "above 0 (rad or m by s^2 or s^3)"};
 constexpr UrdfRange urdf_any{-std::numeric_limits<double>::max(), std::numeric_limits<double>::max(),
                              "finite numbers"};  ///< gated elsewhere, or used by nobody
 

@@ -60,6 +60,17 @@ TEST_F(CheckTrajectory, EachFormOfAJointTrajectoryIsCheckedInTheRobotsOrder) {
       exit_done);
 }
 
+TEST_F(CheckTrajectory, WhereTheRobotIsBeforeItCounts) {
+  const auto from = [&](double x) {
+    const Json message{
+        {"trajectory", {{{"joint_trajectory", trajectory({{0.3, 0.0}, {0.5, 0.0}})}}}},
+        {"trajectory_start", {{"joint_state", {{"name", {"x", "y"}}, {"position", {x, 0.0}}}}}}};
+    return check_file("t.json", message.dump());
+  };
+  EXPECT_EQ(from(-0.2).status, exit_done);
+  EXPECT_EQ(from(-1.5).status, exit_no);  // not painted
+}
+
 TEST_F(CheckTrajectory, WhatDoesNotFitTheRobotIsNamed) {
   const auto refusal = [&](const Json& message) {
     const CommandRun run = check_file("t.json", message.dump());
@@ -81,7 +92,11 @@ TEST_F(CheckTrajectory, WhatDoesNotFitTheRobotIsNamed) {
             "expected one trajectory, got 2"},
            {Json{{"joint_trajectory", trajectory(point)},
                  {"multi_dof_joint_trajectory", {{"joint_names", {"base"}}, {"points", {{{"a", 1}}}}}}},
-            "the robot's base stands still"}})
+            "the robot's base stands still"},
+           {Json{{"joint_trajectory", trajectory(point)}, {"joint_names", {"x"}}}, "got both"},
+           {Json{{"trajectory", {{{"joint_trajectory", trajectory(point)}}}},
+                 {"trajectory_start", {{"attached_collision_objects", {{{"link_name", "a"}}}}}}},
+            "--attach says what the robot carries"}})
     EXPECT_NE(refusal(message).find(words), std::string::npos) << refusal(message);
   const CommandRun run = check_file("t.yaml", "a: 1\n");
   EXPECT_EQ(run.status, exit_bad_input);
@@ -96,6 +111,14 @@ TEST_F(CheckTrajectory, JointsThatStandStillMayBeInItWhereTheyStand) {
   EXPECT_EQ(plan.waypoints().back(), Configuration(Eigen::Vector2d(0.4, 0.3)));
   const ForeignTrajectory moves{{"grip", "elbow", "shoulder"}, {{0.03, 0.1, 0.2}, {0.05, 0.3, 0.4}}};
   EXPECT_THROW(plan_of_trajectory(moves, robot, "t.json"), std::invalid_argument);
+  ForeignTrajectory started = still;
+  started.start = {{"elbow", -0.5}, {"grip", 0.03}};
+  const Plan longer = plan_of_trajectory(started, robot, "t.json");
+  EXPECT_EQ(longer.start, Configuration(Eigen::Vector2d(0.2, -0.5)));
+  EXPECT_EQ(longer.waypoints().size(), 3U);
+  started.start["grip"] = 0.01;
+  EXPECT_THROW(plan_of_trajectory(started, robot, "t.json"), std::invalid_argument);
+  EXPECT_THROW(plan_of_trajectory(still, scaled(robot, 0.5), "t.json"), std::invalid_argument);
 }
 
 TEST_F(CheckTrajectory, APlanWithItsJointsInAnotherOrderIsTheSamePlan) {

@@ -209,6 +209,8 @@ TEST_F(RobotFile, SoftLimitsNarrowTheRange) {
   EXPECT_EQ(range(load_robot(with("revolute", hard, "k_velocity='10'"))), std::pair(-1.0, 1.0));
   EXPECT_EQ(range(load_robot(with("revolute", hard, "soft_lower_limit='0' soft_upper_limit='0'"))),
             std::pair(-1.0, 1.0));
+  EXPECT_EQ(range(load_robot(with("revolute", hard, "soft_lower_limit='-1e16' soft_upper_limit='1e16'"))),
+            std::pair(-1.0, 1.0));
   EXPECT_EQ(refusal(with("revolute", hard, "soft_lower_limit='-0.5'")),
             "r.urdf: joint 'j': <safety_controller> has soft_lower_limit alone, expected soft_lower_limit "
             "and soft_upper_limit");
@@ -230,11 +232,14 @@ TEST_F(RobotFile, LimitsOfAccelerationAndJerkMayStandInTheUrdf) {
   const Robot settled = load_robot(file);
   EXPECT_EQ(settled.joints.front().max_acceleration, 2.0);
   EXPECT_EQ(settled.joints.front().max_jerk, 40.0);
-  EXPECT_EQ(refusal(urdf(sphere, joint("revolute",
-                                       "<axis xyz='0 0 1'/><limit lower='-1' upper='1' effort='1' "
-                                       "velocity='1' acceleration='0'/>"))),
-            "r.urdf: joint 'j': <limit> has acceleration '0', expected above 0 (rad or m by s^2 or s^3) in "
-            "[1e-09, 1e+09]");
+  for (const char* none :
+       {"acceleration='0'", "acceleration='-1' jerk='-1'", "deceleration='1e16' jerk='1e16'"}) {
+    const Robot bare = load_robot(urdf(
+        sphere, joint("revolute", "<axis xyz='0 0 1'/><limit lower='-1' upper='1' effort='1' velocity='1' " +
+                                      std::string(none) + "/>")));
+    EXPECT_EQ(bare.joints.front().max_acceleration, 2.0) << none;  // of the settings
+    EXPECT_EQ(bare.joints.front().max_jerk, 0.0) << none;
+  }
 }
 
 TEST_F(RobotFile, UnlimitedAndMimicJointsAndUnnormalisedAxesAreUnderstood) {
