@@ -27,7 +27,8 @@ std::string painted_csv_remark(const std::filesystem::path& path, const Snapshot
 /// What a reader should know of the voxels that the points of a cloud became, for whoever loaded `map` from
 /// `path`, one sentence: that they are not of the usual size, which nobody chose; that
 /// some were filled between the points of surfaces thinned further; that at least a tenth of them touches
-/// fewer than four others, so that surfaces may have holes; that its viewpoint is turned. Empty for other maps.
+/// fewer than four others, so that surfaces may have holes; that its viewpoint is turned. Empty for other
+/// maps.
 std::string cloud_remark(const std::filesystem::path& path, const Snapshot& map, bool is_chosen);
 
 /// What save_map writes: each file's name and its bytes.

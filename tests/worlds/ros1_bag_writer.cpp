@@ -5,6 +5,7 @@
 #include <rosbag/bag.h>
 #include <unistd.h>
 
+#include "datasets/ros/mcap_writer.hpp"
 #include "datasets/ros/message_bag.hpp"
 
 namespace {
@@ -69,6 +70,17 @@ void write_ros1_bag(const std::filesystem::path& bag, const std::vector<BagRecor
     out.write(record.topic, ros::Time(record.time), RawMessage{record.type, {first, record.bytes.size()}});
   }
   out.close();
+}
+
+void write_bag(const std::filesystem::path& file, const std::vector<BagRecord>& records, bool is_ros1) {
+  if (is_ros1) return write_ros1_bag(file, records);
+  McapWriter bag(file);
+  std::map<std::string, std::uint16_t> topics;
+  for (const BagRecord& record : records) {
+    if (!topics.contains(record.topic)) topics[record.topic] = bag.add_topic(record.topic, record.type, "");
+    bag.write(topics.at(record.topic), record.time, record.bytes);
+  }
+  bag.finish();
 }
 
 }  // namespace clearway::worlds

@@ -18,4 +18,7 @@ struct BagRecord {
 /// Writes a ROS 1 bag of messages, by rosbag_storage.
 void write_ros1_bag(const std::filesystem::path& bag, const std::vector<BagRecord>& records);
 
+/// The same, or an MCAP file of CDR messages.
+void write_bag(const std::filesystem::path& file, const std::vector<BagRecord>& records, bool is_ros1);
+
 }  // namespace clearway::worlds

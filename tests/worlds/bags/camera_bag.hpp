@@ -93,16 +93,7 @@ class CameraBag {
     records_.push_back(
         {"/tf_static", is_ros1_ ? "tf2_msgs/TFMessage" : "tf2_msgs/msg/TFMessage", time, out.bytes()});
   }
-  void write() const {
-    if (is_ros1_) return write_ros1_bag(file_, records_);
-    McapWriter bag(file_);
-    std::map<std::string, std::uint16_t> topics;
-    for (const BagRecord& record : records_) {
-      if (!topics.contains(record.topic)) topics[record.topic] = bag.add_topic(record.topic, record.type, "");
-      bag.write(topics.at(record.topic), record.time, record.bytes);
-    }
-    bag.finish();
-  }
+  void write() const { write_bag(file_, records_, is_ros1_); }
 
  private:
   void add(const std::string& type, const std::string& topic, double time, const MessageBytes& message) {

@@ -81,16 +81,7 @@ class ScanBag {
                      [](const BagRecord& a, const BagRecord& b) { return a.time < b.time; });
   }
   void shuffle(unsigned seed) { std::shuffle(records_.begin(), records_.end(), std::mt19937(seed)); }
-  void write() const {
-    if (is_ros1_) return write_ros1_bag(file_, records_);
-    McapWriter bag(file_);
-    std::map<std::string, std::uint16_t> topics;
-    for (const BagRecord& record : records_) {
-      if (!topics.contains(record.topic)) topics[record.topic] = bag.add_topic(record.topic, record.type, "");
-      bag.write(topics.at(record.topic), record.time, record.bytes);
-    }
-    bag.finish();
-  }
+  void write() const { write_bag(file_, records_, is_ros1_); }
 
  private:
   void add(const std::string& package, const std::string& type, const std::string& topic, const BagTime& time,
