@@ -180,6 +180,27 @@ TEST(AllowedCollisions, OfAnEndlessJointThatFollowsSlowlyAWholeTurnIsLookedAt) {
   }
 }
 
+/// Balls that touch in a quarter of a whole turn, which the joint that leads them is slow to make.
+TEST(AllowedCollisions, SamplesOfAnEndlessJointReachAllThatFollowsIt) {
+  const std::string ball = "<sphere radius='0.13'/>";
+  const UrdfRobot geared("geared", urdf_link("base", "0 0 -5", ball) + urdf_link("l1", "0 0 5", ball) +
+                                       urdf_link("l2", "0 0 9", ball) + urdf_link("a", "0 0 0", ball) +
+                                       urdf_link("b", "0 0 0", ball) +
+                                       urdf_joint("j1", "continuous", "base", "l1", "0 0 0", "0 0 1", "") +
+                                       urdf_joint("j2", "continuous", "l1", "l2", "0 0 1", "0 0 1",
+                                                  "<mimic joint='j1' multiplier='0.25'/>") +
+                                       urdf_joint("fa", "fixed", "l1", "a", "0.3 0 1", "0 0 1", "") +
+                                       urdf_joint("fb", "fixed", "l2", "b", "0.3 0 0", "0 0 1", ""));
+  for (const auto& [a, b] : always_colliding_bodies(geared.robot()))
+    EXPECT_FALSE(geared.robot().bodies[static_cast<std::size_t>(a)].part == "a" &&
+                 geared.robot().bodies[static_cast<std::size_t>(b)].part == "b");
+  const LinkPoses poses = forward_kinematics(geared.robot(), Configuration::Constant(1, 0.0));
+  EXPECT_LT((poses[static_cast<std::size_t>(geared.robot().bodies[3].link)].translation() -
+             poses[static_cast<std::size_t>(geared.robot().bodies[4].link)].translation())
+                .norm(),
+            0.26);  // they do touch there
+}
+
 /// A turret: a tool fixed to its arm turns through a post that is fixed beside its base.
 TEST(AllowedCollisions, WhatIsFixedToNeighboursIsTestedUnlessNothingElseIsBetweenThem) {
   const auto turret = [](bool base_has_body, bool arm_has_body, double post) {
