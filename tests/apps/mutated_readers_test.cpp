@@ -39,9 +39,9 @@
 #include "planning/robot_files/urdf_file.hpp"
 #include "tests/apps/run_command.hpp"
 #include "tests/worlds/bag_topics.hpp"
+#include "tests/worlds/bags/ros1_bag_writer.hpp"
 #include "tests/worlds/mutated_bytes.hpp"
 #include "tests/worlds/picture_bytes.hpp"
-#include "tests/worlds/ros1_bag_writer.hpp"
 #include "tests/worlds/small_scene.hpp"
 
 namespace clearway {

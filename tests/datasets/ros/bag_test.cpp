@@ -10,8 +10,8 @@
 #include "tests/datasets/complaint.hpp"
 #include "tests/worlds/bag_topics.hpp"
 #include "tests/worlds/bags/camera_bag.hpp"
+#include "tests/worlds/bags/ros1_bag_writer.hpp"
 #include "tests/worlds/bags/scan_bag.hpp"
-#include "tests/worlds/ros1_bag_writer.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {

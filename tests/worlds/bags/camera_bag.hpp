@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "datasets/ros/mcap_writer.hpp"
-#include "tests/worlds/ros1_bag_writer.hpp"
+#include "tests/worlds/bags/ros1_bag_writer.hpp"
 
 namespace clearway::worlds {
 

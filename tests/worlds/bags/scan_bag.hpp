@@ -10,7 +10,7 @@
 
 #include "datasets/ros/mcap_writer.hpp"
 #include "tests/worlds/bags/camera_bag.hpp"
-#include "tests/worlds/ros1_bag_writer.hpp"
+#include "tests/worlds/bags/ros1_bag_writer.hpp"
 
 namespace clearway::worlds {
 

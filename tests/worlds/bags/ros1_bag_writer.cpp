@@ -1,4 +1,4 @@
-#include "tests/worlds/ros1_bag_writer.hpp"
+#include "tests/worlds/bags/ros1_bag_writer.hpp"
 
 #include <fcntl.h>
 #include <ros/serialization.h>
