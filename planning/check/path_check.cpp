@@ -46,7 +46,7 @@ class Checker {
         cap_(cap),
         arm_(arm),
         fcl_(robot),
-        tasks_(check::list_tasks(robot, map, policies, arm_)) {
+        tasks_(check::list_tasks(robot, map, policies, arm_, fcl_)) {
     verdict_.clearance.assign(path.size(), cap);
     least_ = measured_ = cap;
   }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <kdl/frames.hpp>
 #include <kdl/segment.hpp>
+#include <numbers>
 
 #include "planning/check/path_check_links.hpp"
 #include "planning/check/path_check_model.hpp"
@@ -80,6 +81,18 @@ struct KdlArm::Chains {
       if (link(i).joint >= 0 && !shared[at]) total += reach[body][at] * abs_dq[link(i).joint];
     }
     return total;
+  }
+
+  /// The links above exactly one of the two bodies: those of `a` upwards, then those of `b`.
+  std::vector<int> way_between(std::size_t a, std::size_t b) const {
+    std::vector<int> above(model.links.size(), 0);
+    for (const std::size_t body : {a, b})
+      for (int i = body_link[body]; i >= 0; i = link(i).parent) ++above[static_cast<std::size_t>(i)];
+    std::vector<int> way;
+    for (const std::size_t body : {a, b})
+      for (int i = body_link[body]; i >= 0 && above[static_cast<std::size_t>(i)] == 1; i = link(i).parent)
+        way.push_back(i);
+    return way;
   }
 
   std::vector<KDL::Frame> place(const KDL::Frame& root, const Eigen::VectorXd& q) const;
@@ -168,15 +181,40 @@ double KdlArm::approach(std::size_t a, std::size_t b, const Eigen::VectorXd& abs
 }
 
 bool KdlArm::may_touch(std::size_t a, std::size_t b) const {
-  std::vector<int> between(chains_->model.links.size(), 0);  // a link above both counts twice
-  for (const std::size_t body : {a, b})
-    for (int i = chains_->body_link[body]; i >= 0; i = chains_->link(i).parent)
-      ++between[static_cast<std::size_t>(i)];
-  for (std::size_t i = 0; i < between.size(); ++i) {
-    const KdlLink& at = chains_->model.links[i];
-    if (between[i] == 1 && (at.is_held || (at.joint >= 0 && at.multiplier != 0.0))) return true;
+  const std::vector<int> way = chains_->way_between(a, b);
+  return std::any_of(way.begin(), way.end(), [&](int i) {
+    const KdlLink& at = chains_->link(i);
+    return at.is_held || (at.joint >= 0 && at.multiplier != 0.0);
+  });
+}
+
+const KdlLink* KdlArm::only_joint_between(std::size_t a, std::size_t b) const {
+  const KdlLink* found = nullptr;
+  for (const int i : chains_->way_between(a, b)) {
+    const KdlLink& at = chains_->link(i);
+    if (at.joint < 0 && !at.is_held) continue;
+    if (found) return nullptr;
+    found = &at;
   }
-  return false;
+  return found;
+}
+
+bool KdlArm::are_neighbours(std::size_t a, std::size_t b) const {
+  if (!only_joint_between(a, b)) return false;
+  const std::vector<int>& links = chains_->body_link;
+  std::vector<int> way = chains_->way_between(a, b);
+  way.push_back(chains_->link(way.back()).parent);  // where the ways to the root meet
+  return std::none_of(way.begin(), way.end(), [&](int i) {
+    return i != links[a] && i != links[b] && std::find(links.begin(), links.end(), i) != links.end();
+  });
+}
+
+std::pair<double, double> KdlArm::range(const Joint& joint, std::size_t number) const {
+  double turn = joint.kind == JointKind::revolute ? std::numbers::pi : HUGE_VAL;
+  for (const KdlLink& link : chains_->model.links)
+    if (link.joint == static_cast<int>(number) && link.multiplier != 0.0)
+      turn = std::max(turn, std::numbers::pi / std::abs(link.multiplier));
+  return {std::isfinite(joint.lower) ? joint.lower : -turn, std::isfinite(joint.upper) ? joint.upper : turn};
 }
 
 bool KdlArm::is_policed(std::size_t body) const {

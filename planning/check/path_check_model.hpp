@@ -11,13 +11,18 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mapping/snapshot.hpp"
 #include "planning/robot/robot.hpp"
 
 namespace clearway::check {
+
+class FclBodies;
+struct KdlLink;
 
 /// What a body is placed at: pose of every body in the map frame.
 using BodyPoses = std::vector<Eigen::Isometry3d>;
@@ -49,6 +54,13 @@ class KdlArm {
   double approach(std::size_t a, std::size_t b, const Eigen::VectorXd& abs_dq) const;
   /// A joint moves them against each other, or one that is held could.
   bool may_touch(std::size_t a, std::size_t b) const;
+  /// One joint lies between them, held ones count, and no other body hangs on the links between.
+  bool are_neighbours(std::size_t a, std::size_t b) const;
+  /// The link that the only joint between two bodies moves; null: there is none, or more than one.
+  const KdlLink* only_joint_between(std::size_t a, std::size_t b) const;
+  /// A joint's limits; of one that turns without end half a turn to either side of the slowest link that it
+  /// moves. `number`: its index.
+  std::pair<double, double> range(const Joint& joint, std::size_t number) const;
   /// A joint moves it, or one that is held could: its place in the map counts.
   bool is_policed(std::size_t body) const;
 
@@ -56,6 +68,13 @@ class KdlArm {
   struct Chains;
   std::unique_ptr<Chains> chains_;
 };
+
+/// Of the robot's exempt pairs those for which this floor finds a reason of its own: the bodies are
+/// neighbours; SRDF or settings name the pair, read again; they stay apart wherever the one joint between
+/// them stands, proved; or they touch in nearly all of 200 configurations. The others are tested like all
+/// pairs. Of a robot without a file all.
+std::set<std::pair<std::size_t, std::size_t>> justified_exemptions(const Robot& robot, const KdlArm& arm,
+                                                                   const FclBodies& bodies);
 
 /// Compares the poses of all links and bodies with those of the planners' kinematics, at the limits and over
 /// random configurations from a fixed seed. This alone calls what planners use.
@@ -196,7 +215,7 @@ struct Tasks {
   std::vector<Item> items;  ///< moved bodies in order, then pairs that are not exempt
 };
 Tasks list_tasks(const Robot& robot, const Snapshot& map, const std::map<std::string, Policy>& policies,
-                 const KdlArm& arm);
+                 const KdlArm& arm, const FclBodies& bodies);
 
 /// A box that holds what the bodies of a group sweep on one edge, looked at every `spacing` of motion.
 Eigen::AlignedBox3d swept_box(const KdlArm& arm, const FclBodies& bodies, const Tasks& tasks,

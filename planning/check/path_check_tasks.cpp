@@ -38,7 +38,7 @@ std::uint16_t volumes_of_body(const Robot& robot, const Snapshot& map, std::size
 }  // namespace
 
 Tasks list_tasks(const Robot& robot, const Snapshot& map, const std::map<std::string, Policy>& policies,
-                 const KdlArm& arm) {
+                 const KdlArm& arm, const FclBodies& bodies) {
   Tasks tasks;
   for (std::size_t i = 0; i < robot.bodies.size(); ++i) {
     if (!arm.is_policed(i)) continue;
@@ -51,13 +51,11 @@ Tasks list_tasks(const Robot& robot, const Snapshot& map, const std::map<std::st
     if (known == tasks.groups.end()) known = tasks.groups.insert(tasks.groups.end(), group);
     tasks.items.push_back({i, std::nullopt, static_cast<std::size_t>(known - tasks.groups.begin())});
   }
+  const auto exempt = justified_exemptions(robot, arm, bodies);
   for (std::size_t a = 0; a < robot.bodies.size(); ++a) {
     for (std::size_t b = a + 1; b < robot.bodies.size(); ++b) {
-      const auto pair = std::pair(static_cast<int>(a), static_cast<int>(b));
-      const bool exempt =
-          is_held(robot, a, b)
-              .value_or(std::find(robot.exempt.begin(), robot.exempt.end(), pair) != robot.exempt.end());
-      if (!exempt && arm.may_touch(a, b)) tasks.items.push_back({a, b, 0});
+      const bool is_exempt = is_held(robot, a, b).value_or(exempt.contains({a, b}));
+      if (!is_exempt && arm.may_touch(a, b)) tasks.items.push_back({a, b, 0});
     }
   }
   return tasks;

@@ -78,6 +78,7 @@ class PickMotions : public ::testing::Test {
     const MotionVerdict found = verdict(change);
     EXPECT_FALSE(found.valid) << why;
     EXPECT_NE(found.fault.find(why), std::string::npos) << found.fault;
+    EXPECT_EQ(found.min_clearance, 0.0) << why;
   }
 
   static ConfigurationSpace* space_;
@@ -90,6 +91,7 @@ Plan* PickMotions::plan_ = nullptr;
 TEST_F(PickMotions, OfAPickAreSmoothAndKeepTheCanWhereItMayBe) {
   ASSERT_TRUE(plan_->is_proved()) << plan_->explanation() << plan_->validation.first_contact;
   ASSERT_TRUE(planned().validation.valid) << planned().validation.fault;
+  EXPECT_GT(planned().validation.min_clearance, 0.0);
   EXPECT_TRUE(planned().unblended.empty());
   EXPECT_EQ(planned().leg_ends.size(), 6U);
   const Robot loaded = with_load(space_->robot(), plan_->loads.front().load);

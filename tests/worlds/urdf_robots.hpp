@@ -3,7 +3,11 @@
 // Small robots that no shipped one stands for, as files: what a factor, a sign or a limit does to a bound
 // shows in them and not in arms whose every joint turns one link by its own angle.
 
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 #include <string>
+#include <utility>
 
 #include "planning/robot/robot.hpp"
 #include "planning/robot_files/load_robot.hpp"
@@ -89,5 +93,58 @@ inline UrdfRobot scissors() {
           urdf_joint("left_turn", "revolute", "base", "left", "-0.5 0 0", "0 0 1", urdf_limit(-1.5, 1.5)) +
           urdf_joint("right_turn", "revolute", "base", "right", "0.5 0 0", "0 0 1", urdf_limit(-1.5, 1.5))};
 }
+
+/// A tool of which one body, a box, sweeps a ring about the joint or slides along x, past a ball that stands
+/// beside the base, `post` from the axis.
+class Ring {
+ public:
+  Ring(const std::string& kind, double lower, double upper, double post, double turned)
+      : slides_(kind == "prismatic"),
+        lower_(lower),
+        upper_(upper),
+        post_(post * std::cos(turned), post * std::sin(turned)),
+        robot_("ring", urdf_link("base", "0 0 -5", "<sphere radius='0.05'/>") +
+                           urdf_link("arm", "0 0 5", "<sphere radius='0.05'/>") +
+                           urdf_link("post", "0 0 0", "<sphere radius='0.05'/>") +
+                           urdf_link("tool", "0.4 0 0", "<box size='0.04 0.06 0.2'/>") +
+                           urdf_joint("p", "fixed", "base", "post",
+                                      std::to_string(post_.x()) + " " + std::to_string(post_.y()) + " 0",
+                                      "0 0 1", "") +
+                           urdf_joint("j", kind, "base", "arm", "0 0 0", slides_ ? "1 0 0" : "0 0 1",
+                                      urdf_limit(lower, upper)) +
+                           urdf_joint("t", "fixed", "arm", "tool", "0 0 0", "0 0 1", "")) {}
+
+  const Robot& robot() const { return robot_.robot(); }
+
+  std::pair<int, int> post_and_tool() const {
+    const auto body = [&](const std::string& part) {
+      const auto& bodies = robot().bodies;
+      return static_cast<int>(
+          std::find_if(bodies.begin(), bodies.end(), [&](const Body& one) { return one.part == part; }) -
+          bodies.begin());
+    };
+    return std::minmax(body("post"), body("tool"));
+  }
+
+  /// Of the ball's surface to the box, at 4001 places of the joint.
+  double least_distance() const {
+    double least = 1.0;
+    for (int k = 0; k <= 4000; ++k) {
+      const double value = lower_ + (upper_ - lower_) * k / 4000.0;
+      const Eigen::Vector2d center = slides_ ? Eigen::Vector2d(post_ - value * Eigen::Vector2d::UnitX())
+                                             : Eigen::Vector2d(Eigen::Rotation2Dd(-value) * post_);
+      const Eigen::Array2d beyond =
+          ((center - Eigen::Vector2d(0.4, 0.0)).array().abs() - Eigen::Array2d(0.1, 0.03)).max(0.0);
+      least = std::min(least, beyond.matrix().norm() - 0.05);
+    }
+    return least;
+  }
+
+ private:
+  bool slides_;
+  double lower_, upper_;
+  Eigen::Vector2d post_;
+  UrdfRobot robot_;
+};
 
 }  // namespace clearway::worlds

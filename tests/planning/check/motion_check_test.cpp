@@ -4,6 +4,7 @@
 
 #include "planning/path/smooth_motion.hpp"
 #include "planning/robot_files/load_robot.hpp"
+#include "tests/worlds/random_world.hpp"
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
@@ -41,6 +42,46 @@ TEST(MotionCheck, AcceptsASmoothMotionAndCountsItsSamples) {
   EXPECT_GE(static_cast<double>(verdict.samples), 1000 * corner.motion.duration());
   EXPECT_GT(verdict.shares.velocity, 0.8);
   EXPECT_LE(verdict.shares.acceleration, 1.0 + 1e-6);
+}
+
+/// Every place of every cubic is within the tube about its chord: by evaluating the cubics.
+TEST(MotionCheck, TubesHoldTheCubics) {
+  Random random(3);
+  for (int i = 0; i < 60; ++i) {
+    Motion motion;
+    motion.period = random.between(0.01, 0.5);
+    const std::size_t knots = 2 + static_cast<std::size_t>(i % 4) * 3;
+    for (std::size_t k = 0; k < knots; ++k) {
+      motion.positions.emplace_back(random.point(0.05));
+      motion.velocities.emplace_back(random.point(i % 3 == 0 ? 0.001 : 1.0));
+      motion.accelerations.emplace_back(Eigen::Vector3d::Zero());
+      if (i % 2 == 0 && k % 2 == static_cast<std::size_t>(i / 2 % 2)) motion.velocities.back().setZero();
+    }
+    for (const std::size_t most : {std::size_t{1}, std::size_t{8}}) {
+      const MotionTubes tubes = tubes_of(motion, {0, knots - 1}, most);
+      ASSERT_EQ(tubes.chords.size(), tubes.deviations.size() + 1);
+      std::size_t tube = 0, begin = 0;
+      for (std::size_t k = 0; k + 1 < knots; ++k) {
+        for (double s = 0.0; s <= 1.0; s += 0.05) {
+          // Hermite's cubic as a polynomial.
+          const Eigen::VectorXd &p = motion.positions[k], &end = motion.positions[k + 1];
+          const Eigen::VectorXd v = motion.period * motion.velocities[k],
+                                w = motion.period * motion.velocities[k + 1];
+          const Eigen::VectorXd place =
+              p + s * v + s * s * (3.0 * (end - p) - 2.0 * v - w) + s * s * s * (2.0 * (p - end) + v + w);
+          const Eigen::VectorXd chord = tubes.chords[tube + 1] - tubes.chords[tube];
+          bool is_held = false;  // by the tube about some place of the chord
+          for (double t = 0.0; t <= 1.0 && !is_held; t += 0.001)
+            is_held = ((place - tubes.chords[tube] - t * chord).cwiseAbs().array() <=
+                       tubes.deviations[tube].array() + 0.001 * chord.cwiseAbs().array() + 1e-12)
+                          .all();
+          EXPECT_TRUE(is_held) << i << " " << most << " " << k << " " << s;
+        }
+        if (motion.positions[k + 1] == tubes.chords[tube + 1]) ++tube, begin = k + 1;
+      }
+      EXPECT_EQ(begin, knots - 1);
+    }
+  }
 }
 
 TEST(MotionCheck, RefusesAMotionThatIsTooFast) {

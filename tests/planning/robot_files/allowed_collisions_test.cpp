@@ -115,37 +115,10 @@ TEST(AllowedCollisions, PairsAreProvedToStayApartOnlyWhereTheyDo) {
   for (int i = 0; i < 120; ++i) {
     const double post = random.between(0.2, 0.7), lower = random.between(-3.0, 0.0),
                  upper = random.between(0.0, 3.0), turned = random.between(-3.0, 3.0);
-    const std::string kind = i % 3 == 0 ? "prismatic" : "revolute";
-    const std::string at =
-        std::to_string(post * std::cos(turned)) + " " + std::to_string(post * std::sin(turned));
-    const UrdfRobot robot(
-        "ring", urdf_link("base", "0 0 -5", "<sphere radius='0.05'/>") +
-                    urdf_link("arm", "0 0 5", "<sphere radius='0.05'/>") +
-                    urdf_link("post", "0 0 0", "<sphere radius='0.05'/>") +
-                    urdf_link("tool", "0.4 0 0", "<box size='0.04 0.06 0.2'/>") +
-                    urdf_joint("p", "fixed", "base", "post", at + " 0", "0 0 1", "") +
-                    urdf_joint("j", kind, "base", "arm", "0 0 0", kind == "revolute" ? "0 0 1" : "1 0 0",
-                               urdf_limit(lower, upper)) +
-                    urdf_joint("t", "fixed", "arm", "tool", "0 0 0", "0 0 1", ""));
-    const auto body = [&](const std::string& part) {
-      for (std::size_t k = 0; k < robot.robot().bodies.size(); ++k)
-        if (robot.robot().bodies[k].part == part) return static_cast<int>(k);
-      return -1;
-    };
-    const std::pair<int, int> pair = std::minmax(body("post"), body("tool"));
-    double least = 1.0;  // of the post's surface to the box, at 4000 places
-    for (int k = 0; k <= 4000; ++k) {
-      const double value = lower + (upper - lower) * k / 4000.0;
-      Eigen::Vector2d center(post * std::cos(turned), post * std::sin(turned));
-      if (kind == "revolute")
-        center = Eigen::Rotation2Dd(-value) * center;
-      else
-        center.x() -= value;
-      const Eigen::Array2d beyond =
-          ((center - Eigen::Vector2d(0.4, 0.0)).array().abs() - Eigen::Array2d(0.1, 0.03)).max(0.0);
-      least = std::min(least, beyond.matrix().norm() - 0.05);
-    }
-    const Pairs proved = never_meeting_bodies(robot.robot());
+    const worlds::Ring ring(i % 3 == 0 ? "prismatic" : "revolute", lower, upper, post, turned);
+    const std::pair<int, int> pair = ring.post_and_tool();
+    const double least = ring.least_distance();
+    const Pairs proved = never_meeting_bodies(ring.robot());
     const bool is_proved = std::find(proved.begin(), proved.end(), pair) != proved.end();
     EXPECT_TRUE(least > 0.0 || !is_proved) << i;
     EXPECT_TRUE(least <= 0.02 || is_proved) << i << " " << least;

@@ -1,0 +1,108 @@
+#include "planning/check/check_pick.hpp"
+
+#include <gtest/gtest.h>
+
+#include "planning/path/smooth_motion.hpp"
+#include "tests/worlds/urdf_robots.hpp"
+#include "tests/worlds/voxel_scene.hpp"
+
+namespace clearway {
+namespace check_pick_test {
+
+using worlds::urdf_joint;
+using worlds::urdf_limit;
+using worlds::urdf_link;
+
+constexpr double edge = 0.02, top = 0.1;
+
+/// A gantry whose hand takes a can from the side, with a ball on a rod that is not drawn: on the can's axis,
+/// `below` its middle.
+worlds::UrdfRobot gantry(double below) {
+  const std::string none = "<link name='base'/><link name='x'/><link name='y'/>";
+  return {"gantry",
+          none + urdf_link("hand", "-0.03 0 0", "<sphere radius='0.005'/>") +
+              urdf_link("fork", "0 0 0", "<sphere radius='0.005'/>") +
+              urdf_joint("jx", "prismatic", "base", "x", "0 0 0", "1 0 0", urdf_limit(-1, 1)) +
+              urdf_joint("jy", "prismatic", "x", "y", "0 0 0", "0 1 0", urdf_limit(-1, 1)) +
+              urdf_joint("jz", "prismatic", "y", "hand", "0 0 0", "0 0 1", urdf_limit(-1, 1)) +
+              urdf_joint("rod", "fixed", "hand", "fork", "0 0 " + std::to_string(-below), "1 0 0", "")};
+}
+
+/// A can on a shelf that is one voxel thick is taken, carried along it and put down; as its legs go by hand.
+struct Errand {
+  explicit Errand(double below) : gantry_(gantry(below)), robot(gantry_.robot()) {
+    for (std::size_t i = 0; i < robot.links.size(); ++i)
+      if (robot.links[i].name == "hand") robot.tip_link = static_cast<int>(i);
+    pick.object.name = "can";
+    pick.object.link = "hand";
+    pick.object.shape = Shape::cylinder(0.03, 0.12);
+    pick.map_from_object.translation() << 0.2, 0.1, middle;
+    pick.map_from_place.translation() << 0.2, -0.1, middle;
+    pick.approach << 0.1, 0.0, 0.0;
+    pick.margin = 0.02;
+    legs = {{at(0.05, 0.1, 0), at(0.1, 0.1, 0)}, {at(0.1, 0.1, 0), at(0.2, 0.1, 0)}, {}, {}, {}, {}};
+    for (int i = 0; i <= 20; ++i) legs[2].push_back(at(0.2, 0.1, 0.005 * i));
+    legs[3] = {at(0.2, 0.1, 0.1), at(0.2, -0.1, 0.1)};
+    for (int i = 20; i >= 0; --i) legs[4].push_back(at(0.2, -0.1, 0.005 * i));
+    legs[5] = {at(0.2, -0.1, 0), at(0.1, -0.1, 0)};
+  }
+
+  static Configuration at(double x, double y, double up) { return Eigen::Vector3d(x, y, middle + up); }
+
+  PickToCheck stated(const Snapshot& map) const {
+    return {robot, map, pick, Eigen::Isometry3d::Identity(), legs};
+  }
+
+  PathVerdict path(const Snapshot& map) const { return check_pick(stated(map), {}, 0.0); }
+
+  MotionVerdict motion(const Snapshot& map) const {
+    const ConfigurationSpace nowhere(robot, Snapshot(), {.parts = {}, .critical_by_default = false});
+    const SmoothMotion made = smooth_motion(nowhere, legs);
+    MotionToCheck motion{made.motion, made.leg_ends, {legs.front().front()}, rate_limits(robot)};
+    for (const auto& leg : legs) motion.stops.push_back(leg.back());
+    return check_pick_motion(stated(map), motion, {}, 0.0);
+  }
+
+  static constexpr double middle = top + 0.06;
+  worlds::UrdfRobot gantry_;
+  Robot robot;
+  Pick pick;
+  std::vector<std::vector<Configuration>> legs;
+};
+
+Snapshot shelf() {
+  return VoxelScene{edge,
+                    {box_of(0.1, -0.2, top - edge, 0.3, 0.2, top - 0.001),   // shelf
+                     box_of(0.175, 0.075, top, 0.225, 0.125, top + 0.119)},  // can
+                    {},
+                    {}}
+      .snapshot();
+}
+
+/// On the contact the support's layer is free for the load alone: a fork that goes up and down through it
+/// meets it, and is past it before and after.
+TEST(CheckPick, OnTheContactTheRobotItselfKeepsClearOfWhatTheObjectStandsOn) {
+  const Snapshot map = shelf();
+  const Errand above(-0.1), through(0.06 + edge + 0.007);
+  const PathVerdict clear = above.path(map), met = through.path(map);
+  EXPECT_TRUE(clear.valid) << clear.first_contact;
+  EXPECT_GT(clear.min_clearance, 0.0);
+  EXPECT_FALSE(met.valid);
+  EXPECT_NE(met.first_contact.find("leg lift, its edge 0"), std::string::npos) << met.first_contact;
+  EXPECT_NE(met.first_contact.find("fork touches a voxel"), std::string::npos) << met.first_contact;
+
+  const MotionVerdict clear_motion = above.motion(map), met_motion = through.motion(map);
+  EXPECT_TRUE(clear_motion.valid) << clear_motion.fault;
+  EXPECT_GT(clear_motion.min_clearance, 0.0);
+  EXPECT_FALSE(met_motion.valid);
+  EXPECT_EQ(met_motion.min_clearance, 0.0);
+  EXPECT_NE(met_motion.fault.find("fork touches a voxel"), std::string::npos) << met_motion.fault;
+
+  // Without the layer the fork passes: nothing else is in its way.
+  const Snapshot can_alone =
+      VoxelScene{edge, {box_of(0.175, 0.075, top, 0.225, 0.125, top + 0.119)}, {}, {}}.snapshot();
+  EXPECT_TRUE(through.path(can_alone).valid) << through.path(can_alone).first_contact;
+}
+
+}  // namespace check_pick_test
+}  // namespace clearway
