@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "mapping/files/cloud_gaps.hpp"
 #include "mapping/files/cloud_parser.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/files/number_words.hpp"
@@ -91,10 +92,18 @@ std::vector<ThinnedPart> take_costly(CloudVoxels& voxels) {
 
 }  // namespace
 
-CloudVoxels voxels_of_cloud(const std::filesystem::path& file, const std::vector<Eigen::Vector3f>& points) {
-  if (const auto edge = stated_edge(file)) return {*edge, {}, {}};
+CloudVoxels voxels_of_cloud(const std::filesystem::path& file, const std::vector<Eigen::Vector3f>& points,
+                            std::optional<double> chosen) {
+  const auto stated = stated_edge(file);
+  if (stated && chosen.value_or(*stated) == *stated) return {*stated, {}, {}};
+  const auto with_strewn = [&](CloudVoxels voxels) {
+    if (auto strewn = strewn_part(points, voxels.edge)) voxels.left.push_back(*std::move(strewn));
+    return voxels;
+  };
+  if (chosen) return with_strewn({*chosen, {}, {}, true});
   const auto whole = [](double apart) { return std::ceil(1250.0 * apart) / 1000.0; };
   CloudVoxels voxels;
+  voxels.joins_near = true;
   if (const auto spacing = thinned_spacing(points, voxels.edge)) voxels.edge = whole(*spacing);
   for (;;) {
     voxels.parts = thinned_parts(points, voxels.edge);
@@ -105,7 +114,7 @@ CloudVoxels voxels_of_cloud(const std::filesystem::path& file, const std::vector
       left += part.points.size();
       widest = std::max(widest, part.apart);
     }
-    if (2 * left <= points.size()) return voxels;
+    if (2 * left <= points.size()) return with_strewn(std::move(voxels));
     voxels.edge = whole(widest);
   }
 }
@@ -118,6 +127,31 @@ bool is_cloud_file(const std::filesystem::path& file) {
 std::vector<Eigen::Vector3f> read_cloud(const std::filesystem::path& file) {
   ParsedCloud cloud = parse_cloud(file);
   return finite_points(cloud);
+}
+
+std::vector<Eigen::Vector3f> read_surface(const std::filesystem::path& file, double edge) {
+  ParsedCloud cloud = parse_cloud(file);
+  constexpr double most = 5e7;
+  std::vector<Eigen::Vector3f> on_faces;
+  for (const auto& corners : cloud.triangles) {
+    const Eigen::Vector3f &a = cloud.points[corners[0]], &b = cloud.points[corners[1]],
+                          &c = cloud.points[corners[2]];
+    if (!(a.allFinite() && b.allFinite() && c.allFinite())) continue;
+    const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
+    const double pieces = std::max(1.0, std::ceil(longest / (0.4 * edge)));
+    if (static_cast<double>(on_faces.size()) + pieces * pieces > most)
+      throw std::invalid_argument("'" + file.string() +
+                                  "' has faces of more than 50 million points at voxels of " + to_text(edge) +
+                                  " m: expected smaller ones, or a coarser --cloud-resolution");
+    const int last = static_cast<int>(pieces);
+    for (int i = 0; i <= last; ++i)
+      for (int k = 0; k <= last - i; ++k)
+        on_faces.push_back(a + static_cast<float>(i) / static_cast<float>(last) * (b - a) +
+                           static_cast<float>(k) / static_cast<float>(last) * (c - a));
+  }
+  std::vector<Eigen::Vector3f> points = finite_points(cloud);
+  points.insert(points.end(), on_faces.begin(), on_faces.end());
+  return points;
 }
 
 ViewedCloud read_viewed_cloud(const std::filesystem::path& file) {
@@ -169,8 +203,12 @@ std::shared_ptr<const FusedTree> tree_of_cloud(const std::vector<Eigen::Vector3f
           for (int z = low.z(); z <= high.z(); ++z) occupy({x, y, z}, tree->getProbHitLog());
     }
   }
-  for (const Eigen::Vector3f& point : points)
-    occupy(cell_of(point.cast<double>()), tree->getClampingThresMaxLog());
+  std::vector<Eigen::Vector3i> cells;
+  for (const Eigen::Vector3f& point : points) cells.push_back(cell_of(point.cast<double>()));
+  if (voxels.joins_near)
+    for (const Eigen::Vector3i& cell : cells_between(points, cells, resolution))
+      occupy(cell, tree->getClampingThresMaxLog());
+  for (const Eigen::Vector3i& cell : cells) occupy(cell, tree->getClampingThresMaxLog());
   for (const ThinnedPart& part : voxels.left)
     for (const std::size_t i : part.points) occupy(cell_of(points[i].cast<double>()), left_log_odds(*tree));
   tree->finish();

@@ -23,6 +23,11 @@ bool is_cloud_file(const std::filesystem::path& file);
 /// @throws DamagedFile when the file is cut off or corrupt, or holds no x, y, z.
 std::vector<Eigen::Vector3f> read_cloud(const std::filesystem::path& file);
 
+/// The same with points on its faces, if it is a .ply that has some: no farther apart than 0.4 `edge`,
+/// metres.
+/// @throws std::invalid_argument where these would be more than 50 million.
+std::vector<Eigen::Vector3f> read_surface(const std::filesystem::path& file, double edge);
+
 /// A cloud and the place it was seen from, both in the file's own frame.
 struct ViewedCloud {
   std::vector<Eigen::Vector3f> points;  ///< finite ones
@@ -43,17 +48,22 @@ bool has_turned_viewpoint(const std::filesystem::path& file);
 struct CloudVoxels {
   double edge = usual_cloud_resolution;  ///< m
   std::vector<ThinnedPart> parts;        ///< each point stands for a cube a quarter wider than they are apart
-  std::vector<ThinnedPart> left;         ///< others, whose cubes would be too many: they keep their holes
+  std::vector<ThinnedPart> left;         ///< others, too many cubes or strewn: they may have holes
+  bool joins_near = false;               ///< what lies between two points is theirs too (cells_between)
 };
 
-/// Edge as the file states it; else 2 cm, or, of a surface that was thinned to fewer points
-/// (thinned_spacing), a quarter more than these are apart, in whole millimetres, so that it has no holes.
-/// With the surfaces in it that were thinned further, where nothing is stated; those that it would take more
-/// than some 20 million voxels to fill are left, or, where they are most of the cloud, the edge is theirs.
-CloudVoxels voxels_of_cloud(const std::filesystem::path& file, const std::vector<Eigen::Vector3f>& points);
+/// Edge as the file states it, of voxels of which the points are the centres; else `chosen`, else 2 cm, or,
+/// of a surface that was thinned to fewer points (thinned_spacing), a quarter more than these are apart, in
+/// whole millimetres, so that it has no holes. With the surfaces in it that were thinned further, where
+/// nothing is stated; those that it would take more than some 20 million voxels to fill are left, or, where
+/// they are most of the cloud, the edge is theirs. Strewn points (strewn_part) are left, too.
+/// @param chosen edge that somebody asked for: then nothing is filled but what lies between near points
+CloudVoxels voxels_of_cloud(const std::filesystem::path& file, const std::vector<Eigen::Vector3f>& points,
+                            std::optional<double> chosen = {});
 
-/// A tree in which each voxel that holds a point is occupied, with OctoMap's highest log odds; and what the
-/// cubes of thinned parts touch, with those of a single hit; of parts that are left with left_log_odds().
+/// A tree in which each voxel that holds a point, or lies between near ones, is occupied, with OctoMap's
+/// highest log odds; and what the cubes of thinned parts touch, with those of a single hit; of parts that are
+/// left with left_log_odds().
 /// @throws std::invalid_argument when the resolution is outside [1e-4, 100] m or too fine for the farthest
 /// point.
 std::shared_ptr<const FusedTree> tree_of_cloud(const std::vector<Eigen::Vector3f>& points,

@@ -1,6 +1,7 @@
 #include "mapping/files/cloud_parser.hpp"
 
 #include <pcl/PCLPointCloud2.h>
+#include <pcl/PolygonMesh.h>
 #include <pcl/io/pcd_io.h>
 #include <pcl/io/ply_io.h>
 
@@ -58,6 +59,7 @@ Coordinate coordinate(const pcl::PCLPointCloud2& cloud, const std::string& name)
 }
 
 constexpr std::size_t viewpoint_bytes = 7 * sizeof(float);
+constexpr std::size_t points_at = viewpoint_bytes + sizeof(std::uint64_t);
 
 /// A file of these bytes that has no name but this, as long as it lives.
 class NamelessFile {
@@ -82,29 +84,70 @@ class NamelessFile {
   int descriptor_ = -1;
 };
 
+/// Of a .ply file; false for what is none.
+bool has_faces(const std::filesystem::path& file) {
+  std::string content;
+  const InputFile input(file, "cloud");
+  input.read_at(0, std::min(input.size(), megabyte), content);
+  bool found = false;
+  for (const PlyElement& element : ply_header(content).elements) {
+    if (element.name == "tristrips" && element.count > 0)
+      throw std::runtime_error("it holds strips of triangles, expected points or faces");
+    found |= element.name == "face" && element.count > 0;
+  }
+  return found;
+}
+
 /// What PCL shall read in place of a .ply file; nothing for the file itself. The child may write no file.
 std::unique_ptr<NamelessFile> readable_ply(const std::filesystem::path& file) {
   const InputFile input(file, "cloud");
   std::string content;
   try {
     input.read_at(0, std::min(input.size(), megabyte), content);
-    if (!has_odd_colours(ply_header(content))) return nullptr;
+    const PlyHeader header = ply_header(content);
+    const bool is_from_windows = header.format == "ascii" && content.find("\r\n") != std::string::npos;
+    if (!is_from_windows && !has_odd_colours(header)) return nullptr;
+    input.read_at(0, input.size(), content);
+    if (is_from_windows) std::erase(content, '\r');
+    return std::make_unique<NamelessFile>(has_odd_colours(header) ? with_nameless_colours(content) : content);
   } catch (const std::runtime_error&) {
     return nullptr;  // the child says what is wrong
   }
-  input.read_at(0, input.size(), content);
-  return std::make_unique<NamelessFile>(with_nameless_colours(content));
 }
 
-/// Runs in the child: the viewpoint (x y z, qw qx qy qz) and the points as raw floats.
+using Triangle = std::array<std::uint32_t, 3>;
+
+/// Each face as a fan about its first corner.
+std::vector<Triangle> fans(const std::vector<pcl::Vertices>& faces, std::size_t points) {
+  std::vector<Triangle> triangles;
+  for (const pcl::Vertices& face : faces) {
+    const auto& corners = face.vertices;
+    for (const auto corner : corners)
+      if (static_cast<std::size_t>(corner) >= points)
+        throw std::runtime_error("a face names a point that it does not hold");
+    for (std::size_t i = 2; i < corners.size(); ++i)
+      triangles.push_back({static_cast<std::uint32_t>(corners[0]), static_cast<std::uint32_t>(corners[i - 1]),
+                           static_cast<std::uint32_t>(corners[i])});
+  }
+  return triangles;
+}
+
+/// Runs in the child: the viewpoint (x y z, qw qx qy qz), how many points, these as raw floats, triangles.
 std::string read_with_pcl(const std::filesystem::path& file, const std::string& readable, bool is_pcd) {
-  check_text_of_cloud(file, is_pcd);
+  check_text_of_cloud(readable, is_pcd);
   pcl::PCLPointCloud2 cloud;
   Eigen::Vector4f origin = Eigen::Vector4f::Zero();
   Eigen::Quaternionf turn = Eigen::Quaternionf::Identity();
-  int version = 0;
-  const int status = is_pcd ? pcl::PCDReader().read(readable, cloud, origin, turn, version)
-                            : pcl::PLYReader().read(readable, cloud, origin, turn, version);
+  int version = 0, status = 0;
+  pcl::PolygonMesh mesh;
+  if (is_pcd) {
+    status = pcl::PCDReader().read(readable, cloud, origin, turn, version);
+  } else if (has_faces(file)) {
+    status = pcl::PLYReader().read(readable, mesh, origin, turn, version);
+    cloud = std::move(mesh.cloud);
+  } else {
+    status = pcl::PLYReader().read(readable, cloud, origin, turn, version);
+  }
   if (status < 0) throw std::runtime_error("its header or its points cannot be read");
   const std::size_t count = static_cast<std::size_t>(cloud.width) * cloud.height;
   if (count == 0) throw std::runtime_error("it holds no points");
@@ -112,15 +155,20 @@ std::string read_with_pcl(const std::filesystem::path& file, const std::string& 
     throw std::runtime_error("it holds fewer points than its header says");
   }
   const Coordinate coordinates[3] = {coordinate(cloud, "x"), coordinate(cloud, "y"), coordinate(cloud, "z")};
-  std::string points(viewpoint_bytes + count * sizeof(Eigen::Vector3f), '\0');
+  const std::vector<Triangle> triangles = fans(mesh.polygons, count);
+  std::string points(points_at + count * sizeof(Eigen::Vector3f), '\0');
   const float viewpoint[7] = {origin.x(), origin.y(), origin.z(), turn.w(), turn.x(), turn.y(), turn.z()};
   std::memcpy(points.data(), viewpoint, sizeof(viewpoint));
+  const std::uint64_t stated = count;
+  std::memcpy(&points[viewpoint_bytes], &stated, sizeof(stated));
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const float value = coordinates[axis].of(&cloud.data[i * cloud.point_step]);
-      std::memcpy(&points[viewpoint_bytes + (3 * i + axis) * sizeof(float)], &value, sizeof(float));
+      std::memcpy(&points[points_at + (3 * i + axis) * sizeof(float)], &value, sizeof(float));
     }
   }
+  if (!triangles.empty())
+    points.append(reinterpret_cast<const char*>(triangles.data()), triangles.size() * sizeof(Triangle));
   return points;
 }
 
@@ -150,9 +198,13 @@ ParsedCloud parse_cloud(const std::filesystem::path& file) {
   const std::string bytes = read_in_child(file);
   ParsedCloud cloud;
   std::memcpy(cloud.viewpoint.data(), bytes.data(), viewpoint_bytes);
-  cloud.points.resize((bytes.size() - viewpoint_bytes) / sizeof(Eigen::Vector3f));
-  std::memcpy(cloud.points.data()->data(), bytes.data() + viewpoint_bytes,
-              cloud.points.size() * sizeof(Eigen::Vector3f));
+  std::uint64_t count = 0;
+  std::memcpy(&count, bytes.data() + viewpoint_bytes, sizeof(count));
+  cloud.points.resize(count);
+  const std::size_t rest = points_at + count * sizeof(Eigen::Vector3f);
+  std::memcpy(cloud.points.data()->data(), bytes.data() + points_at, rest - points_at);
+  cloud.triangles.resize((bytes.size() - rest) / sizeof(Triangle));
+  if (!cloud.triangles.empty()) std::memcpy(cloud.triangles.data(), bytes.data() + rest, bytes.size() - rest);
   return cloud;
 }
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <vector>
 
@@ -9,8 +10,9 @@ namespace clearway {
 
 /// What a .pcd or .ply file holds.
 struct ParsedCloud {
-  std::array<float, 7> viewpoint = {};  ///< x, y, z (m) and qw, qx, qy, qz; not checked
-  std::vector<Eigen::Vector3f> points;  ///< at least one; also those that are not finite
+  std::array<float, 7> viewpoint = {};                  ///< x, y, z (m) and qw, qx, qy, qz; not checked
+  std::vector<Eigen::Vector3f> points;                  ///< at least one; also those that are not finite
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< of a .ply's faces, cut up: indices of `points`
 };
 
 /// Reads a file with PCL, in a child process: PCL crashes on damaged files.

@@ -130,14 +130,15 @@ Indices spread(const Indices& indices, std::size_t most) {
   return samples;
 }
 
-constexpr int doublings = 6;  ///< of the reach within which neighbours are looked for
+constexpr double least_apart = 0.5;  ///< the second nearest of points evenly apart, of the fourth nearest
+constexpr int doublings = 6;         ///< of the reach within which neighbours are looked for
 
 /// The median distance of the fourth nearest, where the points are a surface's that was thinned.
 std::optional<double> even_spacing(const Points& points, const Indices& held, double fine) {
   constexpr std::size_t most_samples = 400;
   // Measured of grids of 3 to 8 cm over planes, boxes and spheres, with noise and without: at most 1.55, at
   // least 0.54. Of points strewn over a plane or in space: at least 1.86, at most 0.46.
-  constexpr double widest_spread = 1.7, least_apart = 0.5;
+  constexpr double widest_spread = 1.7;
   if (held.size() < fewest_points) return std::nullopt;
   const Indices samples = spread(held, most_samples);
   const auto nearest_of = [&](double reach, std::size_t rank) {
@@ -270,6 +271,25 @@ std::vector<ThinnedPart> thinned_parts(const Points& points, double fine) {
         apart && is_surface_of_its_own(points, group, reaches, *apart, groups))
       parts.push_back({*apart, std::move(group)});
   return parts;
+}
+
+std::optional<ThinnedPart> strewn_part(const Points& points, double fine) {
+  constexpr double from = 0.7, to = 3.0, least_share = 0.05;
+  const Indices distinct = apart_by_cells(points, 0.25 * fine);
+  const PointCells near(points, distinct, from * fine);
+  Indices open;
+  std::copy_if(distinct.begin(), distinct.end(), std::back_inserter(open),
+               [&](std::size_t i) { return !near.has_near(i, of_grid); });
+  const PointCells wide(points, distinct, to * fine);
+  std::erase_if(open, [&](std::size_t i) { return !wide.has_near(i, of_grid); });
+  if (open.size() < fewest_points ||
+      static_cast<double>(open.size()) < least_share * static_cast<double>(distinct.size()))
+    return std::nullopt;
+  const Indices samples = spread(open, 400);
+  const double apart = at_part(nearest(points, distinct, samples, to * fine, of_grid), 0.5);
+  if (at_part(nearest(points, distinct, samples, to * fine, 2), 0.05) >= least_apart * apart)
+    return std::nullopt;
+  return ThinnedPart{apart, std::move(open)};
 }
 
 }  // namespace clearway

@@ -125,12 +125,11 @@ Snapshot load_map(const fs::path& path, std::optional<double> cloud_resolution) 
   if (kind == ".ot" || kind == ".bt") return load_octree(file, file != path);
   if (is_cloud_file(file)) {
     require_input(file, "map file");
-    const std::vector<Eigen::Vector3f> points = read_cloud(file);
+    const double edge = cloud_resolution.value_or(stated_edge(file).value_or(usual_cloud_resolution));
+    const std::vector<Eigen::Vector3f> points = read_surface(file, edge);
     if (points.empty())
       throw std::invalid_argument("'" + file.string() + "' holds no finite point, expected some");
-    const CloudVoxels voxels =
-        cloud_resolution ? CloudVoxels{*cloud_resolution, {}, {}} : voxels_of_cloud(file, points);
-    return {tree_of_cloud(points, voxels, file), {}};
+    return {tree_of_cloud(points, voxels_of_cloud(file, points, cloud_resolution), file), {}};
   }
   throw std::invalid_argument("map '" + path.string() +
                               "' is of an unknown kind: expected a directory or a .ot, " +
@@ -187,8 +186,7 @@ std::string cloud_remark(const fs::path& path, const Snapshot& map, bool is_chos
         " fill the gaps of surfaces that were thinned further");
   if (left > 0)
     add(std::to_string(left) + " voxels of " + millimetres(edge) +
-        " stand for points so far apart that the gaps between them are left, so that these surfaces have "
-        "holes");
+        " stand for points so far apart that surfaces may have holes there that a path leads through");
   if (sparse >= 0.1)
     add(short_text(std::floor(100.0 * sparse)) + " % of the cloud's voxels of " + millimetres(edge) +
         " touch fewer than four others, so that surfaces may have holes that a path leads through");

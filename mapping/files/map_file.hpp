@@ -12,8 +12,8 @@ namespace clearway {
 
 /// Reads a map: a directory written by `clearway replay` (map.ot and painted.csv), or a .ot (ours or any
 /// registered OctoMap tree), .bt, .pcd or .ply file. A bare tree has no exact spheres: then the voxels alone
-/// decide. Points of a cloud become occupied voxels of `cloud_resolution`, metres; by default that of
-/// voxels_of_cloud().
+/// decide. Points of a cloud, and the faces of a .ply, become occupied voxels of `cloud_resolution`,
+/// metres; by default that of voxels_of_cloud().
 /// @throws std::invalid_argument when the file is missing, unreadable or of an unknown kind.
 /// @throws DamagedFile when it is truncated or corrupt; nothing half-read is ever returned.
 Snapshot load_map(const std::filesystem::path& path, std::optional<double> cloud_resolution = {});

@@ -74,7 +74,10 @@ PlyHeader ply_header(std::string_view content) {
     line >> key >> word;
     if (key == "end_header") return header;
     if (key == "format") header.format = word;
-    if (key == "element" && !(line >> header.elements.emplace_back().count)) refuse_ply_header();
+    if (key == "element") {
+      header.elements.push_back({word, 0, {}});
+      if (!(line >> header.elements.back().count)) refuse_ply_header();
+    }
     if (key != "property") continue;
     if (header.elements.empty()) refuse_ply_header();
     PlyProperty property;

@@ -17,6 +17,7 @@ struct PlyProperty {
 
 /// So many of a kind, one after the other: vertices, faces.
 struct PlyElement {
+  std::string name;
   std::uint64_t count = 0;
   std::vector<PlyProperty> properties;
 };

@@ -10,6 +10,7 @@
 #include <set>
 #include <tuple>
 
+#include "mapping/files/cloud_gaps.hpp"
 #include "mapping/files/cloud_spacing.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/voxels/fused_tree.hpp"
@@ -181,6 +182,153 @@ TEST(CloudVoxels, OfAWideThinSurfaceAreLeftWhereMostIsDense) {
   EXPECT_TRUE(voxels.left.empty());
 }
 
+/// A plane through the origin, its points on a grid that is shaken, in a turned frame.
+Points shaken_grid(Random& random, double step, double shake, const Eigen::Quaterniond& turn) {
+  Points points;
+  const int half = static_cast<int>(0.5 / step);
+  const Eigen::Vector3d offset = random.point(0.5 * step);
+  for (int i = -half; i <= half; ++i)
+    for (int k = -half; k <= half; ++k) {
+      const Eigen::Vector3d off = shake * step * random.point(1.0);
+      points.push_back((turn * (Eigen::Vector3d(i * step, k * step, 0.0) + offset + off)).cast<float>());
+    }
+  return points;
+}
+
+/// As far apart as voxels are wide, or a little less: some voxels of the surface hold none of them.
+TEST(CloudVoxels, OfASurfaceWithAPointForAboutEachVoxelLeaveNoHoles) {
+  const TemporaryFolder folder;
+  Random random(11);
+  for (const double step : {0.015, 0.019, 0.02, 0.0205}) {
+    for (const double shake : {0.0, 0.05, 0.12}) {
+      for (const double tilt : {0.0, 0.25}) {
+        const Eigen::Quaterniond turn(Eigen::AngleAxisd(tilt, random.point(1.0).normalized()));
+        const std::string file = folder.write("w.pcd", format_pcd(shaken_grid(random, step, shake, turn)));
+        EXPECT_FALSE(leads_through(load_map(file), 0.3)) << step << " " << shake << " " << tilt;
+        EXPECT_FALSE(leads_through(load_map(file, 0.02), 0.3)) << step << " " << shake << " " << tilt;
+      }
+    }
+  }
+  // On the faces of voxels, where rounding puts each on either side.
+  for (const double edge : {0.01, 0.02, 0.05, 0.1}) {
+    Points points;
+    for (int i = -30; i <= 30; ++i)
+      for (int k = -30; k <= 30; ++k) points.push_back((edge * Eigen::Vector3d(i, k, 0.13)).cast<float>());
+    const Snapshot map = load_map(folder.write("f.ply", format_ply(points)), edge);
+    EXPECT_FALSE(leads_through(map, 20 * edge)) << edge;
+  }
+}
+
+/// Strewn over a plane: from three a voxel on there is no hole, and fewer are told.
+TEST(CloudVoxels, OfStrewnPointsLeaveNoHolesOrSaySo) {
+  const TemporaryFolder folder;
+  Random random(12);
+  for (const double density : {0.7, 1.5, 2.0, 3.0, 4.0, 8.0}) {
+    Points points;
+    for (int i = 0; i < static_cast<int>(density * 8100); ++i)
+      points.push_back(
+          Eigen::Vector3d(random.between(-0.9, 0.9), random.between(-0.9, 0.9), 0.003).cast<float>());
+    const std::string file = folder.write("s.pcd", format_pcd(points));
+    const Snapshot map = load_map(file);
+    const bool is_told = cloud_remark(file, map, false).find("may have holes") != std::string::npos;
+    EXPECT_TRUE(is_told || !leads_through(map, 0.8)) << density;
+    EXPECT_TRUE(density > 3.0 || is_told) << density;
+    EXPECT_TRUE(density < 8.0 || !is_told) << density;
+  }
+}
+
+/// The definition, asked of all pairs and all voxels; of points of which no two are in a quarter of a voxel.
+TEST(CloudVoxels, BetweenNearPointsAreThoseThatTheDefinitionNames) {
+  Random random(13);
+  std::size_t found = 0;
+  for (int i = 0; i < 30; ++i) {
+    Points points;
+    std::vector<Eigen::Vector3i> cells;
+    std::set<Cell> held;
+    for (int k = 0; k < 400; ++k) {
+      Eigen::Vector3d point = random.point(i % 2 == 0 ? 4.0 : 2.5);
+      if (i % 2 == 0) point.z() = 0.3 * point.x();
+      const bool is_apart = std::none_of(points.begin(), points.end(), [&](const Eigen::Vector3f& other) {
+        return (other.cast<double>() - point).norm() < 0.45;
+      });
+      if (!is_apart) continue;
+      points.push_back(point.cast<float>());
+      cells.push_back(points.back().cast<double>().array().floor().cast<int>().matrix());
+      held.insert({cells.back().x(), cells.back().y(), cells.back().z()});
+    }
+    std::map<Cell, double> passed;  // the longest way of a join
+    for (std::size_t a = 0; a < points.size(); ++a)
+      for (std::size_t b = a + 1; b < points.size(); ++b) {
+        const Eigen::Vector3d p = points[a].cast<double>(), q = points[b].cast<double>();
+        const double apart = (p - q).norm();
+        if (apart > 1.95) continue;
+        const bool is_empty = std::none_of(points.begin(), points.end(), [&](const Eigen::Vector3f& other) {
+          return (other.cast<double>() - (p + q) / 2).norm() < 0.35 * apart;
+        });
+        if (!is_empty) continue;
+        std::map<Cell, double> way;
+        for (int s = 0; s < 4000; ++s) way[cell_of(p + s / 4000.0 * (q - p), 1.0)] += apart / 4000.0;
+        for (const auto& [cell, length] : way) {
+          const auto [x, y, z] = cell;
+          const Eigen::Vector3i at(x, y, z);
+          if (std::max((cells[a] - at).cwiseAbs().maxCoeff(), (cells[b] - at).cwiseAbs().maxCoeff()) > 1)
+            continue;
+          passed[cell] = std::max(passed[cell], length);
+        }
+      }
+    std::set<Cell> between;
+    for (const Eigen::Vector3i& cell : cells_between(points, cells, 1.0))
+      between.insert({cell.x(), cell.y(), cell.z()});
+    found += between.size();
+    const auto holds = [&](const Cell& cell, const Eigen::Vector3i& side) {
+      const auto [x, y, z] = cell;
+      return held.contains({x + side.x(), y + side.y(), z + side.z()});
+    };
+    const auto is_enclosed = [&](const Cell& cell) {  // by two that face each other
+      for (int k = 0; k < 27 * 27; ++k) {
+        const auto side = [](int n) { return Eigen::Vector3i(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1); };
+        const Eigen::Vector3i a = side(k % 27), b = side(k / 27);
+        const Eigen::Array3i product = a.array() * b.array();
+        if ((product <= 0).all() && product.sum() < 0 && holds(cell, a) && holds(cell, b)) return true;
+      }
+      return false;
+    };
+    for (const auto& [cell, length] : passed) {
+      if (held.contains(cell) || length <= 0.102 || !is_enclosed(cell)) continue;
+      EXPECT_TRUE(between.contains(cell)) << i << " " << length;
+    }
+    for (const Cell& cell : between) {
+      EXPECT_FALSE(held.contains(cell)) << i;
+      EXPECT_GT(passed[cell], 0.098) << i;
+    }
+  }
+  EXPECT_GT(found, 300U);
+}
+
+/// Nothing lies between the points of dense surfaces, in their corners, or between centres of voxels.
+TEST(CloudVoxels, OfDenseSurfacesAreThoseOfTheirPoints) {
+  const auto between = [](const Points& points) {
+    std::vector<Eigen::Vector3i> cells;
+    for (const Eigen::Vector3f& point : points)
+      cells.push_back((point.cast<double>().array() / 0.02).floor().cast<int>().matrix());
+    return cells_between(points, cells, 0.02).size();
+  };
+  Random random(14);
+  Points corner, plates, centers;
+  for (int i = 0; i < 60'000; ++i) {
+    const float a = static_cast<float>(random.unit()), b = static_cast<float>(random.unit());
+    corner.push_back({a, b, 0.0031F});
+    corner.push_back({a, 0.0029F, b});
+    plates.push_back({a, b, 0.0031F});
+    plates.push_back({a, b, 0.0431F});
+  }
+  for (int i = 0; i < 8000; ++i)
+    centers.push_back((0.02F * (random.point(9.0).cast<float>().array().round() + 0.5F)).matrix());
+  EXPECT_LE(between(corner), 3U);  // of 100 voxels along it
+  EXPECT_EQ(between(plates), 0U);
+  EXPECT_EQ(between(centers), 0U);
+}
+
 TEST(CloudVoxels, OfAnExportedMapAreItsOwn) {
   const TemporaryFolder folder;
   Random random(5);
@@ -197,6 +345,66 @@ TEST(CloudVoxels, OfAnExportedMapAreItsOwn) {
         EXPECT_EQ(after.state(center.cast<double>()), VoxelState::occupied);
     }
   }
+}
+
+/// A window of two frames: a square of faces with a square left open, in both kinds of text.
+TEST(CloudFile, FacesOfAPlyAreSurface) {
+  const TemporaryFolder folder;
+  const float at[4] = {-0.5F, -0.1F, 0.1F, 0.5F};
+  std::string points, faces, quads, bytes;
+  const auto add = [&](auto number) { bytes.append(reinterpret_cast<const char*>(&number), sizeof(number)); };
+  for (int i = 0; i < 16; ++i) {
+    points += std::to_string(at[i % 4]) + " " + std::to_string(at[i / 4]) + " 0.013\n";
+    for (const float value : {at[i % 4], at[i / 4], 0.013F}) add(value);
+  }
+  int count = 0;
+  for (int i = 0; i < 9; ++i) {
+    if (i == 4) continue;  // open
+    const int corner = 4 * (i / 3) + i % 3;
+    quads += "4";
+    add(std::uint8_t{4});
+    for (const int k : {corner, corner + 1, corner + 5, corner + 4}) quads += " " + std::to_string(k), add(k);
+    quads += "\n";
+    ++count;
+  }
+  const auto header = [&](const std::string& format, const std::string& how_many) {
+    return "ply\nformat " + format +
+           " 1.0\nelement vertex 16\nproperty float x\nproperty float y\nproperty "
+           "float z\nelement face " +
+           how_many + "\nproperty list uchar int vertex_indices\nend_header\n";
+  };
+  const std::string files[] = {
+      folder.write("text.ply", header("ascii", std::to_string(count)) + points + quads),
+      folder.write("bytes.ply", header("binary_little_endian", std::to_string(count)) + bytes)};
+  for (const std::string& file : files) {
+    for (const double edge : {0.02, 0.007, 0.05}) {
+      const Snapshot map = load_map(file, edge);
+      for (double x = -0.495; x < 0.5; x += 0.003)
+        for (double y = -0.495; y < 0.5; y += 0.003) {
+          const bool is_open = std::max(std::abs(x), std::abs(y)) < 0.1 - 2.0 * edge;
+          if (!is_open && std::max(std::abs(x), std::abs(y)) <= 0.1) continue;
+          ASSERT_EQ(map.state({x, y, 0.013}) == VoxelState::occupied, !is_open)
+              << x << " " << y << " " << edge;
+        }
+    }
+    EXPECT_EQ(read_cloud(file).size(), 16U);  // points that were seen are the corners alone
+  }
+  const std::string none = folder.write("none.ply", header("ascii", "0") + points);
+  EXPECT_EQ(load_map(none, 0.02).counts().occupied, 16U);
+  std::string wrong = quads;
+  wrong.replace(wrong.find("15"), 2, "16");
+  EXPECT_THROW(load_map(folder.write("w.ply", header("ascii", std::to_string(count)) + points + wrong)),
+               DamagedFile);
+  EXPECT_THROW(load_map(files[0], 1e-4), std::invalid_argument);
+}
+
+TEST(CloudFile, TextOfAPlyMayEndItsLinesAsWindowsDoes) {
+  const TemporaryFolder folder;
+  std::string text =
+      "ply\nformat ascii 1.0\ncomment made by hand\nelement vertex 2\nproperty float x\nproperty "
+      "float y\nproperty float z\nend_header\n1 2 3\n4 5 6\n";
+  for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += 2) text.insert(at, 1, '\r');
+  EXPECT_EQ(read_cloud(folder.write("w.ply", text)), (Points{{1, 2, 3}, {4, 5, 6}}));
 }
 
 TEST(CloudFile, ATurnedViewpointIsTold) {

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "mapping/files/cloud_file.hpp"
+#include "mapping/files/cloud_gaps.hpp"
 #include "mapping/free_space_map.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 #include "tests/worlds/random_map.hpp"
@@ -137,17 +138,20 @@ TEST(MapFile, ACloudBecomesTheVoxelsThatHoldItsPoints) {
   Dice dice(6);
   std::vector<Eigen::Vector3f> points;
   std::set<std::tuple<int, int, int>> voxels;
+  std::vector<Eigen::Vector3i> cells;
   for (int i = 0; i < 500; ++i) {
     points.push_back(dice.point(1.0).cast<float>());
     const Eigen::Array3i cell = (points.back().cast<double>().array() / 0.1).floor().cast<int>();
     voxels.insert({cell.x(), cell.y(), cell.z()});
+    cells.push_back(cell.matrix());
   }
+  const std::vector<Eigen::Vector3f> points_of_cells = points;
   points.push_back({std::nanf(""), 0.0F, 0.0F});
   write_file(folder / "a.pcd", format_pcd(points));
   write_file(folder / "a.ply", format_ply(points));
   for (const char* name : {"a.pcd", "a.ply"}) {
     const Snapshot map = load_map(folder / name, 0.1);
-    EXPECT_EQ(map.counts().occupied, voxels.size());
+    EXPECT_EQ(map.counts().occupied, voxels.size() + cells_between(points_of_cells, cells, 0.1).size());
     for (const Eigen::Vector3f& point : points) {
       if (!point.allFinite()) continue;
       EXPECT_EQ(map.state(point.cast<double>()), VoxelState::occupied);
