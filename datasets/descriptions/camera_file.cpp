@@ -41,7 +41,8 @@ CameraIntrinsics read_camchain(const YamlFields& file, const std::string& wanted
   std::erase_if(cameras, [](const std::string& key) { return !key.starts_with("cam"); });
   const std::string name = wanted.empty() && cameras.size() == 1 ? cameras.front() : wanted;
   if (std::find(cameras.begin(), cameras.end(), name) == cameras.end())
-    file.fail("", "it has " + std::to_string(cameras.size()) +
+    file.fail("", (wanted.empty() ? "" : "it has no camera " + quote(wanted) + "; ") + "it has " +
+                      std::to_string(cameras.size()) +
                       " cameras, expected `camera: {file: …, name: …}` to name one of them");
   const YamlFields fields = file.map(name);
   if (const std::string model = fields.text("camera_model", "pinhole"); model != "pinhole")
@@ -143,8 +144,8 @@ CameraIntrinsics read_camera_info(const YamlFields& file, bool is_rectified) {
   camera.height = file.integer("image_height", {32, 20000});
   const YamlFields matrix = file.map("camera_matrix");
   const std::vector<double> k = matrix.numbers("data", within_reach, 9);
-  if (k[0] <= 0.0 || k[4] <= 0.0 || k[1] != 0.0 || k[8] != 1.0)
-    matrix.fail("data", "expected [fx, 0, cx, 0, fy, cy, 0, 0, 1], fx and fy > 0");
+  if (k[0] <= 0.0 || k[4] <= 0.0 || k[1] != 0.0 || k[3] != 0.0 || k[6] != 0.0 || k[7] != 0.0 || k[8] != 1.0)
+    matrix.fail("data", "expected [fx, 0, cx, 0, fy, cy, 0, 0, 1] row by row, fx and fy > 0");
   camera.fx = k[0];
   camera.cx = k[2];
   camera.fy = k[4];

@@ -167,6 +167,12 @@ void BagFrames::refuse_contradictions(const std::map<std::string, Stream>& strea
   }
   if (options_.bag.fixed_frame.empty()) return;
   for (const std::string& frame : used_frames()) {
+    if (const std::vector<std::string> loop = transforms_.loop_above(frame); !loop.empty()) {
+      std::string way = quote(loop.front());
+      for (std::size_t i = 1; i < std::min<std::size_t>(loop.size(), 6); ++i) way += " in " + quote(loop[i]);
+      throw ContradictoryBag("has transforms in a loop: " + way +
+                             ", as of two publishers; expected a tree, with one parent of each frame");
+    }
     const PoseConflicts conflicts = transforms_.conflicts_of(frame);
     if (conflicts.are_many())
       throw ContradictoryBag(

@@ -110,6 +110,10 @@ bool require_calibration(const RosCameraInfo& info) {
     throw std::runtime_error("its sides are not 1 to 20000 pixels each");
   if (!is_finite(info.k) || !is_finite(info.d) || info.k[0] <= 0.0 || info.k[4] <= 0.0)
     throw std::runtime_error("it is not calibrated");
+  const std::array<double, 9>& k = info.k;
+  if (k[1] != 0.0 || k[3] != 0.0 || k[6] != 0.0 || k[7] != 0.0 || k[8] != 1.0)
+    throw std::runtime_error(
+        "its K is no camera matrix without skew: expected fx 0 cx, 0 fy cy, 0 0 1, row by row");
   return lens_named(info.distortion_model) != LensModel::fisheye && is_zero(info.d);
 }
 

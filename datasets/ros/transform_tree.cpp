@@ -80,6 +80,17 @@ std::vector<std::string> TransformTree::chain_of(const std::string& frame) const
   return chain;
 }
 
+std::vector<std::string> TransformTree::loop_above(const std::string& frame) const {
+  std::vector<std::string> chain{frame};
+  for (auto edge = edges_.find(frame); edge != edges_.end(); edge = edges_.find(chain.back())) {
+    const auto first = std::find(chain.begin(), chain.end(), edge->second.parent) - chain.begin();
+    const bool is_loop = first < static_cast<std::ptrdiff_t>(chain.size());
+    chain.push_back(edge->second.parent);
+    if (is_loop) return {chain.begin() + first, chain.end()};
+  }
+  return {};
+}
+
 std::optional<Eigen::Isometry3d> TransformTree::root_from_frame(const std::string& root,
                                                                 const std::string& frame, double time,
                                                                 double recorded) const {

@@ -49,6 +49,9 @@ class TransformTree {
 
   /// The frame, its parent, and so on.
   std::vector<std::string> chain_of(const std::string& frame) const;
+  /// The frames of a loop above this one, as of two publishers of which each is the other's parent; the first
+  /// one again at the end. Empty: there is none.
+  std::vector<std::string> loop_above(const std::string& frame) const;
   /// Of a frame that moves; elsewhere 0.
   PoseConflicts conflicts_of(const std::string& frame) const;
   /// How often the pose of a fixed frame was replaced by another one.

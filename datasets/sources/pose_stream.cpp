@@ -9,6 +9,7 @@
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
+#include <string_view>
 
 #include "datasets/sources/clock_seconds.hpp"
 #include "datasets/sources/finite_number.hpp"
@@ -107,18 +108,66 @@ std::vector<std::string> words_of(std::string line) {
   return words;
 }
 
-/// The order of the quaternion that a head says ("# time tx ty tz qw qx qy qz"): "xyzw"; empty when the line
-/// is no head. Words are q and a letter, whatever stands between them (q_RS_w).
-std::string quaternion_order(const std::string& line) {
-  std::string order;
-  for (std::string word : words_of(line)) {
-    for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    const char last = word.back();
-    if (word.front() == 'q' && (word.size() == 2 || word[word.size() - 2] == '_') &&
-        (last == 'w' || last == 'x' || last == 'y' || last == 'z'))
-      order += last;
+/// The letter that a column's name ends in: w of qw, q_RS_w, rot.w and w; 0 where it is none of w, x, y, z.
+char letter_of(const std::string& word) {
+  const auto is_word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; };
+  std::size_t end = word.size();
+  while (end > 0 && !is_word(word[end - 1])) --end;
+  std::size_t begin = end;
+  while (begin > 0 && is_word(word[begin - 1])) --begin;
+  if (end - begin == 0 || end - begin > 2) return 0;
+  const char letter = word[end - 1];
+  const bool has_known_kind =
+      end - begin == 1 || std::string_view("qtpro").find(word[begin]) != std::string_view::npos;
+  return has_known_kind && letter >= 'w' && letter <= 'z' ? letter : char{0};
+}
+
+/// Whether the head gives lengths in something else than metres: "[mm]", "(cm)".
+std::optional<std::string> other_unit(const std::string& line) {
+  for (const char* unit : {"mm", "cm", "dm", "km", "um", "in", "inch", "ft", "deg"})
+    for (const auto& [open, close] : {std::pair("[", "]"), std::pair("(", ")")})
+      if (line.find(open + std::string(unit) + close) != std::string::npos) return unit;
+  return std::nullopt;
+}
+
+/// What a head says of the columns: "xyzwxyz" of "# time tx ty tz qw qx qy qz".
+struct Head {
+  std::string letters, turn;  ///< all; those that names like qw or rot.w give to the quaternion
+  bool begins_with_turn = false;
+};
+
+/// Nothing when the line is no head: it names no w among four columns or more.
+std::optional<Head> head_of(std::string line) {
+  for (char& c : line) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  for (char& c : line)
+    if (c == '[' || c == '(') c = ' ';
+  Head head;
+  for (const std::string& word : words_of(line)) {
+    const char letter = letter_of(word);
+    if (letter == 0) continue;
+    const bool is_of_turn = word.starts_with("q") || word.starts_with("#q") ||
+                            word.find("rot") != std::string::npos || word.find("ori") != std::string::npos ||
+                            word.find("quat") != std::string::npos;
+    head.begins_with_turn |= head.letters.empty() && is_of_turn;
+    head.letters += letter;
+    if (is_of_turn) head.turn += letter;
   }
-  return order.size() == 4 ? order : "";
+  if (head.letters.size() < 4 || head.letters.find('w') == std::string::npos) return std::nullopt;
+  return head;
+}
+
+/// Whether qw comes first; nothing where that is not said, or the quaternion stands before the place.
+std::optional<bool> is_w_first_in(const Head& head) {
+  const auto is_first = [](std::string_view order) -> std::optional<bool> {
+    if (order == "wxyz") return true;
+    if (order == "xyzw") return false;
+    return std::nullopt;
+  };
+  if (head.turn.size() == 4)
+    return head.begins_with_turn && head.letters.size() > 4 ? std::nullopt : is_first(head.turn);
+  if (head.letters.size() == 4) return is_first(head.letters);
+  return head.letters.starts_with("xyz") ? is_first(std::string_view(head.letters).substr(3, 4))
+                                         : std::nullopt;
 }
 
 struct TimedPose {
@@ -156,10 +205,14 @@ PoseStream parse_tum_poses(const std::string& text, const std::string& name, dou
     const auto refuse = [&](const std::string& why) {
       throw std::invalid_argument(name + ", line " + std::to_string(number) + ": " + why);
     };
-    if (const std::string order = quaternion_order(line); !order.empty() && poses.empty()) {
-      if (order != "xyzw" && order != "wxyz")
-        refuse("expected a quaternion as qx qy qz qw or qw qx qy qz, got " + quote(order));
-      is_w_first = order == "wxyz";
+    if (const auto head = head_of(line); head && poses.empty()) {
+      const auto said = is_w_first_in(*head);
+      if (!said)
+        refuse("expected columns x y z and then a quaternion as qx qy qz qw or qw qx qy qz, got " +
+               quote(head->letters));
+      if (const auto unit = other_unit(line))
+        refuse("expected metres and a quaternion, got columns in " + *unit);
+      is_w_first = *said;
       continue;
     }
     line.resize(std::min(line.find('#'), line.size()));

@@ -132,6 +132,22 @@ TEST_F(BagFramesTest, TwoPublishersOfOneFrameAreRefusedWhereTheyAlternate) {
   }
 }
 
+TEST_F(BagFramesTest, TransformsInALoopAreRefused) {
+  for (const bool is_last : {false, true}) {  // whichever of the two a bag holds first
+    ScanBag bag(folder_ / "loop.mcap");
+    const auto back = [&] { bag.transform(9, "base", "map", base_at(10), true); };
+    if (!is_last) back();
+    add_run(bag, 0);
+    if (is_last) back();
+    bag.sort();
+    const Reading reading = read(bag, "loop.mcap");
+    EXPECT_TRUE(reading.frames.empty());
+    EXPECT_NE(reading.damage.find("transforms in a loop: 'base' in 'map' in 'base', as of two publishers"),
+              std::string::npos)
+        << reading.damage;
+  }
+}
+
 TEST_F(BagFramesTest, SinglePosesThatContradictOthersOfTheirTimeAreReported) {
   ScanBag bag(folder_ / "a.mcap");
   add_run(bag, 0);

@@ -175,6 +175,17 @@ TEST(RosCamera, MatricesThatAreNoneAreRefused) {
   EXPECT_TRUE(refusal_of(info, rectified_camera).starts_with("its P is not a projection")) << "skewed";
   info.p = {0, 0, 30.5, 0, 0, 19, 22.5, 0, 0, 0, 1, 0};
   EXPECT_TRUE(refusal_of(info, rectified_camera).starts_with("its P is not a projection"));
+  const std::array<double, 9> sound = info.k;
+  info.r = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  for (const std::size_t i : {1U, 3U, 6U, 7U, 8U}) {
+    info.k = sound;
+    info.k[i] += 0.5;
+    EXPECT_TRUE(refusal_of(info).starts_with("its K is no camera matrix")) << i;
+  }
+  info.k = {sound[0], 0, 0, 0, sound[4], 0, sound[2], sound[5], 1};
+  EXPECT_TRUE(refusal_of(info).starts_with("its K is no camera matrix")) << "column by column";
+  info.k = sound;
+  EXPECT_EQ(refusal_of(info), "");
   info.k[0] = std::nan("");
   EXPECT_EQ(refusal_of(info), "it is not calibrated");
 }

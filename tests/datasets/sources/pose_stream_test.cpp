@@ -90,9 +90,13 @@ TEST(PoseStream, ReadsTheTumFormat) {
 }
 
 TEST(PoseStream, AHeadSaysTheOrderOfTheQuaternionAndNanosecondsAreTimes) {
-  for (const char* head : {"# timestamp tx ty tz qw qx qy qz\n",
-                           "#timestamp, p_x [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n",
-                           "timestamp tx ty tz qw qx qy qz\n"}) {
+  for (const char* head :
+       {"# timestamp tx ty tz qw qx qy qz\n",
+        "#timestamp, p_x [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n", "# time x y z w x y z\n",
+        "# time,pos.x,pos.y,pos.z,rot.w,rot.x,rot.y,rot.z\n",
+        "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], "
+        "q_RS_z [], v_RS_R_x [m s^-1], v_RS_R_y [m s^-1], v_RS_R_z [m s^-1]\n",
+        "timestamp tx ty tz qw qx qy qz\n"}) {
     const PoseStream stream = parse_tum_poses(std::string(head) + "1 1 2 3 0.5 0.1 -0.7 0.5\n", "t", 1.0);
     const Eigen::Quaterniond turn(stream.at(1.0)->rotation());
     EXPECT_LT(turn.angularDistance(Eigen::Quaterniond(0.5, 0.1, -0.7, 0.5).normalized()), 1e-9) << head;
@@ -102,6 +106,17 @@ TEST(PoseStream, AHeadSaysTheOrderOfTheQuaternionAndNanosecondsAreTimes) {
   EXPECT_LT(Eigen::Quaterniond(usual.at(1.0)->rotation())
                 .angularDistance(Eigen::Quaterniond(0.5, 0.1, -0.7, 0.5).normalized()),
             1e-9);
+  for (const char* head : {"# w is what was lost on the way\n", "# by z and x\n", "# time x y z x y z w\n"}) {
+    const PoseStream stream = parse_tum_poses(std::string(head) + "1 1 2 3 0.1 -0.7 0.5 0.5\n", "t", 1.0);
+    EXPECT_LT(Eigen::Quaterniond(stream.at(1.0)->rotation())
+                  .angularDistance(Eigen::Quaterniond(0.5, 0.1, -0.7, 0.5).normalized()),
+              1e-9);
+  }
+  for (const char* head : {"# time x[mm] y[mm] z[mm] qx qy qz qw\n", "# t qw qx qy qz x y z\n",
+                           "# t x y z w z y x\n", "# time x (cm) y (cm) z (cm) qw qx qy qz\n"})
+    EXPECT_THROW(parse_tum_poses(std::string(head) + "1 1 2 3 0.5 0.5 0.5 0.5\n", "t", 1.0),
+                 std::invalid_argument)
+        << head;
   EXPECT_THROW(parse_tum_poses("# t x y z qy qx qz qw\n1 1 2 3 0 0 0 1\n", "t", 1.0), std::invalid_argument);
   const PoseStream stream = parse_tum_poses(
       "1403636579763555584.000000 0 0 0 0 0 0 1\n1403636579863555584.000000 1 0 0 0 0 0 1\n", "t", 1.0);
