@@ -49,7 +49,7 @@ void note_residuals(const BundleProblem& problem, const BundleState& state, cons
       const auto points = tag_corners(mounted.size);
       for (std::size_t i = 0; i < 4; ++i, ++corners)
         if (const auto pixel = state.camera.project(state.poses[v] * (mounted.body_from_tag * points[i])))
-          squares += (*pixel - seen.corners[i]).squaredNorm();
+          squares += (*pixel + problem.growth_of(state, v, t, i) - seen.corners[i]).squaredNorm();
       const auto residual = problem.residual_of(state, v, t);
       fit.tag_squares.back().push_back(residual ? residual->squaredNorm() : 0.0);
     }
@@ -59,6 +59,21 @@ void note_residuals(const BundleProblem& problem, const BundleState& state, cons
 }
 
 }  // namespace
+
+std::array<Eigen::Vector2d, 4> outward(const std::array<Eigen::Vector2d, 4>& corners) {
+  const Eigen::Vector2d middle = (corners[0] + corners[1] + corners[2] + corners[3]) / 4.0;
+  const auto normal = [&](std::size_t i) {  // of the edge from this corner to the next
+    const Eigen::Vector2d along = (corners[(i + 1) % 4] - corners[i % 4]).normalized();
+    const Eigen::Vector2d across(along.y(), -along.x());
+    return Eigen::Vector2d(across.dot(corners[i % 4] - middle) < 0.0 ? -across : across);
+  };
+  std::array<Eigen::Vector2d, 4> moved;
+  for (std::size_t i = 0; i < 4; ++i) {  // to where the two edges moved by a pixel meet
+    const Eigen::Vector2d before = normal(i + 3), after = normal(i);
+    moved[i] = (before + after) / std::max(0.1, 1.0 + before.dot(after));
+  }
+  return moved;
+}
 
 std::size_t tags_of(const std::vector<BoardView>& views) {
   std::size_t tags = 0;

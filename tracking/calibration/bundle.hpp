@@ -18,9 +18,12 @@ struct BoardView {
 };
 
 /// log f (fx and fy together), log(fx / fy), cx, cy, then the coefficients of the lens in OpenCV's order;
-/// pixels where a length. Coefficients that a model does not have are known exactly: 0.
-constexpr int kCameraUnknowns = 12;
-constexpr int kLensUnknowns = 8;  ///< the last of them
+/// pixels where a length. Coefficients that a model does not have are known exactly: 0. Last, how far the
+/// edges of all tags are seen outside of where they are, as blur and a bent grey scale shift them: pixels,
+/// and pixels times the tag's side in pixels, for small tags are shifted more.
+constexpr int kCameraUnknowns = 14;
+constexpr int kLensUnknowns = 8;  ///< from the fifth on
+constexpr int kFirstOfGrowth = 4 + kLensUnknowns;
 /// Of each tag: log size, place in the board (metres), turn about the tag's axes (radians).
 constexpr int kTagUnknowns = 7;
 
@@ -36,6 +39,9 @@ struct Bundle {
   TagBody board;
   std::vector<BoardView> views;
 };
+
+/// How the corners of a tag move when all its edges move out by a pixel, in the image.
+std::array<Eigen::Vector2d, 4> outward(const std::array<Eigen::Vector2d, 4>& corners);
 
 /// How many tags views show.
 std::size_t tags_of(const std::vector<BoardView>& views);

@@ -1,5 +1,6 @@
 #include "tracking/calibration/bundle_problem.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -28,10 +29,10 @@ Eigen::Vector3d log_of(const Eigen::Matrix3d& turn) {
 /// The derivative of a pixel by the camera's unknowns. @param point in the camera, in sight
 Eigen::MatrixXd pixel_by_camera(const Camera& camera, const Eigen::Vector3d& point) {
   const Eigen::Vector2d off = *camera.project(point) - Eigen::Vector2d(camera.cx, camera.cy);
-  Eigen::MatrixXd by(2, kCameraUnknowns);
+  Eigen::MatrixXd by = Eigen::MatrixXd::Zero(2, kCameraUnknowns);
   by.leftCols<4>() << off.x(), 0.5 * off.x(), 1.0, 0.0, off.y(), -0.5 * off.y(), 0.0, 1.0;
-  by.rightCols<kLensUnknowns>() = Eigen::Vector2d(camera.fx, camera.fy).asDiagonal() *
-                                  seen_by_coefficients(camera, point.head<2>() / point.z());
+  by.middleCols<kLensUnknowns>(4) = Eigen::Vector2d(camera.fx, camera.fy).asDiagonal() *
+                                    seen_by_coefficients(camera, point.head<2>() / point.z());
   return by;
 }
 
@@ -62,8 +63,13 @@ BundleProblem::BundleProblem(const Bundle& bundle, const BundlePriors& priors, d
       sigma_[column(static_cast<int>(tag)) + i] = priors.tags[tag][static_cast<std::size_t>(i)];
   for (const BoardView& view : bundle.views) {
     whitening_.emplace_back();
-    for (const TagDetection& tag : view.tags)
+    edges_.emplace_back();
+    for (const TagDetection& tag : view.tags) {
       whitening_.back().push_back(whitening(view, tag, noise_px, edge_bias));
+      double around = 0.0;
+      for (std::size_t i = 0; i < 4; ++i) around += (tag.corners[(i + 1) % 4] - tag.corners[i]).norm();
+      edges_.back().push_back({outward(tag.corners), std::max(1.0, around / 4.0)});
+    }
   }
 }
 
@@ -94,7 +100,7 @@ std::optional<Eigen::VectorXd> BundleProblem::residual_of(const BundleState& sta
   for (std::size_t i = 0; i < 4; ++i) {
     const auto pixel = state.camera.project(state.poses[view] * (mounted.body_from_tag * corners[i]));
     if (!pixel) return std::nullopt;
-    residual.segment<2>(2 * static_cast<int>(i)) = *pixel - seen.corners[i];
+    residual.segment<2>(2 * static_cast<int>(i)) = *pixel + growth_of(state, view, tag, i) - seen.corners[i];
   }
   return product(whitening_[view][tag], residual);
 }
@@ -175,6 +181,12 @@ MountedTag BundleProblem::mounted_of(const BundleState& state, int id) const {
   return tag;
 }
 
+Eigen::Vector2d BundleProblem::growth_of(const BundleState& state, std::size_t view, std::size_t tag,
+                                         std::size_t corner) const {
+  const Edges& edges = edges_[view][tag];
+  return (state.shift[kFirstOfGrowth] + state.shift[kFirstOfGrowth + 1] / edges.side) * edges.outward[corner];
+}
+
 int BundleProblem::unknowns() const {
   return static_cast<int>((sigma_.array() > 0.0).count() + 6 * bundle_.views.size());
 }
@@ -232,8 +244,12 @@ std::optional<BundleProblem::Block> BundleProblem::block_of(const BundleState& s
     const auto pixel = state.camera.project(in_camera, by_point);
     if (!pixel) return std::nullopt;
     by_point = by_point * pose.linear();
-    block.residual.segment<2>(2 * i) = *pixel - seen.corners[static_cast<std::size_t>(i)];
+    const auto corner = static_cast<std::size_t>(i);
+    const Edges& edges = edges_[view][tag];
+    block.residual.segment<2>(2 * i) = *pixel + growth_of(state, view, tag, corner) - seen.corners[corner];
     block.by.block(2 * i, 0, 2, kCameraUnknowns) = pixel_by_camera(state.camera, in_camera);
+    block.by.block<2, 1>(2 * i, kFirstOfGrowth) = edges.outward[corner];
+    block.by.block<2, 1>(2 * i, kFirstOfGrowth + 1) = edges.outward[corner] / edges.side;
     block.by.block<2, 1>(2 * i, kCameraUnknowns) = by_point * (turn * in_tag);
     block.by.block<2, 3>(2 * i, kCameraUnknowns + 1) = by_point;
     block.by.block<2, 3>(2 * i, kCameraUnknowns + 4) = -by_point * turn * cross_matrix(in_tag);

@@ -50,6 +50,10 @@ class BundleProblem {
 
   MountedTag mounted_of(const BundleState& state, int id) const;
 
+  /// How far the state has the corner outside of where camera and pose put it, pixels.
+  Eigen::Vector2d growth_of(const BundleState& state, std::size_t view, std::size_t tag,
+                            std::size_t corner) const;
+
   int unknowns() const;
   int priors() const;
 
@@ -68,6 +72,11 @@ class BundleProblem {
   std::map<int, int> order_;
   Eigen::VectorXd sigma_;
   std::vector<std::vector<Eigen::MatrixXd>> whitening_;
+  struct Edges {
+    std::array<Eigen::Vector2d, 4> outward;
+    double side = 1.0;  ///< pixels
+  };
+  std::vector<std::vector<Edges>> edges_;
 };
 
 }  // namespace clearway

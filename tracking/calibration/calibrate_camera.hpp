@@ -44,10 +44,11 @@ struct CameraCalibration {
 
 /// Camera from views of a board whose tags lie in one plane. OpenCV's calibrateCamera (Zhang 2000) begins;
 /// bundle adjustment of camera, poses and the board, held by the board's own stated errors, ends, so that
-/// the covariance counts these too. k3 stays 0 unless the views show it by four standard deviations. Views
-/// and tags that contradict the others are left out: at most a third. The errors of the camera are as large
-/// as the covariance moves the image wherever it was covered; distortion takes what the others do not
-/// explain. The errors of views held out are found by `folds` further calibrations.
+/// the covariance counts these too; how far blur moves the edges of all tags alike is one more unknown. k3
+/// stays 0 unless the views show it by four standard deviations. Views and tags that contradict the others
+/// are left out: at most a third. The errors of the camera are as large as the covariance moves the image
+/// wherever it was covered; distortion takes what the others do not explain. The errors of views held out are
+/// found by `folds` further calibrations.
 ///
 /// A fisheye begins as the equidistant one (k1 to k4 all 0, the principal point in the middle) whose focal
 /// length, of those that show 35 to 125 degrees in the corners, explains the views best, each with a pose of
