@@ -95,6 +95,7 @@ class FreeSpaceMap {
   void note_damaged_recording(std::size_t records);
 
   /// Integrates a scan by ray carving (OctoMap's traversal); in `safe` integration less is freed.
+  /// @throws std::invalid_argument for a sensor's pose that is finite and not rigid: scaled or mirrored.
   ScanCounts insert(const Scan& scan, const ScanFilter& filter = {});
 
   const MapOptions& options() const;

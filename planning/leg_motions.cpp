@@ -15,7 +15,7 @@ LegMotions::LegMotions(const ConfigurationSpace& space, const Plan& plan) {
     if (const auto known = plan.policies.find(object); known != plan.policies.end()) policies.insert(*known);
     scene_ = std::make_unique<PickScene>(space, *plan.pick, policies);
     for (const LegLoad& load : plan.loads)
-      if (load.load.name == object) scene_->hold(load.load.link_from_load);
+      if (load.load.name == object) scene_->hold(load.load.link_from_load, std::nullopt);
     list_legs_of_pick(plan);
   } else {
     list_loaded_legs(space, plan);

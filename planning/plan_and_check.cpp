@@ -69,7 +69,7 @@ void require_fields(const PlanQuery& query) {
 /// The space of each leg: of the robot with the loads that ride on it. Legs with the same loads share one.
 class LegSpaces {
  public:
-  explicit LegSpaces(const PlanQuery& query) {
+  explicit LegSpaces(const PlanQuery& query) : query_(query) {
     std::map<std::vector<std::string>, const ConfigurationSpace*> known = {{{}, &query.space}};
     for (std::size_t leg = 0; leg < query.goals.size(); ++leg) {
       Robot robot = robot_of_leg(query.space.robot(), query.loads, static_cast<int>(leg));
@@ -84,7 +84,19 @@ class LegSpaces {
     }
   }
 
-  const ConfigurationSpace& of(std::size_t leg) const { return *of_leg_[leg]; }
+  /// The joints that hold a load stand as they do where the leg starts.
+  const ConfigurationSpace& of(std::size_t leg, const Configuration& from) const {
+    const ConfigurationSpace& space = *of_leg_[leg];
+    const bool is_held =
+        std::any_of(space.robot().loads.begin(), space.robot().loads.end(),
+                    [&](const Load& load) { return !grip_joints(space.robot(), load).empty(); });
+    if (!is_held) return space;
+    for (const Gripped& known : gripped_)
+      if (known.loose == &space && grip_violation(space.robot(), known.from, from).empty())
+        return *known.space;
+    gripped_.push_back({&space, from, loaded_space(query_, with_still_grip(space.robot(), from))});
+    return *gripped_.back().space;
+  }
 
   /// Of every part, loads included.
   std::map<std::string, Policy> policies() const {
@@ -105,8 +117,15 @@ class LegSpaces {
                                                 query.space.options());
   }
 
+  struct Gripped {
+    const ConfigurationSpace* loose;
+    Configuration from;
+    std::unique_ptr<ConfigurationSpace> space;
+  };
+  const PlanQuery& query_;
   std::vector<std::unique_ptr<ConfigurationSpace>> owned_;
   std::vector<const ConfigurationSpace*> of_leg_;
+  mutable std::vector<Gripped> gripped_;
 };
 
 /// A robot whose file gives links that move no mass costs nothing, or too little, which is no answer.
@@ -128,7 +147,14 @@ void report_step_beyond_way(const PlannerOptions& in_force, PlanResult& leg) {
 void plan_legs(const PlanQuery& query, const Planner& planner, const LegSpaces& spaces, Plan& plan) {
   Configuration from = query.start;
   for (const Configuration& goal : query.goals) {
-    const ConfigurationSpace& space = spaces.of(plan.legs.size());
+    const ConfigurationSpace& space = spaces.of(plan.legs.size(), from);
+    if (const std::string moved = grip_violation(space.robot(), from, goal); !moved.empty()) {
+      PlanResult refused;
+      refused.status = PlanStatus::goal_invalid;
+      refused.explanation = "The goal: " + moved + ".";
+      plan.legs.push_back(std::move(refused));
+      break;
+    }
     planner.prepare(space);
     const ThreadStopwatch cpu(plan.cpu_s);
     const auto begin = Clock::now();
@@ -164,17 +190,19 @@ void survey(const SurveyDemands& demands, const ConfigurationSpace& space, Plan&
 /// the sentence to the leg's explanation.
 void advise(const PlanQuery& query, const Planner& planner, const LegSpaces& spaces, Plan& plan) {
   const std::size_t failed = plan.legs.size() - 1;
-  const PathCost cost = path_cost(query, spaces.of(failed).robot());
   const Configuration start = failed == 0 ? query.start : plan.legs[failed - 1].waypoints.back();
+  const ConfigurationSpace& space = spaces.of(failed, start);
+  if (!grip_violation(space.robot(), start, query.goals[failed]).empty()) return;
+  const PathCost cost = path_cost(query, space.robot());
   const bool follows_lattice = planner.name() == "beam" || planner.name() == "beam_reference";
   const auto begin = Clock::now();
   const double limit = std::min(query.advice_time, query.time_limit);
   PaintAdvice advice;
   try {
-    advice = advise_paint(planner,
-                          {spaces.of(failed), cost, start, query.goals[failed], query.seed,
-                           [&] { return seconds_since(begin) > limit; }},
-                          follows_lattice);
+    advice = advise_paint(
+        planner,
+        {space, cost, start, query.goals[failed], query.seed, [&] { return seconds_since(begin) > limit; }},
+        follows_lattice);
   } catch (const std::invalid_argument&) {
     return;  // beam_guided cannot search for this robot: no advice, and the plan stays as it is
   }

@@ -217,7 +217,8 @@ void TeachSession::choose_placing(const TeachEvent& event, std::string& remark) 
   Pick pick = *choice_.pick;
   pick.map_from_place = tip_pose(robot, q) * pick.object_from_tip.inverse();
   PickScene scene(*space, pick, {});
-  scene.hold(map_from_link(robot, *choice_.grasp, pick.object.link).inverse() * pick.map_from_object);
+  scene.hold(map_from_link(robot, *choice_.grasp, pick.object.link).inverse() * pick.map_from_object,
+             *choice_.grasp);
   const Verdict verdict = scene.lowering().check(q);
   if (!verdict.is_free()) refuse(verdict.sentence());
   remember("place");

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
+#include "mapping/rigid_pose.hpp"
 #include "mapping/scans/compare_hits.hpp"
 #include "mapping/scans/point_batch.hpp"
 #include "mapping/scans/safe_scan.hpp"
@@ -154,6 +156,9 @@ ScanRays& choose_rays(const FusedTree& tree, const Scan& scan, const ScanFilter&
     counts.origin_invalid = true;
     return workspace.chosen;
   }
+  if (!is_rotation(scan.map_from_sensor.linear(), 1e-4))
+    throw std::invalid_argument(
+        "scan: map_from_sensor is no rigid pose: expected a rotation without scale or mirror");
   const std::vector<Eigen::Vector3f>& points = whole ? scan.points : kept.points;
   const Eigen::Isometry3d pose = whole ? scan.map_from_sensor : Eigen::Isometry3d::Identity();
   const auto workers = static_cast<std::size_t>(insertion.threads);

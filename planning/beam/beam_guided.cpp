@@ -33,7 +33,8 @@ std::vector<double> strides(const Robot& robot, double stride) {
   for (const Joint& joint : robot.joints) {
     const bool turns = joint.kind == JointKind::revolute;
     const double own = joint.step > 0.0 ? joint.step : turns ? 0.008726646259971648 : 0.005 * robot.scale;
-    steps.push_back(std::min(stride * own, joint.upper - joint.lower));
+    const double range = joint.upper - joint.lower;  // 0: it stands, whatever its step
+    steps.push_back(range > 0.0 ? std::min(stride * own, range) : stride * own);
   }
   return steps;
 }

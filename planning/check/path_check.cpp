@@ -269,6 +269,26 @@ std::string malformed(const Robot& robot, const std::vector<Configuration>& path
   return {};
 }
 
+/// Empty, or the sentence that a joint which holds a load moves on the way.
+std::string let_go(const Robot& robot, const check::KdlArm& arm, const std::vector<Configuration>& path,
+                   const std::vector<Eigen::VectorXd>& deviations) {
+  constexpr double still = 1e-6;  // rad, m
+  for (const Load& load : robot.loads) {
+    for (const int j : arm.joints_that_hold(robot, load)) {
+      for (std::size_t i = 0; i < path.size(); ++i) {
+        const double aside = deviations.empty() ? 0.0 : deviations[std::min(i, deviations.size() - 1)][j];
+        if (std::abs(path[i][j] - path[0][j]) + aside <= still) continue;
+        std::ostringstream text;
+        text.imbue(std::locale::classic());
+        text << "joint " << quote(robot.joints[static_cast<std::size_t>(j)].name) << " moves by "
+             << std::abs(path[i][j] - path[0][j]) + aside << " while it holds load " << quote(load.name);
+        return text.str();
+      }
+    }
+  }
+  return {};
+}
+
 void require_deviations(const std::vector<Configuration>& path,
                         const std::vector<Eigen::VectorXd>& deviations) {
   if (deviations.empty()) return;
@@ -307,6 +327,8 @@ PathVerdict check_tubes(const Robot& robot, const Snapshot& map,
     const Robot stated = check::with_stated_loads(robot);
     const check::KdlArm arm(stated);
     if (!robot.source.empty() || !robot.loads.empty()) check::require_same_poses(robot, arm);
+    verdict.first_contact = let_go(stated, arm, waypoints, deviations);
+    if (!verdict.first_contact.empty()) return verdict;
     return Checker(stated, arm, map, policies, padding, waypoints, distance_cap, seen_within, deviations)
         .run();
   } catch (const check::FileDisagrees& error) {

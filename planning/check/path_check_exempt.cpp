@@ -20,7 +20,7 @@ using Names = std::pair<std::string, std::string>;
 
 constexpr int sampled = 200;           ///< configurations
 constexpr double nearly_always = 0.9;  ///< of them; the planner's own samples are others, and 95 % of them
-constexpr int most_looks = 100;  ///< what they leave open is tested along the path
+constexpr int most_looks = 100;        ///< what they leave open is tested along the path
 
 /// What the SRDF says of pairs of links, read again.
 class SrdfPairs {
@@ -139,6 +139,7 @@ std::set<std::pair<std::size_t, std::size_t>> justified_exemptions(const Robot& 
   std::vector<Pair> open;
   for (const auto& [first, second] : robot.exempt) {
     const Pair pair{static_cast<std::size_t>(first), static_cast<std::size_t>(second)};
+    if (std::max(pair.a, pair.b) >= robot.bodies.size()) continue;
     if (!arm.may_touch(pair.a, pair.b)) continue;
     if (robot.source.empty() || arm.are_neighbours(pair.a, pair.b))
       justified.emplace(pair.a, pair.b);

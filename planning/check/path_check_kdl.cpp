@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <kdl/frames.hpp>
 #include <kdl/segment.hpp>
+#include <map>
 #include <numbers>
+#include <set>
 
 #include "planning/check/path_check_links.hpp"
 #include "planning/check/path_check_model.hpp"
@@ -207,6 +209,42 @@ bool KdlArm::are_neighbours(std::size_t a, std::size_t b) const {
   return std::none_of(way.begin(), way.end(), [&](int i) {
     return i != links[a] && i != links[b] && std::find(links.begin(), links.end(), i) != links.end();
   });
+}
+
+std::vector<int> KdlArm::joints_that_hold(const Robot& robot, const Load& load) const {
+  // Of each joint the links that it moves, by the first of them on their way from the root.
+  const std::size_t links = chains_->model.links.size();
+  std::vector<std::map<int, int>> above(links);  // joint: the link at which it first moves
+  for (std::size_t i = 0; i < links; ++i) {      // parents come first
+    const KdlLink& at = chains_->model.links[i];
+    if (at.parent >= 0) above[i] = above[static_cast<std::size_t>(at.parent)];
+    if (at.joint >= 0 && at.multiplier != 0.0) above[i].emplace(at.joint, static_cast<int>(i));
+  }
+  std::vector<bool> holds(links, false), is_body(links, false);
+  std::size_t carrier = links;
+  for (std::size_t i = 0; i < links; ++i) {
+    const std::string& name = robot.links[i].name;
+    if (name == load.link) carrier = i;
+    holds[i] =
+        name == load.link || std::find(load.touches.begin(), load.touches.end(), name) != load.touches.end();
+  }
+  for (std::size_t b = 0; b < own_bodies(robot); ++b)
+    is_body[static_cast<std::size_t>(chains_->body_link[b])] = true;
+  std::vector<int> held;
+  if (carrier == links || above[carrier].empty()) return held;
+  for (int j = 0; j < static_cast<int>(robot.dof()); ++j) {
+    const auto tip = static_cast<std::size_t>(robot.tip_link);
+    if (above[tip].contains(j) && (!holds[tip] || tip == carrier)) continue;
+    std::set<int> ways;  // in which it moves what holds the load
+    bool moves_others = false;
+    for (std::size_t i = 0; i < links; ++i) {
+      const auto way = above[i].find(j);
+      if (holds[i]) ways.insert(way == above[i].end() ? -1 : way->second);
+      moves_others |= is_body[i] && !holds[i] && way != above[i].end();
+    }
+    if (ways.size() > 1 && !moves_others) held.push_back(j);
+  }
+  return held;
 }
 
 std::pair<double, double> KdlArm::range(const Joint& joint, std::size_t number) const {

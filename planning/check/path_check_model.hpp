@@ -58,6 +58,9 @@ class KdlArm {
   bool are_neighbours(std::size_t a, std::size_t b) const;
   /// The link that the only joint between two bodies moves; null: there is none, or more than one.
   const KdlLink* only_joint_between(std::size_t a, std::size_t b) const;
+  /// The joints of the configuration that hold the load, as grip_joints (planning/robot/load.hpp) says. Found
+  /// by walking KDL's links. @param robot with the load
+  std::vector<int> joints_that_hold(const Robot& robot, const Load& load) const;
   /// A joint's limits; of one that turns without end half a turn to either side of the slowest link that it
   /// moves. `number`: its index.
   std::pair<double, double> range(const Joint& joint, std::size_t number) const;

@@ -68,11 +68,16 @@ PickScene::PickScene(const ConfigurationSpace& space, const Pick& pick,
   with_load(space.robot(), load_);
 }
 
-void PickScene::hold(const Eigen::Isometry3d& link_from_load) {
+void PickScene::hold(const Eigen::Isometry3d& link_from_load, const std::optional<Configuration>& grasp) {
   constexpr double same = 5e-6;  // m, rad
-  if (carrying_ && (load_.link_from_load.matrix() - link_from_load.matrix()).cwiseAbs().maxCoeff() <= same)
-    return;
+  const bool is_there =
+      carrying_ && (load_.link_from_load.matrix() - link_from_load.matrix()).cwiseAbs().maxCoeff() <= same;
+  const bool is_held_alike =
+      grasp_.has_value() == grasp.has_value() &&
+      (!grasp || (carrying_ && grip_violation(carrying_->robot(), *grasp_, *grasp).empty()));
+  if (is_there && is_held_alike) return;
   load_.link_from_load = link_from_load;
+  grasp_ = grasp;
   carrying_.reset();
   lifting_.reset();
   lowering_.reset();
@@ -85,14 +90,12 @@ const ConfigurationSpace& PickScene::grasping() {
   return space_of(grasping_, with_standing(pick_.map_from_object, true), without_object_);
 }
 const ConfigurationSpace& PickScene::bare() { return space_of(bare_, space_.robot(), without_object_); }
-const ConfigurationSpace& PickScene::carrying() {
-  return space_of(carrying_, with_load(space_.robot(), load_), without_object_);
-}
+const ConfigurationSpace& PickScene::carrying() { return space_of(carrying_, loaded(), without_object_); }
 const ConfigurationSpace& PickScene::lifting() {
-  return space_of(lifting_, with_load(space_.robot(), load_), without_layer(pick_.map_from_object));
+  return space_of(lifting_, loaded(), without_layer(pick_.map_from_object));
 }
 const ConfigurationSpace& PickScene::lowering() {
-  return space_of(lowering_, with_load(space_.robot(), load_), without_layer(pick_.map_from_place));
+  return space_of(lowering_, loaded(), without_layer(pick_.map_from_place));
 }
 const ConfigurationSpace& PickScene::releasing() {
   return space_of(releasing_, with_standing(pick_.map_from_place, true), without_object_);
@@ -109,6 +112,11 @@ const ConfigurationSpace& PickScene::space_of(Kept& kept, const Robot& robot, co
     policies.parts.insert(*given);
   kept = std::make_unique<ConfigurationSpace>(robot, map, policies, space_.options());
   return *kept;
+}
+
+Robot PickScene::loaded() const {
+  Robot robot = with_load(space_.robot(), load_);
+  return grasp_ ? with_still_grip(robot, *grasp_) : robot;
 }
 
 /// The object on the robot's root, which nothing moves.

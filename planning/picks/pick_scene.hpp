@@ -2,6 +2,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "planning/problem/pick.hpp"
@@ -25,8 +26,9 @@ class PickScene {
   PickScene(const ConfigurationSpace& space, const Pick& pick,
             const std::map<std::string, Policy>& load_policies);
 
-  /// From now on the robot carries the object there, in the frame of the link that carries it.
-  void hold(const Eigen::Isometry3d& link_from_load);
+  /// From now on the robot carries the object there, in the frame of the link that carries it; the joints
+  /// that hold it (grip_joints) stand as they do at the grasp.
+  void hold(const Eigen::Isometry3d& link_from_load, const std::optional<Configuration>& grasp);
   const Load& load() const { return load_; }
 
   const ConfigurationSpace& before();     ///< approach: the object stands, nothing may touch it
@@ -41,6 +43,7 @@ class PickScene {
  private:
   using Kept = std::unique_ptr<ConfigurationSpace>;
   const ConfigurationSpace& space_of(Kept& kept, const Robot& robot, const Snapshot& map);
+  Robot loaded() const;
   Robot with_standing(const Eigen::Isometry3d& map_from_object, bool may_be_touched) const;
   Snapshot without_layer(const Eigen::Isometry3d& map_from_object) const;
 
@@ -49,6 +52,7 @@ class PickScene {
   std::map<std::string, Policy> load_policies_;
   Snapshot without_object_;
   Load load_;
+  std::optional<Configuration> grasp_;
   Kept before_, grasping_, bare_, carrying_, lifting_, lowering_, releasing_, after_;
 };
 

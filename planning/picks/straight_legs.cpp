@@ -41,7 +41,7 @@ std::optional<Taking> StraightLegs::take(const Hold& grasp, std::string& why) {
   if (!is_path_free(scene_.grasping(), reach)) return std::nullopt;
   const Eigen::Isometry3d turned =
       pick_.map_from_object * Eigen::AngleAxisd(grasp.turn, Eigen::Vector3d::UnitZ());
-  scene_.hold(link_pose(grasp.q).inverse() * turned);
+  scene_.hold(link_pose(grasp.q).inverse() * turned, grasp.q);
   if (!is_contact_free(scene_.lifting(), pick_.map_from_object, up->first)) return std::nullopt;
   if (!is_path_free(scene_.carrying(), up->second)) return std::nullopt;
   return Taking{grasp, reach, joined(up->first, up->second)};

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "mapping/rigid_pose.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -14,8 +15,7 @@ constexpr double longest = 10.0;    ///< m, of approach and lift
 constexpr double most_voxels = 1e7;
 
 bool is_pose(const Eigen::Isometry3d& pose) {
-  const Eigen::Matrix3d turn = pose.linear();
-  return pose.matrix().allFinite() && (turn * turn.transpose()).isIdentity(1e-6) && turn.determinant() > 0.0;
+  return pose.matrix().allFinite() && is_rotation(pose.linear());
 }
 
 bool are_near(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {

@@ -23,7 +23,14 @@ double largest_apart(const Configuration& a, const Configuration& b) {
   return (a - b).lpNorm<Eigen::Infinity>();
 }
 
-/// Within the limits, or a turn either way of `near`.
+/// Whether the joint moves the tip.
+bool moves_tip(const Robot& robot, std::size_t joint) {
+  for (int at = robot.tip_link; at >= 0; at = robot.links[static_cast<std::size_t>(at)].parent)
+    if (robot.links[static_cast<std::size_t>(at)].joint == static_cast<int>(joint)) return true;
+  return false;
+}
+
+/// Within the limits, or a turn either way of `near`; joints that do not move the tip are as `near` has them.
 Configuration random_start(const Robot& robot, const Configuration& near, std::mt19937_64& random) {
   Configuration q = near;
   for (std::size_t j = 0; j < robot.dof(); ++j) {
@@ -31,7 +38,8 @@ Configuration random_start(const Robot& robot, const Configuration& near, std::m
     double& value = q[static_cast<Eigen::Index>(j)];
     const double lower = std::isfinite(joint.lower) ? joint.lower : value - std::numbers::pi;
     const double upper = std::isfinite(joint.upper) ? joint.upper : value + std::numbers::pi;
-    value = lower + (upper - lower) * random_unit(random);
+    const double unit = random_unit(random);
+    if (moves_tip(robot, j)) value = lower + (upper - lower) * unit;
   }
   return q;
 }

@@ -37,7 +37,8 @@ std::vector<Eigen::Isometry3d> poses_of(const GoalPose& goal, int count = 96);
 /// three joints that damped least squares find; else those that these find; from `near` and from `starts`
 /// seeded random configurations. Each once
 /// (differing by more than 1e-3 in some joint), of joints that turn more than once the turn nearest to
-/// `near`. Nearest to `near` first, by the largest difference of a joint.
+/// `near`. Joints that do not move the tip stay as `near` has them. Nearest to `near` first, by the largest
+/// difference of a joint.
 std::vector<Configuration> goal_configurations(const Robot& robot, const Eigen::Isometry3d& map_from_tip,
                                                const Configuration& near, int starts = 64,
                                                std::uint64_t seed = 1);

@@ -6,7 +6,9 @@
 #include <set>
 #include <stdexcept>
 
+#include "mapping/rigid_pose.hpp"
 #include "mapping/system/nearest_name.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/robot/robot.hpp"
 
@@ -43,10 +45,7 @@ void require_sound(const Robot& robot, const Load& load) {
     if (body.part == load.name)
       throw std::invalid_argument(what + ": robot " + quote(robot.name) +
                                   " has a part of that name, expected another one");
-  const Eigen::Matrix3d turn = load.link_from_load.linear();
-  const bool is_turn =
-      turn.allFinite() && (turn * turn.transpose()).isIdentity(1e-6) && turn.determinant() > 0.0;
-  if (!is_turn || !load.link_from_load.translation().allFinite())
+  if (!is_rotation(load.link_from_load.linear()) || !load.link_from_load.translation().allFinite())
     throw std::invalid_argument(what + ", pose: expected finite numbers and a rotation");
   if (!std::isfinite(load.mass) || load.mass < 0.0)
     throw std::invalid_argument(what + ", mass: expected a finite number of kg from 0");
@@ -65,6 +64,14 @@ bool are_alike(const Shape& a, const Shape& b) {
   for (std::size_t i = 0; i < a.vertices().size(); ++i)
     if (!((a.vertices()[i] - b.vertices()[i]).norm() <= same_length)) return false;
   return true;
+}
+
+/// The first link on the way from the root to this one that the joint moves; -1: it does not move it.
+int nearest_moved_by(const Robot& robot, int joint, int at) {
+  int first = -1;
+  for (; at >= 0; at = robot.links[static_cast<std::size_t>(at)].parent)
+    if (robot.links[static_cast<std::size_t>(at)].joint == joint) first = at;
+  return first;
 }
 
 }  // namespace
@@ -105,6 +112,65 @@ Robot robot_of_leg(const Robot& robot, const std::vector<LegLoad>& loads, int le
   for (const LegLoad& load : loads)
     if (load.rides_on(leg)) result = with_load(result, load.load);
   return result;
+}
+
+std::vector<int> grip_joints(const Robot& robot, const Load& load) {
+  const auto link = [&](int i) -> const Link& { return robot.links[static_cast<std::size_t>(i)]; };
+  const auto index_of = [&](const std::string& name) {
+    for (int i = 0; i < static_cast<int>(robot.links.size()); ++i)
+      if (link(i).name == name) return i;
+    return -1;
+  };
+  const auto moves = [&](int joint, int at) {
+    for (; at >= 0; at = link(at).parent)
+      if (link(at).joint == joint && link(at).multiplier != 0.0) return true;
+    return false;
+  };
+  std::set<int> holding = {index_of(load.link)};
+  for (const std::string& name : load.touches) holding.insert(index_of(name));
+  const auto is_a_load = [&](const Body& body) {
+    return std::any_of(robot.loads.begin(), robot.loads.end(),
+                       [&](const Load& known) { return known.name == body.part; });
+  };
+  std::vector<int> grip;
+  bool is_carried = false;
+  for (int j = 0; j < static_cast<int>(robot.dof()); ++j) {
+    is_carried = is_carried || moves(j, index_of(load.link));
+    const auto moved = std::count_if(holding.begin(), holding.end(), [&](int i) { return moves(j, i); });
+    const bool moves_others = std::any_of(robot.bodies.begin(), robot.bodies.end(), [&](const Body& body) {
+      return !holding.contains(body.link) && !is_a_load(body) && moves(j, body.link);
+    });
+    // Fingers that close on one another move all that holds it, and each another way.
+    const bool is_alike =
+        moved == static_cast<std::ptrdiff_t>(holding.size()) && moves(j, index_of(load.link)) &&
+        std::all_of(holding.begin(), holding.end(), [&](int i) {
+          return nearest_moved_by(robot, j, i) == nearest_moved_by(robot, j, index_of(load.link));
+        });
+    const bool is_tip_a_finger = holding.contains(robot.tip_link) && robot.tip_link != index_of(load.link);
+    const bool moves_tip = moves(j, robot.tip_link) && !is_tip_a_finger;
+    if (moved > 0 && !is_alike && !moves_others && !moves_tip) grip.push_back(j);
+  }
+  return is_carried ? grip : std::vector<int>{};
+}
+
+Robot with_still_grip(const Robot& robot, const Eigen::VectorXd& q) {
+  Robot still = robot;
+  for (const Load& load : robot.loads)
+    for (const int j : grip_joints(robot, load)) {
+      Joint& joint = still.joints[static_cast<std::size_t>(j)];
+      joint.lower = joint.upper = q[j];
+    }
+  return still;
+}
+
+std::string grip_violation(const Robot& robot, const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
+  for (const Load& load : robot.loads)
+    for (const int j : grip_joints(robot, load))
+      if (from[j] != to[j])
+        return "joint " + quote(robot.joints[static_cast<std::size_t>(j)].name) + " holds load " +
+               quote(load.name) + " and cannot move from " + short_text(from[j]) + " to " +
+               short_text(to[j]) + " while it rides";
+  return {};
 }
 
 std::vector<std::string> holders_of(const Robot& robot, const std::string& part) {

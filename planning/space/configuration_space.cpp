@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "mapping/rigid_pose.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/space/collision_model.hpp"
 #include "planning/space/part_policies.hpp"
 #include "planning/space/robot_geometry.hpp"
@@ -28,6 +30,19 @@ void check_options(const SpaceOptions& options) {
   if (!std::isfinite(options.edge_resolution) || options.edge_resolution <= 0.0) {
     throw std::invalid_argument("edge_resolution must be a finite length above 0, in radians or metres");
   }
+}
+
+/// What no file can say, but a robot that was made in memory.
+void check_robot(const Robot& robot) {
+  const auto refuse = [&](const std::string& what) {
+    throw std::invalid_argument("robot " + quote(robot.name) + ": " + what);
+  };
+  if (!is_rotation(robot.map_from_base.linear()) || !robot.map_from_base.matrix().allFinite())
+    refuse("map_from_base is no rigid pose, expected finite numbers and a rotation without scale or mirror");
+  for (const Joint& joint : robot.joints)
+    if (!(joint.lower <= joint.upper))
+      refuse("joint " + quote(joint.name) +
+             " has limits that are none, expected a lower one that is not above the upper");
 }
 
 /// As far as the largest body is wide: farther away, edges are proved in one piece anyway.
@@ -68,6 +83,7 @@ ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies
                                        const SpaceOptions& options)
     : model_(std::make_unique<CollisionModel>(std::move(robot), std::move(map), options)) {
   CollisionModel& model = *model_;
+  check_robot(model.given);
   const std::shared_ptr<const RobotGeometry> geometry = robot_geometry(model.given);
   model.robot = model.given;
   model.robot.bodies = geometry->robot.bodies;

@@ -150,7 +150,7 @@ bool are_ends_possible(const ConfigurationSpace& space, const Pick& pick, const 
     for (const Configuration& q : goal_configurations(robot, object * pick.object_from_tip, start, 128, 7)) {
       if (!there.is_free(q) || !can_go(robot, q, back, there, 0.0, there)) continue;
       const LinkPoses poses = forward_kinematics(robot, q);
-      scene.hold(poses[static_cast<std::size_t>(robot.tip_link)].inverse() * object);
+      scene.hold(poses[static_cast<std::size_t>(robot.tip_link)].inverse() * object, q);
       if (can_go(robot, q, up, is_grasp ? scene.lifting() : scene.lowering(), contact, scene.carrying()))
         return true;
     }

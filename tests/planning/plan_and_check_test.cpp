@@ -11,11 +11,13 @@
 #include "mapping/free_space_map.hpp"
 #include "planning/auto_planner.hpp"
 #include "planning/beam/beam.hpp"
+#include "planning/check/check_legs.hpp"
 #include "planning/check/path_check.hpp"
 #include "planning/planner_table.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/sampling/rrtconnect.hpp"
 #include "tests/worlds/beam_world.hpp"
+#include "tests/worlds/urdf_robots.hpp"
 
 namespace clearway {
 namespace plan_and_check_test {
@@ -165,6 +167,54 @@ TEST(PlanAndCheck, TheFirstLegThatFailsEndsThePlanAndTheCheckCoversTheLegsBefore
   EXPECT_EQ(plan.waypoints().back(), above);
   EXPECT_TRUE(plan.validation.valid);
   EXPECT_EQ(plan.goals.size(), 3U);
+}
+
+/// Round a post, with a can between the fingers: whatever the planner, they stay as they are; who opens them
+/// is refused. On a leg without the load they move.
+TEST(PlanAndCheck, FingersStandStillWhileTheyHoldALoad) {
+  const worlds::UrdfRobot gripper = worlds::gripper();
+  const VoxelScene scene{0.05, {box_of(-0.1, -0.3, 0.0, 0.1, 0.3, 0.5)}, {}, {}};
+  const ConfigurationSpace space(gripper.robot(), scene.snapshot(), anywhere_but_occupied());
+  Load can;
+  can.name = "can";
+  can.link = "tcp";
+  can.shape = Shape::cylinder(0.02, 0.1);
+  can.touches = {"left", "right", "palm"};
+  const auto at = [](double x, double grip) {
+    return (Configuration(5) << x, 0.0, 0.3, 0.0, grip).finished();
+  };
+  int solved = 0;
+  for (const PlannerEntry& entry : planner_table()) {
+    const Plan plan = plan_and_check({.space = space,
+                                      .start = at(-0.5, 0.01),
+                                      .goals = {at(0.5, 0.01), at(0.7, 0.03)},
+                                      .planner = make_planner(entry.name),
+                                      .time_limit = 5.0,
+                                      .loads = {{can, {0}}},
+                                      .survey = std::nullopt,
+                                      .advice_time = 0.0});
+    if (plan.status() != PlanStatus::solved) continue;
+    ++solved;
+    EXPECT_TRUE(plan.is_proved()) << entry.name << plan.validation.first_contact;
+    for (const Configuration& q : plan.legs[0].waypoints) EXPECT_EQ(q[4], 0.01) << entry.name;
+    EXPECT_NEAR(plan.legs[1].waypoints.back()[4], 0.03, 0.011) << entry.name;
+    Plan opened = plan;
+    ASSERT_GT(opened.legs[0].waypoints.size(), 2U);
+    opened.legs[0].waypoints[1][4] += 0.005;
+    const PathVerdict verdict = check_legs(legs_of(opened, space.robot(), space.map()), opened.policies, 0.0);
+    EXPECT_FALSE(verdict.valid) << entry.name;
+    EXPECT_NE(verdict.first_contact.find("joint 'grip' moves by"), std::string::npos)
+        << verdict.first_contact;
+  }
+  EXPECT_GE(solved, 4);
+  const Plan refused = plan_and_check({.space = space,
+                                       .start = at(-0.5, 0.01),
+                                       .goals = {at(0.5, 0.02)},
+                                       .loads = {{can, {}}},
+                                       .survey = std::nullopt});
+  EXPECT_EQ(refused.status(), PlanStatus::goal_invalid);
+  EXPECT_NE(refused.explanation().find("holds load 'can' and cannot move"), std::string::npos)
+      << refused.explanation();
 }
 
 TEST(PlanAndCheck, SaysWherePaintingWouldConnectStartAndGoalUnlessNoTimeIsGivenForIt) {

@@ -94,6 +94,26 @@ inline UrdfRobot scissors() {
           urdf_joint("right_turn", "revolute", "base", "right", "0.5 0 0", "0 0 1", urdf_limit(-1.5, 1.5))};
 }
 
+/// A gantry along x, y and z with a palm that turns about z and two fingers under it, the second of which
+/// follows the first: 0.02 m more than the joint `grip` from the middle. Its tip is the frame between them.
+inline UrdfRobot gripper() {
+  const std::string finger = "<box size='0.08 0.01 0.02'/>";  // turned as urdf_link turns it: 0.08 along z
+  return {"gripper",
+          urdf_link("base", "0 0 1.6", "<sphere radius='0.05'/>") + "<link name='x'/><link name='y'/>" +
+              urdf_link("mast", "0 0 0.25", "<box size='0.3 0.04 0.04'/>") +
+              urdf_link("palm", "0 0 0", "<box size='0.02 0.14 0.04'/>") +
+              urdf_link("left", "0 0 0", finger) + urdf_link("right", "0 0 0", finger) +
+              "<link name='tcp'/>" +
+              urdf_joint("jx", "prismatic", "base", "x", "0 0 0", "1 0 0", urdf_limit(-1, 1)) +
+              urdf_joint("jy", "prismatic", "x", "y", "0 0 0", "0 1 0", urdf_limit(-1, 1)) +
+              urdf_joint("jz", "prismatic", "y", "mast", "0 0 0", "0 0 1", urdf_limit(0, 1)) +
+              urdf_joint("turn", "revolute", "mast", "palm", "0 0 0", "0 0 1", urdf_limit(-1.5, 1.5)) +
+              urdf_joint("grip", "prismatic", "palm", "left", "0 0.02 -0.06", "0 1 0", urdf_limit(0, 0.04)) +
+              urdf_joint("follow", "prismatic", "palm", "right", "0 -0.02 -0.06", "0 -1 0",
+                         urdf_limit(0, 0.04) + "<mimic joint='grip'/>") +
+              urdf_joint("middle", "fixed", "palm", "tcp", "0 0 -0.08", "0 0 1", "")};
+}
+
 /// A tool of which one body, a box, sweeps a ring about the joint or slides along x, past a ball that stands
 /// beside the base, `post` from the axis.
 class Ring {

@@ -5,6 +5,8 @@
 #include <limits>
 #include <set>
 
+#include "planning/check/path_check_links.hpp"
+#include "planning/check/path_check_model.hpp"
 #include "planning/problem/path_cost.hpp"
 #include "planning/robot/kinematics.hpp"
 #include "planning/robot/robot.hpp"
@@ -12,6 +14,7 @@
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/space/part_policies.hpp"
 #include "tests/worlds/random_world.hpp"
+#include "tests/worlds/urdf_robots.hpp"
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
@@ -67,6 +70,73 @@ TEST(Load, MayTouchWhatHoldsItAndNothingElse) {
     if (touches) own.erase("link5");
     EXPECT_EQ(tested, own);
   }
+}
+
+int index_of(const Robot& robot, const std::string& link) {
+  for (std::size_t i = 0; i < robot.links.size(); ++i)
+    if (robot.links[i].name == link) return static_cast<int>(i);
+  return -1;
+}
+
+TEST(Load, IsHeldByTheJointsThatMoveFingersAlone) {
+  const worlds::UrdfRobot made = worlds::gripper();
+  Robot robot = made.robot();
+  robot.tip_link = index_of(robot, "tcp");
+  ASSERT_EQ(robot.joints[4].name, "grip");
+  const auto grip = [&](const std::string& link, const std::vector<std::string>& touches) {
+    Load load = can(link);
+    load.touches = touches;
+    return grip_joints(robot, load);
+  };
+  const std::vector<int> fingers{4}, none;
+  EXPECT_EQ(grip("palm", {"left", "right"}), fingers);
+  EXPECT_EQ(grip("tcp", {"left"}), none);  // the other finger, which moves with it, holds nothing
+  EXPECT_EQ(grip("tcp", {"left", "right"}), fingers);
+  EXPECT_EQ(grip("left", {"right", "palm"}), fingers);
+  EXPECT_EQ(grip("palm", {"mast", "left", "right"}), fingers);
+  EXPECT_EQ(grip("palm", {}), none);
+  EXPECT_EQ(grip("palm", {"mast"}), none);
+  EXPECT_EQ(grip("base", {"left", "right"}), none);  // it stands
+  Load load = can("palm");
+  load.touches = {"left", "right"};
+  const Robot loaded = with_load(robot, load);
+  const Configuration q = Configuration::Constant(5, 0.03);
+  const Robot still = with_still_grip(loaded, q);
+  EXPECT_EQ(still.joints[4].lower, 0.03);
+  EXPECT_EQ(still.joints[4].upper, 0.03);
+  EXPECT_EQ(still.joints[3].lower, robot.joints[3].lower);
+  Configuration other = q;
+  other[2] = 0.5;
+  EXPECT_EQ(grip_violation(loaded, q, other), "");
+  EXPECT_EQ(grip_violation(robot, q, other), "");
+  other[4] = 0.02;
+  EXPECT_EQ(grip_violation(loaded, q, other),
+            "joint 'grip' holds load 'can' and cannot move from 0.03 to 0.02 while it rides");
+}
+
+/// The planner's way to find them and the check's own.
+TEST(Load, IsHeldByTheSameJointsForTheCheck) {
+  Random random(7);
+  const worlds::UrdfRobot gripper = worlds::gripper(), scissors = worlds::scissors(), whip = worlds::whip();
+  std::vector<Robot> robots{gripper.robot(), scissors.robot(), whip.robot()};
+  for (const char* name : {"panda", "arm6"}) robots.push_back(load_robot(name));
+  std::size_t held = 0;
+  for (int i = 0; i < 400; ++i) {
+    Robot robot = robots[static_cast<std::size_t>(i) % robots.size()];
+    const auto any = [&] {
+      return static_cast<std::size_t>(random.between(0.0, static_cast<double>(robot.links.size()) - 1e-9));
+    };
+    if (i % 3 == 0) robot.tip_link = static_cast<int>(any());
+    Load load = can(robot.links[any()].name);
+    for (double share = random.unit(); random.unit() < 0.7 && share < 0.9;)
+      load.touches.push_back(robot.links[any()].name);
+    const Robot loaded = with_load(robot, load);
+    const std::vector<int> expected = grip_joints(loaded, load);
+    EXPECT_EQ(check::KdlArm(loaded).joints_that_hold(loaded, load), expected) << i << " " << robot.name;
+    EXPECT_EQ(grip_joints(robot, load), expected);
+    held += expected.size();
+  }
+  EXPECT_GT(held, 20U);
 }
 
 /// A load whose centre is at the tip costs what a payload there costs, whatever the scale.
