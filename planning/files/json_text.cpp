@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <stdexcept>
 #include <vector>
 
@@ -28,8 +29,11 @@ class SizeLimit {
   bool binary(AnyJson::binary_t&) { return value(); }
   bool start_object(std::size_t) { return open(Place::object_start); }
   bool start_array(std::size_t) { return open(Place::array_start); }
-  bool key(AnyJson::string_t&) {
+  bool key(AnyJson::string_t& key) {
     open_.back() = Place::after_key;
+    if (!keys_.back().insert(key).second)
+      throw std::invalid_argument(name_ + " has key " + quote(shortened(key)) +
+                                  " twice in one object, expected it once");
     return true;
   }
   bool end_object() { return close(); }
@@ -58,10 +62,12 @@ class SizeLimit {
     if (++containers_ > most_containers) refuse_size("1,000,000 arrays and objects");
     if (open_.size() > deepest) refuse_size("64 arrays and objects inside each other");
     open_.push_back(place);
+    keys_.emplace_back();
     return true;
   }
   bool close() {
     open_.pop_back();
+    keys_.pop_back();
     return true;
   }
 
@@ -122,6 +128,7 @@ class SizeLimit {
   std::string_view text_;
   const std::string& name_;
   std::vector<Place> open_{Place::start};
+  std::vector<std::set<std::string>> keys_;  ///< of each open object
   std::size_t values_ = 0, containers_ = 0;
 };
 

@@ -35,6 +35,15 @@ TEST(JsonText, names_the_place_and_what_should_have_come_there) {
   EXPECT_EQ(refusal("[1e999]"), at(1, 2, "a number that is not too large"));
 }
 
+/// Of a key that an object has twice readers take the one or the other.
+TEST(JsonText, a_key_that_an_object_has_twice_is_named) {
+  EXPECT_EQ(refusal("{\"a\": {\"x\": 1}, \"b\": {\"x\": 1, \"y\": 2, \"x\": 3}}"),
+            "'p.json' has key 'x' twice in one object, expected it once");
+  EXPECT_EQ(refusal("{\"a\": 1, \"\\u0061\": 1}"),
+            "'p.json' has key 'a' twice in one object, expected it once");
+  EXPECT_EQ(refusal("[{\"a\": {\"a\": 1}}, {\"a\": 1, \"A\": 1}]"), "accepted");
+}
+
 TEST(JsonText, bytes_that_are_no_utf8_are_located) {
   EXPECT_EQ(refusal("{\"a\": \"caf\xe9\"}"), at(1, 11, "text in UTF-8"));
   EXPECT_EQ(refusal("{\n\"\xff\": 1}"), at(2, 2, "text in UTF-8"));
