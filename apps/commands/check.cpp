@@ -14,6 +14,7 @@
 #include "planning/files/plan_file.hpp"
 #include "planning/planned_motion.hpp"
 #include "planning/robot_files/load_robot.hpp"
+#include "planning/robot_files/srdf_file.hpp"
 
 namespace clearway {
 
@@ -84,6 +85,7 @@ int run_check(const CheckOptions& options, Console& console) {
   plan =
       trajectory ? plan_of_trajectory(*trajectory, robot, options.plan) : in_order_of(robot, std::move(plan));
   const Snapshot map = load_map(options.map, options.cloud_resolution);
+  for (const std::string& note : srdf_notes(robot)) console.warn("note: " + note);
   if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
     console.warn("note: " + remark);
   const std::string cloud = cloud_remark(options.map, map, options.cloud_resolution.has_value());

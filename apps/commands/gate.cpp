@@ -16,6 +16,7 @@
 #include "mapping/stamps/seen_stamps.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/files/gate_line.hpp"
+#include "planning/robot_files/srdf_file.hpp"
 #include "planning/survey/path_survey.hpp"
 
 namespace clearway {
@@ -89,6 +90,7 @@ int run_gate(const GateCommandOptions& options, Console& console) {
   joint_limits(robot, gate_terms.limits);  // throws before the map is read
   Gate gate(gate_terms);
   const Snapshot map = load_map(options.map, options.cloud_resolution);
+  for (const std::string& note : srdf_notes(robot)) console.warn("note: " + note);
   if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
     console.warn("note: " + remark);
   const std::string cloud = cloud_remark(options.map, map, options.cloud_resolution.has_value());

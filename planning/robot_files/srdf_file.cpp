@@ -30,6 +30,7 @@ class SrdfReader {
 
   Srdf read(const XmlElement& robot) {
     check_names(robot);
+    srdf_.robot = optional(robot, "name");
     each(robot, "group", [&](const XmlElement& e) { add_group(e); });
     each(robot, "group_state", [&](const XmlElement& e) { add_state(e); });
     each(robot, "end_effector", [&](const XmlElement& e) {
@@ -255,6 +256,27 @@ std::vector<std::pair<std::string, std::string>> untested_pairs(const Srdf& srdf
   for (const auto& [first, second] : srdf.disabled)
     if (known.contains(first) && known.contains(second)) pairs.insert(std::minmax(first, second));
   return {pairs.begin(), pairs.end()};
+}
+
+std::vector<std::string> srdf_notes(const Robot& robot) {
+  std::vector<std::string> notes;
+  if (robot.srdf.empty()) return notes;
+  const Srdf srdf = read_srdf(robot.srdf);
+  const std::string called = "the SRDF " + quote_path(robot.srdf.string());
+  if (!srdf.robot.empty() && !robot.model.empty() && srdf.robot != robot.model)
+    notes.push_back(called + " is for robot " + quote(srdf.robot) + ", the URDF's robot is called " +
+                    quote(robot.model));
+  std::set<std::string> unknown(srdf.disabled_links.begin(), srdf.disabled_links.end());
+  for (const auto* pairs : {&srdf.disabled, &srdf.enabled})
+    for (const auto& [first, second] : *pairs) unknown.insert({first, second});
+  for (const Link& link : robot.links) unknown.erase(link.name);
+  if (!unknown.empty())
+    notes.push_back(called + " names " + std::to_string(unknown.size()) +
+                    (unknown.size() == 1 ? " link" : " links") +
+                    " in pairs without a test that the robot does "
+                    "not have: " +
+                    listed({unknown.begin(), unknown.end()}));
+  return notes;
 }
 
 std::set<std::string> joints_of_group(const Robot& robot, const Srdf& srdf, const std::string& group,

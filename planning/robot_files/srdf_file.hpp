@@ -13,6 +13,7 @@ namespace clearway {
 
 /// A SRDF, MoveIt's companion of a URDF (wiki.ros.org/srdf), as it is written: names are not looked up.
 struct Srdf {
+  std::string robot;  ///< that it says it is for
   struct Group {
     std::vector<std::string> links;  ///< each stands for the joint above it
     std::vector<std::string> joints;
@@ -45,6 +46,11 @@ Srdf read_srdf(const std::filesystem::path& file);
 /// a hand that is not mounted, add nothing.
 std::vector<std::pair<std::string, std::string>> untested_pairs(const Srdf& srdf,
                                                                 const std::vector<std::string>& links);
+
+/// What makes one doubt that the robot's SRDF is of this robot, a sentence each: it is for one of another
+/// name than the URDF's, or its pairs that need no test name links that the robot does not have. None without
+/// a SRDF. @throws as read_srdf
+std::vector<std::string> srdf_notes(const Robot& robot);
 
 /// Names of the robot's joints that a group moves: those of its chains (between base and tip), joints, the
 /// joints above its links, and those of its subgroups; fixed, mimic and passive joints are left out.

@@ -275,5 +275,22 @@ TEST_F(Group, ValuesThatMustBeDegreesAreRefused) {
   EXPECT_EQ(plan({"--group", "arm", "--start=2.5,0", "--goal=0,0"}).log.find("--degrees"), std::string::npos);
 }
 
+/// A SRDF that was not made for this robot: its pairs may be meant for other links.
+TEST_F(Group, ASrdfOfAnotherRobotIsTold) {
+  folder_.write("arm.srdf",
+                "<robot name='leg'><group name='arm'><chain base_link='base' tip_link='lower'/></group>"
+                "<disable_collisions link1='upper' link2='hand'/></robot>");
+  const CommandRun run =
+      run_command({"plan", "--map", folder_.file("map"), "--robot", folder_.file("arm.urdf"), "--group",
+                   "arm", "--policy", "not_occupied", "--start=0,0", "--goal=0.2,0"});
+  EXPECT_EQ(run.status, exit_done) << run.log;
+  EXPECT_NE(run.log.find("arm.srdf' is for robot 'leg', the URDF's robot is called 'arm'\n"),
+            std::string::npos)
+      << run.log;
+  EXPECT_NE(run.log.find("names 1 link in pairs without a test that the robot does not have: hand\n"),
+            std::string::npos)
+      << run.log;
+}
+
 }  // namespace group_test
 }  // namespace clearway

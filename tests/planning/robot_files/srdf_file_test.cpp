@@ -91,6 +91,26 @@ TEST_F(SrdfFile, AGroupIsItsChainsJointsLinksAndSubgroupsLessWhatIsFixedOrFollow
   EXPECT_EQ(joints(""), (Names{"waist", "lj1", "lj2", "fj1", "rj1", "rj2"}));
 }
 
+TEST_F(SrdfFile, OfAnotherRobotIsToldByItsNameAndByTheLinksOfItsPairs) {
+  EXPECT_EQ(srdf_notes(robot("")),
+            (std::vector<std::string>{"the SRDF '" + srdf_ +
+                                      "' names 1 link in pairs without a test that the "
+                                      "robot does not have: a_camera"}));
+  const std::string other = folder_.write(
+      "other.srdf",
+      "<robot name='three'><disable_collisions link1='l1' link2='r3'/>"
+      "<disable_default_collisions link='r4'/><enable_collisions link1='r5' link2='r3'/></robot>");
+  EXPECT_EQ(srdf_notes(load_robot(RobotRequest{urdf_, other})),
+            (std::vector<std::string>{
+                "the SRDF '" + other + "' is for robot 'three', the URDF's robot is called 'two'",
+                "the SRDF '" + other +
+                    "' names 3 links in pairs without a test that the robot does not have: r3, r4, r5"}));
+  const std::string own = folder_.write(
+      "own.srdf", "<robot name='two'><disable_collisions link1='l1' link2='r1' reason='Never'/></robot>");
+  EXPECT_TRUE(srdf_notes(load_robot(RobotRequest{urdf_, own})).empty());
+  EXPECT_TRUE(srdf_notes(load_robot("planar2")).empty()) << "without a SRDF";
+}
+
 TEST_F(SrdfFile, TheCheckFindsTheSameJointsInEveryGroupAndRefusesOthers) {
   for (const char* group : {"left", "across", "right", "links", "hand", "all", "stands", "passive"}) {
     Robot arm = robot(group);
