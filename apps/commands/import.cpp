@@ -52,15 +52,20 @@ ForeignSet read_scenes(const ImportOptions& options, const RobotRequest& request
   for (const std::filesystem::path& file : options.files) {
     std::string text = read_input(file, "scene or request", largest_scene);
     const bool is_text = extension_of(file) == ".scene";
-    if (!is_text && is_request_text(text, file)) {
-      requests.emplace_back(file, std::move(text));
-      continue;
-    }
+    const SceneFileKind kind = is_text ? SceneFileKind::scene : kind_of_scene_file(text, file);
+    if (kind == SceneFileKind::request) requests.emplace_back(file, std::move(text));
+    if (kind == SceneFileKind::neither)
+      set.left_out.push_back(file.filename().string() +
+                             ": neither a scene with 'world' nor a request with 'goal_constraints'");
+    if (kind != SceneFileKind::scene) continue;
     set.worlds.push_back(is_text ? read_scene_text(text, file, context)
                                  : read_planning_scene(text, file, context, set.left_out));
     set.worlds.back().folder = file.parent_path();
   }
-  if (set.worlds.empty()) throw std::invalid_argument("import: no file is a scene, expected at least one");
+  if (set.worlds.empty())
+    throw std::invalid_argument(
+        "import: no file is a scene, expected at least one" +
+        (set.left_out.empty() ? std::string() : " (" + plain(set.left_out.front()) + ")"));
   const std::size_t scenes = set.worlds.size();  // others come behind them
   for (const auto& [file, text] : requests) {
     const std::size_t scene = scene_of(file, {set.worlds.data(), scenes});
@@ -85,9 +90,7 @@ void report(const ImportOptions& options, const ImportOutcome& outcome, Console&
                              {"problems", std::to_string(outcome.problems) + note},
                              {"left out", std::to_string(outcome.left_out.size())}});
   for (const std::string& what : outcome.left_out) console.out() << "    " << plain(what) << '\n';
-  console.out() << "  "
-                << (outcome.suite.empty() ? (options.out / "maps").string() + " (no problems, so no suite)"
-                                          : outcome.suite.string())
+  console.out() << "  " << (outcome.suite.empty() ? (options.out / "maps").string() : outcome.suite.string())
                 << '\n';
 }
 
@@ -107,7 +110,9 @@ int run_import(const ImportOptions& options, Console& console) {
   if (!outcome.suite.empty()) outcome.suite = options.out / outcome.suite.filename();
   folder.publish();
   report(options, outcome, console);
-  return exit_done;
+  if (!outcome.suite.empty()) return exit_done;
+  console.warn("clearway: import: no file is a request, so there are maps and no suite");
+  return exit_no;
 }
 
 Command add_import(CLI::App& app, Console& console) {

@@ -9,6 +9,7 @@
 #include "apps/problem_sets/attached_loads.hpp"
 #include "apps/problem_sets/file_words.hpp"
 #include "apps/problem_sets/goal_choice.hpp"
+#include "apps/problem_sets/goal_joints.hpp"
 #include "apps/problem_sets/own_names.hpp"
 #include "apps/problem_sets/solid_cells.hpp"
 #include "apps/suites/suite_stages.hpp"
@@ -96,11 +97,17 @@ class SuiteWriter {
   }
 
   void require_some() const {
-    if (!ready_.empty() || set_.problems.empty()) return;
+    if (!ready_.empty()) return;
+    if (set_.problems.empty()) {
+      if (!set_.worlds.empty()) return;  // scenes without requests
+      throw std::invalid_argument(set_.left_out.empty()
+                                      ? "import: the files hold no problem, expected at least one"
+                                      : "import: all problems are left out (" + set_.left_out.back() + ")");
+    }
     throw std::invalid_argument(
         refusal_.empty() ? "import: no request has a goal of joint values or of a pose" + goal_left_out() +
                                ", expected at least one"
-                         : "import: no problem is for robot " + quote(whole_.name) + ": " + refusal_);
+                         : "import: no problem fits robot " + quote(whole_.name) + ": " + refusal_);
   }
 
   /// In brackets, the first goal that a file's reader could not use.
@@ -136,6 +143,27 @@ class SuiteWriter {
         motion.fixed[joint.name] = std::clamp(0.0, joint.lower, joint.upper);
     }
     return motion;
+  }
+
+  /// Joint values within limits, and nothing asked of a pose or of what stands still that they do not keep.
+  void settle(const ForeignProblem& problem, const Robot& robot, ForeignGoal& goal) const {
+    if (!goal.has_joints()) return;
+    try {
+      goal.joints.by_joint = allowed_values(goal, robot);
+      require_held_as_asked(goal, robot);
+      if (goal.pose) {
+        const bool has_all = std::all_of(robot.joints.begin(), robot.joints.end(), [&](const Joint& joint) {
+          return goal.joints.by_joint.contains(joint.name);
+        });
+        require_pose_as_asked(
+            goal, robot,
+            has_all ? configuration(values(robot, problem, goal.joints, "goal")) : Configuration());
+      }
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument("problem " + quote(problem.name) + ": " + error.what());
+    }
+    goal.joints.values = values(robot, problem, goal.joints, "goal");
+    goal.pose.reset();
   }
 
   /// Foreign files round: what is a thousandth beyond a limit stands at it.
@@ -221,9 +249,7 @@ class SuiteWriter {
     ReadyProblem ready{index, motion_of(problem), {}};
     const Robot& robot = robot_of(ready.motion);
     ready.question = {problem.name, configuration(values(robot, problem, problem.start, "start")), {}, {}};
-    keep_goals(problem, [&](ForeignGoal& goal) {
-      if (!goal.pose) goal.joints.values = values(robot, problem, goal.joints, "goal");
-    });
+    keep_goals(problem, [&](ForeignGoal& goal) { settle(problem, robot, goal); });
     ready.question.goals = std::move(problem.goals);
     AttachedLoads attached = loads_of(problem.attached, robot, ready.question.start);
     ready.question.loads = std::move(attached.loads);

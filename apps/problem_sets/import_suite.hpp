@@ -38,10 +38,11 @@ void take_scene(std::size_t scene, ForeignProblem& problem, ForeignSet& set);
 /// Writes OUT/maps/WORLD for each world, OUT/suite.yaml with OUT/problems/EXPERIMENT.yaml, OUT/hulls/LOAD.txt
 /// for loads of many corners, and OUT/import.json, which names objects, groups and what was left out.
 /// Problems that move other joints, or hold others elsewhere, make experiments of their own. Joints that a
-/// goal does not name stand where the start has them. A goal that is a pose becomes joint values, and of
-/// several goals one is chosen: see choose_goal. What is in the hand becomes loads.
-/// @throws std::invalid_argument when a problem does not fit the robot, std::runtime_error when a file cannot
-/// be written.
+/// goal does not name stand where the start has them. Goals beyond limits, and of joints that stand
+/// elsewhere, are left out, as any other counts. A goal that is a pose becomes joint values, and of several
+/// goals one is chosen: see choose_goal. What is in the hand becomes loads.
+/// @throws std::invalid_argument when no problem is left or none fits the robot, std::runtime_error when a
+/// file cannot be written.
 ImportOutcome write_suite(const ForeignSet& set, const SuiteImport& import);
 
 }  // namespace clearway

@@ -43,18 +43,26 @@ class GoalReader {
   GoalReader(const std::filesystem::path& file, const SceneFrames& frames, std::vector<std::string>& left_out)
       : file_(file), frames_(frames), left_out_(left_out) {}
 
+  /// Adds a goal, or, where a position may be in any of several regions, one for each.
   void add(const YamlFields& goal, std::vector<ForeignGoal>& goals) const {
-    const auto joints = goal.list_of_maps("joint_constraints");
-    std::vector<const char*> others{"visibility_constraints"};
-    if (!joints.empty())
-      others = {"position_constraints", "orientation_constraints", "visibility_constraints"};
-    for (const char* other : others)
-      if (!goal.list_of_maps(other).empty()) leave(std::string(other) + " of a goal");
+    if (!goal.list_of_maps("visibility_constraints").empty()) leave("visibility_constraints of a goal");
     ForeignGoal read;
-    for (const YamlFields& joint : joints)
-      read.joints.by_joint[joint.text("joint_name")] = joint.number("position", within_reach);
-    if (joints.empty()) read.pose = pose_of(goal);
-    if (!joints.empty() || read.pose) goals.push_back(std::move(read));
+    for (const YamlFields& joint : goal.list_of_maps("joint_constraints")) {
+      const JointBand& band =
+          read.bands.emplace_back(JointBand{joint.text("joint_name"), joint.number("position", within_reach),
+                                            joint.number("tolerance_below", not_negative, 0.0),
+                                            joint.number("tolerance_above", not_negative, 0.0)});
+      read.joints.by_joint.emplace(band.joint, band.position);
+    }
+    if (goal.list_of_maps("position_constraints").empty() &&
+        goal.list_of_maps("orientation_constraints").empty()) {
+      if (read.has_joints()) goals.push_back(std::move(read));
+      return;
+    }
+    for (ForeignPose& pose : poses_of(goal)) {
+      read.pose = std::move(pose);
+      goals.push_back(read);
+    }
   }
 
  private:
@@ -68,31 +76,31 @@ class GoalReader {
     return known;
   }
 
-  /// None, reported where there is something to report: the goal places no link, or says more than a pose
-  /// does.
-  std::optional<ForeignPose> pose_of(const YamlFields& goal) const {
+  /// None, reported: the goal places no link, or says more than a pose does.
+  std::vector<ForeignPose> poses_of(const YamlFields& goal) const {
     const auto positions = goal.list_of_maps("position_constraints");
     const auto turns = goal.list_of_maps("orientation_constraints");
     if (positions.empty()) {
-      if (!turns.empty()) leave("a goal of an orientation alone");
-      return std::nullopt;
+      leave("a goal of an orientation " +
+            std::string(goal.list_of_maps("joint_constraints").empty() ? "alone" : "and of joint values"));
+      return {};
     }
     ForeignPose pose;
     pose.link = positions[0].text("link_name");
     if (positions.size() > 1 || turns.size() > 1 ||
         (!turns.empty() && turns[0].text("link_name") != pose.link)) {
       leave("a goal that places several links, or one link twice");
-      return std::nullopt;
+      return {};
     }
-    if (!set_position(positions[0], pose)) return std::nullopt;
     pose.pose.turn_tolerance = std::numbers::pi;
-    if (!turns.empty() && !set_turn(turns[0], pose)) return std::nullopt;
-    return pose;
+    if (!turns.empty() && !set_turn(turns[0], pose)) return {};
+    return at_positions(positions[0], std::move(pose));
   }
 
-  bool set_position(const YamlFields& constraint, ForeignPose& pose) const {
+  /// The pose at each region of the constraint, as MoveIt takes any of them.
+  std::vector<ForeignPose> at_positions(const YamlFields& constraint, ForeignPose pose) const {
     const Eigen::Isometry3d* map_from_frame = frame_of(constraint);
-    if (map_from_frame == nullptr) return false;
+    if (map_from_frame == nullptr) return {};
     pose.point = ros_coordinates(constraint, "target_point_offset", "xyz");
     if (!constraint.has("constraint_region"))
       constraint.fail("constraint_region", "expected the region of the goal, with 'primitives'");
@@ -100,14 +108,18 @@ class GoalReader {
     const auto primitives = region.list_of_maps("primitives");
     if (primitives.empty()) {
       leave("a goal whose region is no box, sphere or cylinder");
-      return false;
+      return {};
     }
-    ForeignSolid first;
-    read_primitive(primitives[0], first);
+    if (!region.list_of_maps("meshes").empty()) leave("meshes among the regions of a goal");
     const auto places = ros_poses(region, "primitive_poses", primitives.size());
-    pose.pose.map_from_tip.translation() = *map_from_frame * places[0].translation();
-    pose.pose.position_tolerance = first.kind == "cone" ? 0.0 : inner_radius(first);
-    return true;
+    std::vector<ForeignPose> poses(primitives.size(), pose);
+    for (std::size_t i = 0; i < primitives.size(); ++i) {
+      ForeignSolid solid;
+      read_primitive(primitives[i], solid);
+      poses[i].pose.map_from_tip.translation() = *map_from_frame * places[i].translation();
+      poses[i].pose.position_tolerance = solid.kind == "cone" ? 0.0 : inner_radius(solid);
+    }
+    return poses;
   }
 
   bool set_turn(const YamlFields& constraint, ForeignPose& pose) const {

@@ -90,6 +90,9 @@ ForeignProblem with_names_of(const Robot& robot, const ForeignProblem& problem) 
   const auto rename = [&](std::string& link) { link = own_name(robot.links, link, links); };
   own.start = with_own_names(robot, problem.start, joints);
   for (ForeignGoal& goal : own.goals) {
+    Names beside = joints;
+    add_joints(goal.joints, beside);
+    for (JointBand& band : goal.bands) band.joint = own_name(robot.joints, band.joint, beside);
     goal.joints = with_own_names(robot, goal.joints, joints);
     if (goal.pose) rename(goal.pose->link);
   }

@@ -74,9 +74,14 @@ std::size_t scene_of(const std::filesystem::path& request, std::span<const Forei
     if (scenes[i].folder == request.parent_path()) beside.push_back(i);
   }
   if (beside.size() == 1) found = beside;
-  if (found.size() != 1)
+  if (found.size() != 1) {
+    std::vector<std::string> names;
+    for (const std::size_t i : found)
+      names.push_back(quote_path((scenes[i].folder / scenes[i].name).string()));
     throw std::invalid_argument("request " + quote(name) + ": " + std::to_string(found.size()) +
-                                " scenes have names that end in its number, expected one");
+                                " scenes have names that end in its number" +
+                                (names.empty() ? "" : ", " + listed(names)) + ", expected one");
+  }
   return found.front();
 }
 

@@ -101,12 +101,25 @@ class SceneReader {
       else
         entry.fail("transform", "expected none that moves frame " + quote(frame.header) + " against itself");
     }
+    drop_repeated(others);
     for (bool is_named = true; !others.empty();) {
       const std::size_t before = others.size();
       std::erase_if(others, [&](const FixedFrame& frame) { return is_placed(frame, is_named); });
       if (others.size() == before && !is_named) break;
       is_named = others.size() < before;
     }
+  }
+
+  /// Of several transforms between the same two frames one stays; they must agree.
+  static void drop_repeated(std::vector<FixedFrame>& frames) {
+    std::map<std::pair<std::string, std::string>, Eigen::Isometry3d> known;
+    std::erase_if(frames, [&](const FixedFrame& frame) {
+      const auto [first, is_new] = known.emplace(std::pair(frame.header, frame.child), frame.pose);
+      if (!is_new && !first->second.isApprox(frame.pose, 1e-9))
+        frame.entry.fail("transform", "expected one transform between frames " + quote(frame.header) +
+                                          " and " + quote(frame.child) + ", got two that differ");
+      return !is_new;
+    });
   }
 
   /// MoveIt calls the frame that it places `header`, and the known one that it is placed in `child`; where
@@ -117,11 +130,12 @@ class SceneReader {
     const Eigen::Isometry3d* known = frames_.find(is_usual ? frame.child : frame.header, is_named);
     if (known == nullptr) return false;
     const Eigen::Isometry3d pose = *known * frame.pose;
-    const Eigen::Isometry3d* other = frames_.find(placed, true);
+    const Eigen::Isometry3d* other = frames_.find(placed, is_named);
     if (other == nullptr)
       frames_.place(placed, pose);
     else if (!other->isApprox(pose, 1e-9))
-      frame.entry.fail("transform", "expected none for frame " + quote(placed) + ", which is the map's own");
+      frame.entry.fail("transform", "expected none for frame " + quote(placed) +
+                                        ", which is the map's own or stands elsewhere by another transform");
     return true;
   }
 
@@ -211,6 +225,10 @@ class SceneReader {
       return leave("object " + quote(name) + ", which has neither primitives nor meshes");
     const Eigen::Isometry3d* map_from_frame = frame_of(object, "object " + quote(name));
     if (map_from_frame == nullptr) return;
+    if (operation == "add")  // in place of the one of its name, as MoveIt has it
+      std::erase_if(world_.solids, [&](const ForeignSolid& solid) {
+        return solid.object == name && solid.kind != "octomap";
+      });
     const Eigen::Isometry3d map_from_object =
         *map_from_frame * (object.has("pose") ? ros_pose(object.map("pose")) : Eigen::Isometry3d::Identity());
     auto solids = ros_solids(object, name, map_from_object, context_.packages, file_.parent_path());
@@ -238,11 +256,11 @@ class SceneReader {
 
 }  // namespace
 
-bool is_request_text(const std::string& text, const std::filesystem::path& file) {
+SceneFileKind kind_of_scene_file(const std::string& text, const std::filesystem::path& file) {
   const YamlFields fields(text, "file " + called(file));
-  if (fields.has("world")) return false;
-  if (fields.has("goal_constraints") || fields.has("start_state")) return true;
-  fields.fail("world", "expected a scene with 'world', or a request with 'goal_constraints'");
+  if (fields.has("world")) return SceneFileKind::scene;
+  const bool is_request = fields.has("goal_constraints") || fields.has("start_state");
+  return is_request ? SceneFileKind::request : SceneFileKind::neither;
 }
 
 ForeignWorld read_planning_scene(const std::string& text, const std::filesystem::path& file,

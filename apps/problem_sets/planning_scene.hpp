@@ -19,16 +19,19 @@ struct SceneContext {
   double plane_reach = 3.0;                    ///< m, see plane_triangles
 };
 
-/// A file of YAML: a scene has `world`, a motion request has `goal_constraints` or `start_state`.
-/// @throws std::invalid_argument when it is neither.
-bool is_request_text(const std::string& text, const std::filesystem::path& file);
+enum class SceneFileKind { scene, request, neither };
+
+/// What a file of YAML is: a scene has `world`, a motion request has `goal_constraints` or `start_state`.
+/// @throws std::invalid_argument when it is no map of YAML.
+SceneFileKind kind_of_scene_file(const std::string& text, const std::filesystem::path& file);
 
 /// Reads a planning scene as YAML, of ROS messages (moveit_msgs/PlanningScene) or as MotionBenchMaker and
 /// Robowflex write them: world.collision_objects of primitives, meshes and planes, world.octomap, and what
-/// its robot_state has in the hand. Frames are those of SceneFrames, with the robot as robot_state says, and
-/// what `fixed_frame_transforms` states. Objects that are not added, pairs of links and objects that may
-/// collide, paddings and scales of links, and the name of another robot are left out, and reported; so is
-/// what stands in an unknown frame, where the context allows it.
+/// its robot_state has in the hand. An object that is added again replaces the one of its name. Frames are
+/// those of SceneFrames, with the robot as robot_state says, and what `fixed_frame_transforms` states.
+/// Objects that are not added, pairs of links and objects that may collide, paddings and scales of links, and
+/// the name of another robot are left out, and reported; so is what stands in an unknown frame, where the
+/// context allows it.
 /// @throws std::invalid_argument in one sentence naming file, line, field and what was expected.
 ForeignWorld read_planning_scene(const std::string& text, const std::filesystem::path& file,
                                  const SceneContext& context, std::vector<std::string>& left_out);
@@ -36,10 +39,11 @@ ForeignWorld read_planning_scene(const std::string& text, const std::filesystem:
 /// Reads a motion request (moveit_msgs/MotionPlanRequest) of a scene, whose frames it uses, with the links
 /// where its own start has them: start_state with what it has in the hand (all of
 /// it, or, of a diff, in place of and beside what the scene has there), group_name, and of each goal its
-/// joint constraints, else the position and orientation constraints of one link. Such a goal becomes a pose
-/// with tolerances that lie within what the constraints allow: of a region the ball about its middle, of the
-/// tolerances about the axes the least, and a free axis for one of pi. Path constraints and other goals are
-/// left out, and reported; without any goal `goals` is empty.
+/// joint constraints with their tolerances, and the position and orientation constraints of one link. These
+/// become a pose, of a position in any of several regions a goal for each, with tolerances that lie within
+/// what the constraints allow: of a region the ball about its middle, of the tolerances about the axes the
+/// least, and a free axis for one of pi. Path constraints and other goals are left out, and reported; without
+/// any goal `goals` is empty.
 ForeignProblem read_motion_request(const std::string& text, const std::filesystem::path& file,
                                    const SceneContext& context, const ForeignWorld& scene,
                                    std::vector<std::string>& left_out);

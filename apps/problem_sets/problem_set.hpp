@@ -67,10 +67,19 @@ struct ForeignPose {
   GoalPose pose;                                    ///< of the link's axes about that point
 };
 
-/// Joint values, or a pose.
+/// What a constraint on a joint allows: from position - below to position + above, rad or m.
+struct JointBand {
+  std::string joint;
+  double position = 0.0, below = 0.0, above = 0.0;
+};
+
+/// Joint values, or a pose, or both at once.
 struct ForeignGoal {
   ForeignState joints;
-  std::optional<ForeignPose> pose{};  ///< then `joints` says nothing
+  std::optional<ForeignPose> pose{};
+  std::vector<JointBand> bands{};  ///< all of a joint's hold; `joints` has the first one's position
+
+  bool has_joints() const { return !joints.by_joint.empty() || !joints.values.empty(); }
 };
 
 struct ForeignProblem {

@@ -146,10 +146,13 @@ TEST_F(Import, AGoalOfAnotherRobotLosesNoLaterGoal) {
   const CommandRun run = import("mbm", {scene, request}, {"--json"});
   ASSERT_EQ(run.status, exit_done) << run.log;
   const Json left = Json::parse(run.out)["left_out"];
-  ASSERT_EQ(left.size(), 2U) << left;
+  ASSERT_EQ(left.size(), 3U) << left;
   EXPECT_NE(left[0].dump().find("names joint 'wheel', which robot 'arm' does not have"), std::string::npos);
   EXPECT_NE(left[1].dump().find("names link 'lowr', which robot 'arm' does not have, did you mean 'lower'?"),
             std::string::npos);
+  EXPECT_NE(left[2].dump().find("its goal has joint 'shoulder' at 0.5, which does not move and stands at -1"),
+            std::string::npos)
+      << "the first goal left names the elbow alone";
   const SuiteExperiment experiment = load_suite(folder_ / "out/suite.yaml").experiments[0];
   EXPECT_EQ(experiment.problems[0].goals, (std::vector<std::vector<double>>{{0.2}}));
 }

@@ -40,7 +40,10 @@ TEST_F(Import, WhatIsWrongIsReportedInOneSentence) {
   };
   const std::string object = "world: {collision_objects: [{id: a, ";
   expect_refused("mbm", "a.yaml", "a: [", "a.yaml");
-  expect_refused("mbm", "a.yaml", "x: 1", "expected a scene with 'world', or a request");
+  expect_refused(
+      "mbm", "a.yaml", "x: 1",
+      "no file is a scene, expected at least one (a.yaml: neither a scene with 'world' nor a request "
+      "with 'goal_constraints')");
   expect_refused("mbm", "a.yaml",
                  object + "primitives: [{type: torus, dimensions: [1]}], primitive_poses: [{}]}]}", "torus");
   expect_refused("mbm", "a.yaml", object + "primitives: [{type: box, dimensions: [1, 2]}]}]}", "dimensions");
@@ -87,7 +90,41 @@ TEST_F(Import, WhatIsWrongIsReportedInOneSentence) {
   expect_refused("json", "a.json", box_with("\"rpy\": [0, 0, 1], \"quaternion_xyzw\": [0, 0, 0, 1]"),
                  "expected the same turn as 'quaternion_xyzw'");
   expect_refused("json", "a.json", "{\"problems\": 3}", "problems");
+  expect_refused("json", "a.json", "{\"problems\": {}}", "the files hold no problem, expected at least one");
+  expect_refused("json", "a.json", "{\"problems\": {\"a\": [{\"start\": [0], \"goals\": []}]}}",
+                 "all problems are left out (a 1: it has no goal)");
+  expect_refused(
+      "json", "a.json",
+      "{\"problems\": {\"a\": [{\"start\": [0, 0, 0], \"start\": [1, 0, 0], \"goals\": [[1, 0, 0]]}]}}",
+      "has key 'start' twice in one object, expected it once");
   expect_refused("json", "a.json", "[", "not valid JSON");
+}
+
+/// A folder of MotionBenchMaker: config.yaml, and scenes twice, as solids and as a sensor saw them.
+TEST_F(Import, ScenesOfOneNumberAreNamedAndOtherFilesAreSaidToBeLeftOut) {
+  const std::string scene = folder_.write("scene0001.yaml", "world: {collision_objects: []}");
+  const std::string sensed = folder_.write("scene_sensed0001.yaml", "world: {collision_objects: []}");
+  const std::string config = folder_.write("config.yaml", "robot: {name: arm}\nsamples: 100\n");
+  const std::string request = folder_.write("request0001.yaml", arm_request);
+  const CommandRun both = import("mbm", {config, request, scene, sensed});
+  EXPECT_EQ(both.status, exit_bad_input);
+  EXPECT_TRUE(both.complains_in_one_sentence()) << both.log;
+  EXPECT_NE(both.log.find("2 scenes have names that end in its number, "), std::string::npos) << both.log;
+  EXPECT_NE(both.log.find("/scene0001', '"), std::string::npos) << both.log;
+  EXPECT_NE(both.log.find("/scene_sensed0001', expected one"), std::string::npos) << both.log;
+  const CommandRun one = import("mbm", {config, request, scene});
+  EXPECT_EQ(one.status, exit_done) << one.log;
+  EXPECT_NE(one.out.find("config.yaml: neither a scene with 'world' nor a request with 'goal_constraints'"),
+            std::string::npos)
+      << one.out;
+}
+
+TEST_F(Import, AScenesMapWithoutRequestsIsNoSuiteAndSaidToBeNone) {
+  const CommandRun run = import("scene", {folder_.write("a.yaml", "world: {collision_objects: []}")});
+  EXPECT_EQ(run.status, exit_no);
+  EXPECT_EQ(run.log, "clearway: import: no file is a request, so there are maps and no suite\n");
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "out/maps/a/map.ot"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out/suite.yaml"));
 }
 
 }  // namespace import_test

@@ -171,14 +171,38 @@ TEST(MotionRequest, GoalsThatAreNoPoseOfALinkAreLeftOutAndSaidToBe) {
          "r.yaml: a goal whose region is no box, sphere or cylinder"},
         {"{visibility_constraints: [{sensor: a}], position_constraints: [" + at + "]}",
          "r.yaml: visibility_constraints of a goal"},
-        {"{joint_constraints: [{joint_name: a, position: 1}], position_constraints: [" + at + "]}",
-         "r.yaml: position_constraints of a goal"}}) {
+        {"{joint_constraints: [{joint_name: a, position: 1}], orientation_constraints: [{link_name: hand}]}",
+         "r.yaml: a goal of an orientation and of joint values"}}) {
     std::vector<std::string> left_out;
     const ForeignProblem problem = request_of(goal, left_out);
     ASSERT_EQ(left_out.size(), 1U) << goal;
     EXPECT_EQ(left_out[0], expected);
     EXPECT_EQ(problem.goals.size(), expected.ends_with("constraints of a goal") ? 1U : 0U);
   }
+}
+
+TEST(MotionRequest, JointsAndAPoseAndAllRegionsOfAPositionAreRead) {
+  std::vector<std::string> left_out;
+  const ForeignProblem problem = request_of(
+      "{joint_constraints: [{joint_name: a, position: 1, tolerance_below: 0.1, tolerance_above: 0.2}, "
+      "{joint_name: a, position: 1.1}], position_constraints: [{link_name: hand, constraint_region: "
+      "{primitives: [{type: sphere, dimensions: [0.1]}, {type: box, dimensions: [1, 0.4, 2]}], "
+      "primitive_poses: [{position: [1, 0, 0]}, {position: [0, 2, 0]}]}}]}",
+      left_out);
+  EXPECT_TRUE(left_out.empty());
+  ASSERT_EQ(problem.goals.size(), 2U);
+  for (const ForeignGoal& goal : problem.goals) {
+    EXPECT_EQ(goal.joints.by_joint, (std::map<std::string, double>{{"a", 1.0}}));
+    ASSERT_EQ(goal.bands.size(), 2U);
+    EXPECT_EQ(goal.bands[0].below, 0.1);
+    EXPECT_EQ(goal.bands[0].above, 0.2);
+    EXPECT_EQ(goal.bands[1].position, 1.1);
+    ASSERT_TRUE(goal.pose);
+  }
+  EXPECT_EQ(problem.goals[0].pose->pose.map_from_tip.translation(), Eigen::Vector3d(1, 0, 0));
+  EXPECT_EQ(problem.goals[0].pose->pose.position_tolerance, 0.1);
+  EXPECT_EQ(problem.goals[1].pose->pose.map_from_tip.translation(), Eigen::Vector3d(0, 2, 0));
+  EXPECT_EQ(problem.goals[1].pose->pose.position_tolerance, 0.2);
 }
 
 }  // namespace motion_request_test

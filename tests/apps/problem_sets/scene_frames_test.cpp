@@ -39,7 +39,7 @@ class ImportFrames : public Import {
   /// In the middle of its voxel, unless `count` says how many it may meet.
   void expect_at(const std::string& scene, const Eigen::Vector3d& at, std::size_t count = 1) {
     const CommandRun run = import_scene(scene);
-    ASSERT_EQ(run.status, exit_done) << run.log << scene;
+    ASSERT_EQ(run.status, maps_alone) << run.log << scene;
     EXPECT_LE(map("s").counts().occupied, count) << scene;
     EXPECT_EQ(map("s").state(at), VoxelState::occupied) << scene;
   }
@@ -62,14 +62,14 @@ TEST_F(ImportFrames, AWorldThatWouldLoseAnObjectForItsFrameIsRefusedUnlessAFlagA
       "object 'box' in frame 'kinect', which is unknown, expected one of map, odom, world, arm_base, "
       "base; --leave-out-unknown-frames imports the rest");
   const CommandRun run = import_scene(object_in("kinect"), {"--leave-out-unknown-frames", "--json"});
-  ASSERT_EQ(run.status, exit_done) << run.log;
+  ASSERT_EQ(run.status, maps_alone) << run.log;
   EXPECT_EQ(Json::parse(run.out)["left_out"],
             Json{"s.yaml: object 'box' in frame 'kinect', which is not the map's"});
   const std::string hand =
       "robot_state: {attached_collision_objects: [{link_name: lower, object: {id: mug, header: {frame_id: "
       "kinect}, primitives: [{type: sphere, dimensions: [0.01]}]}}]}\n";
   expect_refused(hand + "world: {}\n", "attached body 'mug' stands in frame 'kinect', which is unknown");
-  EXPECT_EQ(import_scene(hand + "world: {}\n", {"--leave-out-unknown-frames"}).status, exit_done);
+  EXPECT_EQ(import_scene(hand + "world: {}\n", {"--leave-out-unknown-frames"}).status, maps_alone);
 }
 
 TEST_F(ImportFrames, TheRootAndFramesThatAScenePlacesInThemselvesAreTheMap) {
@@ -94,6 +94,17 @@ TEST_F(ImportFrames, WorldMapAndOdomAreNotTakenForTheMapWhereAStatementSaysOther
                 "child_link='base'/></robot>");
   expect_at(object_in("odom"), near_origin);
   expect_refused(object_in("map"), "expected one of odom, arm_base, base;");
+}
+
+TEST_F(ImportFrames, TransformsThatPlaceOneFrameTwiceAgreeOrAreRefused) {
+  const std::string once = placed("world", "table", 1);
+  expect_at(transforms(once + ", " + once) + object_in("table"), {1.05, 0.05, 0.05});
+  expect_refused(transforms(once + ", " + placed("world", "table", 2)) + object_in("table"),
+                 "expected one transform between frames 'world' and 'table', got two that differ");
+  expect_refused(transforms(once + ", " + placed("map", "table", 2)) + object_in("table"),
+                 "which is the map's own or stands elsewhere by another transform");
+  expect_refused(transforms(once + ", " + placed("table", "world", 2)) + object_in("table"),
+                 "expected none for frame 'table', which is the map's own or stands elsewhere");
 }
 
 /// The second link is 0.4 m out along the first, which the shoulder turns to +y.
