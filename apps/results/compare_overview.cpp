@@ -46,10 +46,26 @@ void add(const CompareExperiment& experiment, std::size_t index, std::vector<Lab
   }
 }
 
-std::vector<const CompareRun*> runs_of(const LabelRuns& label) {
-  std::vector<const CompareRun*> runs;
-  for (const auto& [key, run] : label.runs) runs.push_back(run);
-  return runs;
+/// The same problem at several resolutions is one: its runs are no independent ones.
+CompareSummary summary_of_keys(const std::set<SeededProblem>& keys, const LabelRuns& label,
+                               const std::vector<std::size_t>& first_alike) {
+  std::map<std::pair<std::size_t, std::size_t>, std::vector<const CompareRun*>> by_problem;
+  for (const SeededProblem& key : keys)
+    by_problem[{first_alike[std::get<0>(key)], std::get<1>(key)}].push_back(label.runs.at(key));
+  std::vector<std::vector<const CompareRun*>> problems;
+  for (auto& [problem, runs] : by_problem) problems.push_back(std::move(runs));
+  return summary_of(problems);
+}
+
+/// Of each experiment the first one that differs from it in resolution alone, or itself.
+std::vector<std::size_t> first_alike(const CompareResults& results) {
+  std::map<std::string, std::size_t> known;
+  std::vector<std::size_t> first;
+  for (const CompareExperiment& experiment : results.experiments) {
+    const std::string& alike = experiment.setup.alike;
+    first.push_back(alike.empty() ? first.size() : known.emplace(alike, first.size()).first->second);
+  }
+  return first;
 }
 
 /// Those that every comparable planner solved with a valid path.
@@ -67,12 +83,12 @@ std::set<SeededProblem> shared_keys(const std::set<SeededProblem>& keys,
   return shared;
 }
 
-void sum_up(const std::set<SeededProblem>& shared, LabelRuns& label) {
-  label.row.all = summary_of(runs_of(label));
-  std::vector<const CompareRun*> runs;
-  if (label.row.is_comparable)
-    for (const SeededProblem& key : shared) runs.push_back(label.runs.at(key));
-  label.row.shared = summary_of(runs);
+void sum_up(const std::set<SeededProblem>& shared, const std::vector<std::size_t>& alike, LabelRuns& label) {
+  std::set<SeededProblem> own;
+  for (const auto& [key, run] : label.runs) own.insert(key);
+  label.row.all = summary_of_keys(own, label, alike);
+  label.row.shared =
+      summary_of_keys(label.row.is_comparable ? shared : std::set<SeededProblem>(), label, alike);
 }
 
 }  // namespace
@@ -101,8 +117,9 @@ CompareOverview overview(const CompareResults& results) {
   const std::set<SeededProblem> shared = shared_keys(keys, labels);
   all.runs = keys.size();
   all.shared = shared.size();
+  const std::vector<std::size_t> alike = first_alike(results);
   for (LabelRuns& label : labels) {
-    sum_up(shared, label);
+    sum_up(shared, alike, label);
     all.planners.push_back(label.row);
   }
   std::stable_partition(all.planners.begin(), all.planners.end(),
@@ -128,7 +145,7 @@ std::vector<std::vector<std::string>> overview_table(const CompareOverview& all)
 std::vector<std::string> overview_notes(const CompareOverview& all) {
   const auto comparable = static_cast<std::size_t>(std::count_if(
       all.planners.begin(), all.planners.end(), [](const OverviewRow& row) { return row.is_comparable; }));
-  std::vector<std::string> notes{"Times are of solved runs, whichever those are."};
+  std::vector<std::string> notes{"Times are of solved runs, whichever those are.", interval_note};
   if (comparable > 1)
     notes.push_back("Shared: medians over the " + std::to_string(all.shared) + " of " +
                     counted(all.runs, "run") + " that all planners" +

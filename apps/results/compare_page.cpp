@@ -162,20 +162,21 @@ Json experiment_json(const CompareExperiment& experiment) {
 
 std::string to_html(const CompareResults& results) {
   const std::string title = results.title.empty() ? results.suite : results.title;
-  Json page{
-      {"title", title},
-      {"subtitle",
-       "Suite " + results.suite + " (" + results.file + "), seed " + std::to_string(results.seed)},
-      {"about", "Clearway " + results.version + ", commit " + results.commit + ", " + results.date + ", on " +
-                    results.host + " (" + results.processor + "), " +
-                    counted(static_cast<std::size_t>(results.jobs), "problem") +
-                    " at a time. Times are of solved runs; cost, length and steps are medians "
-                    "of valid runs. Every path was judged by the independent check, whoever planned it. "
-                    "To repeat a run and see it in 3D: clearway compare " +
-                    results.file + " --rerun ID --out DIR."},
-      {"overview", overview_json(overview(results))},
-      {"resolutions", sweeps_json(results)},
-      {"experiments", Json::array()}};
+  Json page{{"title", title},
+            {"subtitle",
+             "Suite " + results.suite + " (" + results.file + "), seed " + std::to_string(results.seed)},
+            {"about", "Clearway " + results.version + ", commit " + results.commit + ", " + results.date +
+                          ", on " + results.host + " (" + results.processor + "), " +
+                          counted(static_cast<std::size_t>(results.jobs), "problem") +
+                          " at a time. Times are of solved runs; cost, length and steps are medians "
+                          "of valid runs. " +
+                          interval_note +
+                          " Every path was judged by the independent check, whoever planned it. "
+                          "To repeat a run and see it in 3D: clearway compare " +
+                          results.file + " --rerun ID --out DIR."},
+            {"overview", overview_json(overview(results))},
+            {"resolutions", sweeps_json(results)},
+            {"experiments", Json::array()}};
   Json& meanings = page["meanings"] = Json::object();
   for (const CompareExperiment& experiment : results.experiments)
     for (const ComparePlanner& who : experiment.planners)

@@ -50,8 +50,8 @@ std::string counts_text(const CompareSummary& sum) {
 
 std::string success_text(const CompareSummary& sum) {
   if (sum.total == 0) return "-";
-  const auto [low, high] = wilson_interval(sum.valid, sum.total);
   const double share = static_cast<double>(sum.valid) / static_cast<double>(sum.total);
+  const auto [low, high] = wilson_interval(share, sum.effective_runs);
   return significant(100.0 * share, 3) + " (" + significant(100.0 * low, 3) + " to " +
          significant(100.0 * high, 3) + ")";
 }

@@ -108,7 +108,7 @@ struct CompareResults {
   std::uint64_t seed = 1;
   int jobs = 1;
   std::string version, commit, host, processor, date;  ///< date: UTC, ISO 8601
-  double time = 0.0;                                   ///< s, all of it
+  double time = 0.0;                    ///< s, all of it
   std::vector<CompareExperiment> experiments;
 };
 
@@ -116,6 +116,8 @@ struct CompareResults {
 /// ones; NaN when there is none.
 struct CompareSummary {
   std::size_t solved = 0, valid = 0, total = 0;
+  std::size_t problems = 0;     ///< that these runs are of
+  double effective_runs = 0.0;  ///< how many independent runs they are worth (compare_statistics.hpp)
   std::size_t safe = 0, outrun = 0, refused = 0;  ///< teams: by the check, arrived or not
   double least_separation = std::numeric_limits<double>::quiet_NaN();  ///< m: of the runs that are not outrun
   double worst_shortfall = 0.0;    ///< m: of the runs that are not outrun, d_s less the least separation
@@ -131,8 +133,8 @@ struct CompareSummary {
   std::map<std::string, std::size_t> unsolved;  ///< by status
 };
 CompareSummary summary(const CompareExperiment& experiment, std::size_t planner);
-/// The same of any runs, whatever experiments and planners they are of.
-CompareSummary summary_of(const std::vector<const CompareRun*>& runs);
+/// The same of any runs, problem by problem, whatever experiments and planners they are of.
+CompareSummary summary_of(const std::vector<std::vector<const CompareRun*>>& problems);
 
 /// Sentences about paths that their planner promised to be valid and that the check does not hold valid.
 std::vector<std::string> broken_promises(const CompareResults& results);
@@ -142,7 +144,8 @@ std::vector<std::vector<std::string>> summary_table(const CompareExperiment& exp
 
 /// Three numbers of a table: "4 / 3 / 6", solved, valid and all.
 std::string counts_text(const CompareSummary& sum);
-/// The share of valid runs in percent with Wilson's interval: "60 (31.3 to 83.2)"; "-" without runs.
+/// The share of valid runs in percent with its interval at 95 % (effective_runs): "60 (31.3 to 83.2)"; "-"
+/// without runs.
 std::string success_text(const CompareSummary& sum);
 /// "no_path 2, timed_out 1"; "-" when all are solved.
 std::string unsolved_text(const CompareSummary& sum);

@@ -9,9 +9,28 @@
 
 namespace clearway {
 
-/// Shares of successes that agree with `successes` of `total` trials, at 95 % confidence: Wilson's score
-/// interval (E. B. Wilson 1927, J. Am. Stat. Assoc. 22, p. 209). 0 and 1 without trials.
-std::pair<double, double> wilson_interval(std::size_t successes, std::size_t total);
+/// Shares of successes that agree with a share of so many trials, at 95 % confidence: Wilson's score interval
+/// (E. B. Wilson 1927, J. Am. Stat. Assoc. 22, p. 209). 0 and 1 without trials.
+/// @param trials need not be whole, see effective_runs
+std::pair<double, double> wilson_interval(double share, double trials);
+
+/// The runs of a planner on one problem, one for each seed.
+struct ProblemRuns {
+  std::size_t valid = 0, total = 0;
+};
+
+/// How many independent runs the runs on these problems are worth, where an interval is to hold for problems
+/// like these: seeds of one problem tend to agree. It is the effective sample size of a sample of clusters,
+/// share (1 - share) / (variance of the share between problems), corrected for few problems by quantiles of
+/// Student's t, at most the number of runs (E. L. Korn and B. I. Graubard 1998, Survey Methodology 24,
+/// p. 193); Wilson's interval of so many trials is what N. Dean and M. Pagano 2015, J. Surv. Stat. Methodol.
+/// 3, p. 484 recommend. It is at least what it would be if all seeds of each problem agreed: the number of
+/// problems, where each has as many runs. That it is too where all runs succeed or all fail, or of one
+/// problem. With one run each it is the number of runs; 0 without runs.
+double effective_runs(const std::vector<ProblemRuns>& problems);
+
+/// What the intervals of shares are, in a sentence.
+extern const char* const interval_note;
 
 /// Two-sided exact sign test: how probable it is that of `more + fewer` fair coins so many or more fall on
 /// one side. 1 when there is none.

@@ -1,5 +1,6 @@
 #include "apps/results/compare_summary.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -12,10 +13,29 @@ namespace clearway {
 
 using Json = nlohmann::ordered_json;
 
-CompareSummary summary_of(const std::vector<const CompareRun*>& runs) {
+namespace {
+
+/// Counts the problems, and what their runs are worth together.
+void count_problems(const std::vector<std::vector<const CompareRun*>>& problems, CompareSummary& sum) {
+  std::vector<ProblemRuns> counts;
+  for (const auto& runs : problems) {
+    const auto valid =
+        std::count_if(runs.begin(), runs.end(), [](const auto* run) { return run->is_valid(); });
+    counts.push_back({static_cast<std::size_t>(valid), runs.size()});
+    sum.problems += !runs.empty();
+  }
+  sum.effective_runs = effective_runs(counts);
+}
+
+}  // namespace
+
+CompareSummary summary_of(const std::vector<std::vector<const CompareRun*>>& problems) {
   CompareSummary sum;
+  count_problems(problems, sum);
+  std::vector<const CompareRun*> all;
+  for (const auto& runs : problems) all.insert(all.end(), runs.begin(), runs.end());
   std::vector<double> times, cpus, checks, costs, lengths, steps, motions, motion_cpus;
-  for (const CompareRun* each : runs) {
+  for (const CompareRun* each : all) {
     const CompareRun& run = *each;
     ++sum.total;
     sum.safe += run.check == "valid";
@@ -57,17 +77,20 @@ CompareSummary summary_of(const std::vector<const CompareRun*>& runs) {
 }
 
 CompareSummary summary(const CompareExperiment& experiment, std::size_t planner) {
-  std::vector<const CompareRun*> runs;
-  for (const CompareProblem& problem : experiment.problems)
+  std::vector<std::vector<const CompareRun*>> problems;
+  for (const CompareProblem& problem : experiment.problems) {
+    auto& runs = problems.emplace_back();
     for (const CompareRun& run : problem.runs)
       if (run.planner == planner) runs.push_back(&run);
-  return summary_of(runs);
+  }
+  return summary_of(problems);
 }
 
 namespace {
 
 Json summary_json(const ComparePlanner& who, const CompareSummary& sum, bool is_of_teams) {
-  const auto interval = wilson_interval(sum.valid, sum.total);
+  const double share = sum.total > 0 ? static_cast<double>(sum.valid) / static_cast<double>(sum.total) : 0.0;
+  const auto interval = wilson_interval(share, sum.effective_runs);
   const auto of_teams = [&](const Json& value) { return is_of_teams ? value : Json(nullptr); };
   const auto of_planners = [&](const Json& value) { return is_of_teams ? Json(nullptr) : value; };
   return {{"label", who.label},
@@ -77,6 +100,8 @@ Json summary_json(const ComparePlanner& who, const CompareSummary& sum, bool is_
           {"solved", sum.solved},
           {"valid", sum.valid},
           {"total", sum.total},
+          {"problems", sum.problems},
+          {"effective_runs", sum.effective_runs},
           {"valid_share_95", {interval.first, interval.second}},
           {"refused", sum.refused},
           {"time_median_s", number_or_null(sum.time_median)},

@@ -310,8 +310,10 @@ TEST_F(CompareJob, TheTableOfAllExperimentsAddsUpWhatTheCsvHolds) {
     EXPECT_EQ(row.at("valid"), valid);
     EXPECT_EQ(row.at("experiments"), experiments.size());
     EXPECT_EQ(row.at("comparable"), row.at("label") == "rrtconnect");
-    EXPECT_EQ(row.at("time_median_s"), times.at((times.size() - 1) / 2));
-    EXPECT_EQ(row.at("time_p95_s"), times.back()) << "of five at most";
+    const double median = 0.5 * (times.at((times.size() - 1) / 2) + times.at(times.size() / 2));
+    EXPECT_NEAR(row.at("time_median_s").get<double>(), median, 1e-12);
+    EXPECT_LE(row.at("time_p95_s").get<double>(), times.back());
+    EXPECT_GE(row.at("time_p95_s").get<double>(), median);
   }
   EXPECT_NE(run_.out.find("== all experiments\n"), std::string::npos);
   EXPECT_NE(run_.out.find("coarse *       1 of 2"), std::string::npos) << run_.out;

@@ -43,12 +43,13 @@ CompareResults drawn(const std::vector<std::size_t>& sizes) {
   return results;
 }
 
-/// By nearest rank: the least value that so large a share of all does not exceed.
-double nearest_rank(std::vector<double> values, double share) {
+/// Of which so large a share of the ways between neighbours is below: 0.5 is the median.
+double linear_quantile(std::vector<double> values, double share) {
   std::sort(values.begin(), values.end());
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (static_cast<double>(i + 1) >= share * static_cast<double>(values.size())) return values[i];
-  return std::nan("");
+  double left = share * static_cast<double>(values.size() - 1), found = values[0];
+  for (std::size_t i = 1; i < values.size() && left > 0.0; ++i, left -= 1.0)
+    found += std::min(left, 1.0) * (values[i] - values[i - 1]);
+  return found;
 }
 
 /// One table of all runs, as in results.csv.
@@ -82,9 +83,9 @@ void expect_row(const OverviewRow& row, const std::vector<FlatRun>& runs) {
   EXPECT_EQ(row.all.total, total);
   EXPECT_EQ(row.all.solved, solved);
   EXPECT_EQ(row.all.valid, valid);
-  EXPECT_EQ(row.all.time_median, nearest_rank(times, 0.5));
-  EXPECT_EQ(row.all.time_p95, nearest_rank(times, 0.95));
-  EXPECT_EQ(row.all.cpu_median, nearest_rank(cpus, 0.5));
+  EXPECT_NEAR(row.all.time_median, linear_quantile(times, 0.5), 1e-9);
+  EXPECT_NEAR(row.all.time_p95, linear_quantile(times, 0.95), 1e-9);
+  EXPECT_NEAR(row.all.cpu_median, linear_quantile(cpus, 0.5), 1e-9);
 }
 
 bool is_valid_for(const std::vector<FlatRun>& runs, const FlatRun& like, const std::string& label) {
@@ -132,10 +133,22 @@ TEST(CompareOverview, SharedFiguresAreOfTheRunsThatAllComparablePlannersSolved) 
     EXPECT_GT(times.size(), 10U);
     EXPECT_LT(times.size(), 80U);
     EXPECT_EQ(all.shared, times.size());
-    EXPECT_EQ(all.planners[p].shared.time_median, nearest_rank(times, 0.5));
-    EXPECT_EQ(all.planners[p].shared.cost_median, nearest_rank(costs, 0.5));
-    EXPECT_EQ(all.planners[p].shared.length_median, nearest_rank(lengths, 0.5));
+    EXPECT_NEAR(all.planners[p].shared.time_median, linear_quantile(times, 0.5), 1e-9);
+    EXPECT_NEAR(all.planners[p].shared.cost_median, linear_quantile(costs, 0.5), 1e-9);
+    EXPECT_NEAR(all.planners[p].shared.length_median, linear_quantile(lengths, 0.5), 1e-9);
   }
+}
+
+/// Two experiments of one problem at two resolutions, two seeds each: one problem, whatever it is called.
+TEST(CompareOverview, AProblemAtSeveralResolutionsIsOne) {
+  CompareResults results = drawn({5, 5});
+  EXPECT_EQ(overview(results).planners[0].all.problems, 10U);
+  for (CompareExperiment& experiment : results.experiments) experiment.setup.alike = "all";
+  const OverviewRow row = overview(results).planners[0];
+  EXPECT_EQ(row.all.problems, 5U);
+  EXPECT_EQ(row.all.total, 20U);
+  EXPECT_LE(row.all.effective_runs, 20.0);
+  EXPECT_GE(row.all.effective_runs, 5.0);
 }
 
 TEST(CompareOverview, AnInterruptedPlannerIsNotComparedAndExperimentsNotBegunAreNotCounted) {

@@ -17,14 +17,83 @@ TEST(WilsonInterval, AgreesWithAPublishedTable) {
   };
   for (const Row& row : {Row{81, 263, 0.2553, 0.3662}, Row{15, 148, 0.0624, 0.1605}, Row{0, 20, 0.0, 0.1611},
                          Row{1, 29, 0.0061, 0.1718}}) {
-    const auto [low, high] = wilson_interval(row.successes, row.total);
+    const double share = static_cast<double>(row.successes) / static_cast<double>(row.total);
+    const auto [low, high] = wilson_interval(share, static_cast<double>(row.total));
     EXPECT_NEAR(low, row.low, 5e-5);
     EXPECT_NEAR(high, row.high, 5e-5);
-    const auto [other_low, other_high] = wilson_interval(row.total - row.successes, row.total);
+    const auto [other_low, other_high] = wilson_interval(1.0 - share, static_cast<double>(row.total));
     EXPECT_NEAR(other_low, 1.0 - high, 1e-12);
     EXPECT_NEAR(other_high, 1.0 - low, 1e-12);
   }
-  EXPECT_EQ(wilson_interval(0, 0), std::pair(0.0, 1.0));
+  EXPECT_EQ(wilson_interval(0.0, 0.0), std::pair(0.0, 1.0));
+}
+
+std::vector<ProblemRuns> problems_of(std::initializer_list<std::size_t> valid, std::size_t total) {
+  std::vector<ProblemRuns> problems;
+  for (const std::size_t each : valid) problems.push_back({each, total});
+  return problems;
+}
+
+TEST(EffectiveRuns, AreTheProblemsWhereAllSeedsAgreeAndTheRunsWhereEachProblemHasOne) {
+  EXPECT_EQ(effective_runs(problems_of({4, 0, 0, 0, 0, 0}, 4)), 6.0);
+  const auto [low, high] = wilson_interval(1.0 / 6.0, effective_runs(problems_of({4, 0, 0, 0, 0, 0}, 4)));
+  EXPECT_NEAR(low, 0.030, 5e-4);  // Wilson's of 1 of 6
+  EXPECT_NEAR(high, 0.564, 5e-4);
+  EXPECT_EQ(effective_runs(problems_of({1, 0, 1, 1, 0}, 1)), 5.0);
+  EXPECT_EQ(effective_runs(problems_of({4, 4, 4}, 4)), 3.0);
+  EXPECT_EQ(effective_runs(problems_of({0, 0, 0}, 4)), 3.0);
+  EXPECT_EQ(effective_runs(problems_of({12}, 24)), 1.0);
+  EXPECT_EQ(effective_runs(problems_of({2, 2, 2, 2}, 4)), 16.0) << "no scatter between problems";
+  EXPECT_EQ(effective_runs({}), 0.0);
+  EXPECT_EQ(effective_runs({{0, 0}, {0, 0}}), 0.0);
+  EXPECT_EQ(effective_runs({{2, 2}, {0, 0}, {3, 3}}), 25.0 / 13.0) << "interrupted: (sum m)^2 / sum m^2";
+}
+
+/// Korn and Graubard's figure, written out: six problems of four runs, t of 23 and of 5 degrees of freedom.
+TEST(EffectiveRuns, AreTheSizeOfASampleOfClusters) {
+  const auto written_out = [](std::initializer_list<std::size_t> valid) {
+    double sum = 0.0, scatter = 0.0;
+    for (const std::size_t y : valid) sum += static_cast<double>(y);
+    const double share = sum / 24.0;
+    for (const std::size_t y : valid) scatter += std::pow(static_cast<double>(y) - 4.0 * share, 2);
+    const double variance = 6.0 / 5.0 * scatter / (24.0 * 24.0);
+    return share * (1.0 - share) / variance * std::pow(2.068658 / 2.570582, 2);
+  };
+  EXPECT_NEAR(effective_runs(problems_of({4, 1, 2, 4, 1, 1}, 4)), written_out({4, 1, 2, 4, 1, 1}), 0.02);
+  EXPECT_GT(written_out({4, 1, 2, 4, 1, 1}), 6.0);
+  EXPECT_GT(written_out({3, 1, 2, 3, 2, 2}), 24.0);
+  EXPECT_EQ(effective_runs(problems_of({3, 1, 2, 3, 2, 2}, 4)), 24.0) << "no more than there are";
+  EXPECT_LT(written_out({4, 0, 4, 4, 0, 1}), 6.0);
+  EXPECT_EQ(effective_runs(problems_of({4, 0, 4, 4, 0, 1}, 4)), 6.0) << "no fewer than the problems";
+}
+
+/// Problems of a beta distribution of difficulty, so that seeds agree more or less: of so many samples, the
+/// share whose interval holds the truth. Wilson's of all runs holds it in 32 to 96 %.
+TEST(EffectiveRuns, MakeIntervalsThatHoldTheTruthHoweverMuchSeedsAgree) {
+  std::mt19937 dice(11);
+  for (const auto& [problems, seeds] : {std::pair{6, 4}, {6, 10}, {20, 5}, {40, 1}})
+    for (const double correlation : {0.02, 0.3, 0.7, 0.98}) {
+      int held = 0, all = 0;
+      for (const double truth : {0.25, 0.5, 0.7}) {
+        const double strength = (1.0 - correlation) / correlation;
+        std::gamma_distribution<double> first(truth * strength), second((1.0 - truth) * strength);
+        for (int sample = 0; sample < 1000; ++sample, ++all) {
+          std::vector<ProblemRuns> drawn;
+          std::size_t valid = 0;
+          for (int i = 0; i < problems; ++i) {
+            const double a = first(dice), b = second(dice);
+            std::binomial_distribution<int> runs(seeds, a + b > 0.0 ? a / (a + b) : 0.0);
+            drawn.push_back({static_cast<std::size_t>(runs(dice)), static_cast<std::size_t>(seeds)});
+            valid += drawn.back().valid;
+          }
+          const auto [low, high] =
+              wilson_interval(static_cast<double>(valid) / (problems * seeds), effective_runs(drawn));
+          held += low <= truth && truth <= high;
+        }
+      }
+      EXPECT_GE(held, 0.925 * all) << problems << " " << seeds << " " << correlation;
+      EXPECT_LE(held, 0.995 * all) << problems << " " << seeds << " " << correlation;
+    }
 }
 
 /// Over all signs of so many coins.

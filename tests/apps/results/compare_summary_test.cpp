@@ -62,7 +62,7 @@ TEST(CompareSummaryOfTeams, ATeamThatKeptItsDistanceFallsShortByNothing) {
 
 TEST(CompareSummary, ReportsMediansOfValidRunsAndTimesOfSolvedOnes) {
   std::vector<CompareRun> runs;
-  for (int i = 1; i <= 5; ++i) {  // 1, 4, 9, 16, 25: no quantile is the mean of others
+  for (int i = 1; i <= 5; ++i) {  // 1, 4, 9, 16, 25
     CompareRun run;
     run.status = PlanStatus::solved;
     run.check = i < 5 ? "valid" : "refused";
@@ -86,9 +86,8 @@ TEST(CompareSummary, ReportsMediansOfValidRunsAndTimesOfSolvedOnes) {
   EXPECT_DOUBLE_EQ(sum.check_median, 27.0);
   EXPECT_GT(sum.time_p95, 20.0);
   EXPECT_LE(sum.time_p95, 25.0);
-  const double middle = sum.cost_median / 10.0;  // of 1, 4, 9, 16
-  EXPECT_GE(middle, 4.0);
-  EXPECT_LE(middle, 9.0);
+  const double middle = 6.5;  // of 1, 4, 9, 16
+  EXPECT_DOUBLE_EQ(sum.cost_median, 10.0 * middle);
   EXPECT_DOUBLE_EQ(sum.length_median, 100.0 * middle);
   EXPECT_DOUBLE_EQ(sum.steps_median, 7.0 * middle);
   EXPECT_DOUBLE_EQ(sum.motion_median, 1000.0 * middle);
@@ -124,10 +123,34 @@ TEST(CompareSummary, IsOfSolvedRunsForTimesAndOfValidOnesForCosts) {
   EXPECT_EQ(sum.solved, 18U);
   EXPECT_EQ(sum.valid, 17U);
   EXPECT_EQ(sum.total, 20U);
-  EXPECT_EQ(sum.time_median, 11.0);  // of 3 … 20, the ninth
-  EXPECT_EQ(sum.time_p95, 20.0);
+  EXPECT_EQ(sum.time_median, 11.5);  // of 3 … 20
+  EXPECT_DOUBLE_EQ(sum.time_p95, 19.15);
   EXPECT_EQ(sum.cost_median, 10.0);  // of 2 … 18
   EXPECT_EQ(sum.unsolved, (std::map<std::string, std::size_t>{{"no_path", 2}}));
+}
+
+/// A planner without randomness: the same answer for each of four seeds.
+TEST(CompareSummary, IntervalsAreOfProblemsAndNotOfSeeds) {
+  CompareResults results;
+  CompareExperiment& experiment = results.experiments.emplace_back();
+  experiment.planners = {{"boundary", "boundary", {}, true}};
+  for (int i = 0; i < 6; ++i) {
+    CompareProblem& problem = experiment.problems.emplace_back();
+    for (int number = 1; number <= 4; ++number) {
+      CompareRun& run = problem.runs.emplace_back();
+      run.number = number;
+      run.status = i == 0 ? PlanStatus::solved : PlanStatus::no_path;
+      run.check = i == 0 ? "valid" : "none";
+    }
+  }
+  const CompareSummary sum = summary(experiment, 0);
+  EXPECT_EQ(sum.problems, 6U);
+  EXPECT_EQ(sum.effective_runs, 6.0);
+  EXPECT_EQ(success_text(sum), "16.7 (3.01 to 56.4)");
+  const nlohmann::ordered_json json = summary_json(experiment, 0);
+  EXPECT_EQ(json["problems"], 6);
+  EXPECT_EQ(json["effective_runs"], 6.0);
+  EXPECT_NEAR(json["valid_share_95"][1].get<double>(), 0.5635, 5e-5);
 }
 
 TEST(CompareSummary, OnlyThosePromisesAreBrokenThatWereMade) {

@@ -4,7 +4,8 @@
 export interface Planner {
   label: string; planner: string; options: Record<string, string>; certified: boolean;
   solved: number; valid: number; total: number;
-  valid_share_95: [number, number];                         // Wilson's interval
+  problems: number;                                         // that the runs are of
+  valid_share_95: [number, number];                         // Wilson's interval of as many runs as these are worth
   cpu_median_s: number | null;                              // of solved runs; null: of teams
   time_median_s: number | null; time_p95_s: number | null;  // of solved runs
   cost_median_joules: number | null; length_median_rad: number | null; steps_median: number | null;  // of valid runs

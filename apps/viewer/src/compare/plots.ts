@@ -31,10 +31,10 @@ function againstWidth(experiment: Experiment, figure: (run: Run) => number): Lin
   const line = (name: string, color: number, problem: number | null): Line => {
     const out: Line = { name, color, x: [], y: [], dots: true };
     widthOf.map((width, p) => ({ width, p })).filter(({ width }) => Number.isFinite(width)).sort((a, b) => a.width - b.width).forEach(({ width, p }) => {
-      const found = figures(problem, p);
+      const found = figures(problem, p), middle = found.length / 2;
       if (found.length === 0) return;
       out.x.push(width);
-      out.y.push(found[Math.floor((found.length - 1) / 2)]);
+      out.y.push((found[Math.ceil(middle) - 1] + found[Math.floor(middle)]) / 2);
     });
     return out;
   };
@@ -63,7 +63,7 @@ export function shareCharts(experiment: Experiment): Chart[] {
                        y: planners.map((planner) => 100 * planner.valid / planner.total),
                        bounds: planners.map((planner) => [100 * planner.valid_share_95[0], 100 * planner.valid_share_95[1]]) };
   return [new Chart({ ...widthAxis(experiment), title: "Share solved against beam width", y: "runs, %", yRange: [0, 104], lines: [line], legend: false,
-                     note: `Of ${planners[0].total} runs each; bars are Wilson's intervals at 95 % confidence.` })];
+                     note: `Of ${planners[0].total} runs on ${planners[0].problems} ${planners[0].problems === 1 ? "problem" : "problems"} each; bars are intervals at 95 % confidence for problems like these.` })];
 }
 
 /// Cost and time against the option `width`. None where no planner has it.
@@ -87,7 +87,7 @@ export function resolutionCharts(sweep: Sweep): Chart[] {
     return { name: label, color: p, dots: true, x: known.map(({ x }) => x), y: known.map(({ y }) => Math.max(y!, 1e-6)) };
   });
   return [new Chart({ ...axis, title: "Success against resolution", y: "valid runs, %", yRange: [0, 104], lines: success,
-                      note: "Bars are Wilson's intervals at 95 % confidence." }),
+                      note: "Bars are intervals at 95 % confidence for problems like these." }),
           new Chart({ ...axis, title: "Time against resolution", y: "median planning time, s", logY: true, lines: times,
                       note: "Of solved runs, whichever those are at each resolution." })];
 }
