@@ -114,8 +114,13 @@ std::vector<PreparedExperiment> prepare_all(const Suite& suite, const CompareOpt
   }
   require_known("--planners", options.planners, {planners.begin(), planners.end()});
   std::erase_if(prepared, [](const PreparedExperiment& experiment) { return experiment.planners.empty(); });
-  for (const PreparedExperiment& experiment : prepared) {  // worlds, generators, numbers of joints
-    if (!experiment.setup.teams) SuiteStages(suite, experiment.setup, experiment.robot);
+  for (PreparedExperiment& experiment : prepared) {  // worlds, generators, numbers of joints
+    if (!experiment.setup.teams)
+      experiment.notes = SuiteStages(suite, experiment.setup, experiment.robot).notes();
+    for (const SuiteWorld& world : suite.worlds)
+      if (experiment.map && world.name == experiment.setup.world)
+        if (std::string note = note_on_cloud(world, *experiment.map); !note.empty())
+          experiment.notes.push_back(std::move(note));
   }
   return prepared;
 }
@@ -205,6 +210,7 @@ void report_warnings(const CompareResults& results, Console& console) {
   for (const auto& sentences :
        {invalid_ends(results), runs_without_answer(results), broken_promises(results)})
     for (const std::string& sentence : sentences) console.warn("clearway: " + sentence);
+  for (const std::string& note : results.notes) console.warn("note: " + note);
 }
 
 CompareAsked asked_of(const Suite& suite, const std::vector<PreparedExperiment>& prepared,
@@ -212,8 +218,12 @@ CompareAsked asked_of(const Suite& suite, const std::vector<PreparedExperiment>&
   CompareAsked asked{stamped(suite, options),
                      sha256(read_input(suite_file(options), "suite", SIZE_MAX)),
                      {options.shard, options.shards}};
-  for (const PreparedExperiment& experiment : prepared)
+  std::vector<std::string>& notes = asked.results.notes;
+  for (const PreparedExperiment& experiment : prepared) {
     asked.results.experiments.push_back(asked_of(experiment));
+    for (const std::string& note : experiment.notes)  // once for each map
+      if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);
+  }
   return asked;
 }
 

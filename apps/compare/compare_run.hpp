@@ -25,6 +25,7 @@ struct PreparedExperiment {
   std::vector<std::shared_ptr<const Planner>> makers;  ///< of these; none for teams
   std::vector<TeamOptions> leaders;                    ///< of these, for teams
   std::optional<Snapshot> map;                         ///< for teams: of their world
+  std::vector<std::string> notes = {};                 ///< what a reader should know of its maps
 };
 
 /// A planner in another process, in every experiment but those of teams (external_planner.hpp).

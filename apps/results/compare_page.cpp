@@ -158,6 +158,13 @@ Json experiment_json(const CompareExperiment& experiment) {
           {"table", experiment.setup.teams ? Json(summary_table(experiment)) : Json(nullptr)}};
 }
 
+/// What the page says of the maps; empty: nothing.
+std::string noted(const CompareResults& results) {
+  std::string text;
+  for (const std::string& note : results.notes) text += " Note: " + note + ".";
+  return text;
+}
+
 }  // namespace
 
 std::string to_html(const CompareResults& results) {
@@ -173,7 +180,7 @@ std::string to_html(const CompareResults& results) {
                           interval_note +
                           " Every path was judged by the independent check, whoever planned it. "
                           "To repeat a run and see it in 3D: clearway compare " +
-                          results.file + " --rerun ID --out DIR."},
+                          results.file + " --rerun ID --out DIR." + noted(results)},
             {"overview", overview_json(overview(results))},
             {"resolutions", sweeps_json(results)},
             {"experiments", Json::array()}};

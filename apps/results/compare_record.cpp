@@ -221,7 +221,7 @@ Json record_of(const CompareResults& results) {
   return {{"suite", results.suite},   {"title", results.title}, {"file", results.file},
           {"seed", results.seed},     {"jobs", results.jobs},   {"version", results.version},
           {"commit", results.commit}, {"host", results.host},   {"processor", results.processor},
-          {"date", results.date}};
+          {"date", results.date},     {"notes", results.notes}};
 }
 
 CompareResults results_of_record(const Json& record) {
@@ -234,6 +234,7 @@ CompareResults results_of_record(const Json& record) {
     record.at(name).get_to(*text);
   record.at("seed").get_to(results.seed);
   record.at("jobs").get_to(results.jobs);
+  if (record.contains("notes")) record.at("notes").get_to(results.notes);  // older ones have none
   return results;
 }
 

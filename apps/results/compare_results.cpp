@@ -152,6 +152,7 @@ std::string to_json(const CompareResults& results) {
                {"host", results.host},
                {"processor", results.processor},
                {"date", results.date},
+               {"notes", results.notes},
                {"time_s", results.time},
                {"experiments", Json::array()},
                {"overview", overview_json(overview(results))},

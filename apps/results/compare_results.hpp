@@ -108,6 +108,7 @@ struct CompareResults {
   std::uint64_t seed = 1;
   int jobs = 1;
   std::string version, commit, host, processor, date;  ///< date: UTC, ISO 8601
+  std::vector<std::string> notes = {};  ///< what a reader should know of its maps, a sentence each
   double time = 0.0;                    ///< s, all of it
   std::vector<CompareExperiment> experiments;
 };

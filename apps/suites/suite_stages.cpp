@@ -202,6 +202,16 @@ Policies suite_policies(const Suite& suite, const SuiteExperiment& experiment, c
   return policies;
 }
 
+std::string note_on_cloud(const SuiteWorld& world, const Snapshot& map) {
+  std::string remark = cloud_remark(world.map, map, false);
+  if (remark.empty()) return "";
+  const std::string flag = "--cloud-resolution chooses others";  // of commands that a suite has no part in
+  if (const std::size_t at = remark.find(flag); at != std::string::npos)
+    remark.replace(at, flag.size(),
+                   "`clearway inspect` with --cloud-resolution and --save makes a map of others");
+  return "world " + quote(world.name) + ", " + quote_path(world.map.string()) + ": " + remark;
+}
+
 SuiteStages::SuiteStages(const Suite& suite, const SuiteExperiment& experiment, const Robot& robot)
     : suite_(suite), experiment_(experiment), robot_(robot) {
   static_cast<void>(suite_policies(suite, experiment, robot));
@@ -212,7 +222,9 @@ SuiteStages::SuiteStages(const Suite& suite, const SuiteExperiment& experiment, 
     worlds_ = world_names(experiment);
     for (const std::string& name : worlds_) {
       const SuiteWorld& world = world_of(suite, experiment, name);
-      if (is_cloud_file(world.map)) load_map(world.map);
+      if (!is_cloud_file(world.map)) continue;
+      if (std::string note = note_on_cloud(world, load_map(world.map)); !note.empty())
+        notes_.push_back(std::move(note));
     }
     require_sizes(suite, experiment, robot);
     require_loads(suite, experiment, robot);

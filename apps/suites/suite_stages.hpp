@@ -33,6 +33,9 @@ struct SuiteStage {
 /// @throws std::invalid_argument naming a part that the robot does not have.
 Policies suite_policies(const Suite& suite, const SuiteExperiment& experiment, const Robot& robot);
 
+/// What a reader should know of a world's map that is a cloud, a sentence; else empty. @param map its own
+std::string note_on_cloud(const SuiteWorld& world, const Snapshot& map);
+
 /// The stages of one experiment, each made when asked for: worlds may be large and many.
 class SuiteStages {
  public:
@@ -43,6 +46,8 @@ class SuiteStages {
   SuiteStages(const Suite& suite, const SuiteExperiment& experiment, const Robot& robot);
 
   std::size_t size() const;
+  /// What a reader should know of maps that are clouds (cloud_remark), a sentence each.
+  const std::vector<std::string>& notes() const { return notes_; }
   /// How many problems a stage has, at most, without making it.
   std::size_t problems(std::size_t index) const;
   /// Deterministic, may be called from any thread. Worlds that are made take up to some seconds each.
@@ -55,6 +60,7 @@ class SuiteStages {
   const SuiteExperiment& experiment_;
   const Robot& robot_;
   std::vector<std::string> worlds_;  ///< of explicit problems, a stage each
+  std::vector<std::string> notes_;
 };
 
 /// Joint values of a suite file as a configuration.

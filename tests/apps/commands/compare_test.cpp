@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "apps/results/compare_columns.hpp"
+#include "mapping/files/cloud_file.hpp"
 #include "planning/problem/path_cost.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/apps/page_reader.hpp"
@@ -390,6 +391,41 @@ TEST_F(CompareJob, MistakesAreReportedBeforeAnythingRuns) {
          "none.yaml");
   folder_->write("file", "");
   EXPECT_EQ(compare("file", {}).status, 2);
+}
+
+/// A wall of points 5 cm apart, in a world that two experiments have: what `plan` says of it, once.
+TEST(CompareClouds, AreToldOnConsoleAndPageOnceForEachMap) {
+  const TemporaryFolder folder;
+  std::vector<Eigen::Vector3f> wall;
+  for (int y = -10; y < 10; ++y)
+    for (int z = -10; z < 10; ++z)
+      wall.push_back({5.0F, 0.025F + 0.05F * static_cast<float>(y), 0.025F + 0.05F * static_cast<float>(z)});
+  folder.write("wall.pcd", format_pcd(wall));
+  std::string suite =
+      "worlds: [{name: cloud, map: wall.pcd}]\nplanners: [{planner: rrtconnect}]\nexperiments:\n";
+  for (const char* name : {"a", "b"})
+    suite +=
+        "  - {name: " + std::string(name) +
+        ", robot: point, world: cloud, policies: {default: not_occupied}, problems: [{name: p, start: [0, "
+        "0], goals: [[0.5, 0]]}]}\n";
+  const CommandRun run =
+      run_command({"compare", folder.write("s.yaml", suite), "--out", folder.file("out"), "--json"});
+  ASSERT_EQ(run.status, 0) << run.log;
+  const auto notes = nlohmann::json::parse(run.out)["notes"].get<std::vector<std::string>>();
+  ASSERT_EQ(notes.size(), 1U) << run.out;
+  EXPECT_TRUE(notes[0].starts_with("world 'cloud', '")) << notes[0];
+  EXPECT_NE(notes[0].find("wall.pcd': the cloud's points are some 50 mm apart"), std::string::npos)
+      << notes[0];
+  EXPECT_NE(notes[0].find("with --cloud-resolution and --save makes a map of others"), std::string::npos);
+  const std::size_t said = run.log.find("note: " + notes[0] + "\n");
+  ASSERT_NE(said, std::string::npos) << run.log;
+  EXPECT_EQ(run.log.find("the cloud's points", said + 60 + notes[0].size()), std::string::npos) << run.log;
+  EXPECT_NE(read_file(folder.file("out/report.html")).find("the cloud's points are some 50 mm apart"),
+            std::string::npos);
+  const CommandRun merged =
+      run_command({"compare", "merge", folder.file("out"), "--out", folder.file("merged")});
+  EXPECT_EQ(merged.status, 0) << merged.log;
+  EXPECT_NE(merged.log.find("note: " + notes[0]), std::string::npos) << merged.log;
 }
 
 /// An arm that swings in a vertical plane, with and without a load, by the cost of the path that it took.
