@@ -6,6 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "mapping/system/plain_text.hpp"
 #include "mapping/system/thread_time.hpp"
 #include "planning/auto_planner.hpp"
 #include "planning/check/check_pick.hpp"
@@ -39,7 +40,8 @@ class PickPlanner {
 
   /// The legs, up to the first that fails.
   std::vector<PlanResult> run() {
-    std::string why = "no configuration within the limits was found that puts the tip at the grasp";
+    std::string why = "no configuration within the limits was found that puts the tip, link " +
+                      quote(robot_.links[static_cast<std::size_t>(robot_.tip_link)].name) + ", at the grasp";
     for (;;) {
       if (join_any(why)) return best_;
       if (!is_growing_ || is_end_blocked() || is_hopeless() || is_out_of_time()) break;
@@ -155,6 +157,15 @@ class PickPlanner {
     return leg;
   }
 
+  /// The same, with the leg's name before why it fails.
+  PlanResult plan_named_leg(std::size_t index, const ConfigurationSpace& space, const Configuration& from,
+                            const Configuration& to) {
+    PlanResult leg = plan_leg(space, from, to);
+    if (leg.status != PlanStatus::solved)
+      leg.explanation = "On " + names_of_legs(true)[index] + ": " + leg.explanation;
+    return leg;
+  }
+
   /// From the lifted object to above its place; out of a compartment and into one as the hand came and goes,
   /// where trees do not find the way.
   PlanResult plan_transfer(const Taking& taking, const Putting& putting) {
@@ -198,7 +209,7 @@ class PickPlanner {
 
   std::vector<PlanResult> plan_from(const Taking& taking, const std::vector<Putting>& puttings,
                                     std::string why) {
-    std::vector<PlanResult> legs = {plan_leg(scene_.before(), query_.start, taking.reach.front())};
+    std::vector<PlanResult> legs = {plan_named_leg(0, scene_.before(), query_.start, taking.reach.front())};
     if (legs.back().status != PlanStatus::solved) return legs;
     legs.push_back(straight_leg(scene_.bare(), taking.reach));
     legs.push_back(straight_leg(scene_.carrying(), taking.lift));
@@ -210,13 +221,14 @@ class PickPlanner {
       legs.push_back(plan_transfer(taking, putting));
       if (legs.back().status != PlanStatus::solved) {
         failed = legs.back();
-        why = "from there: " + failed.explanation;
+        why = "on carry: " + failed.explanation;
         continue;
       }
       legs.push_back(straight_leg(scene_.carrying(), putting.lower));
       legs.push_back(straight_leg(scene_.bare(), putting.retreat));
       if (!query_.goals.empty())
-        legs.push_back(plan_leg(scene_.after(), putting.retreat.back(), query_.goals.front()));
+        legs.push_back(plan_named_leg(names_of_legs(false).size(), scene_.after(), putting.retreat.back(),
+                                      query_.goals.front()));
       return legs;
     }
     legs.resize(taken);
@@ -265,11 +277,33 @@ void report_ends(const PlanQuery& query, Plan& plan) {
 
 }  // namespace
 
+void require_rigid_hold(const Robot& robot, const Pick& pick) {
+  const auto tip = static_cast<std::size_t>(robot.tip_link);
+  std::vector<int> above(robot.links.size(), 0);
+  std::vector<std::size_t> ends{tip};
+  for (std::size_t i = 0; i < robot.links.size(); ++i)
+    if (robot.links[i].name == pick.object.link) ends.push_back(i);
+  for (const std::size_t end : ends)
+    for (int i = static_cast<int>(end); i >= 0; i = robot.links[static_cast<std::size_t>(i)].parent)
+      ++above[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < robot.links.size(); ++i) {
+    const Link& link = robot.links[i];
+    if (ends.size() < 2 || above[i] != 1 || link.joint < 0 || link.multiplier == 0.0) continue;
+    const std::string joint = robot.joints[static_cast<std::size_t>(link.joint)].name;
+    throw std::invalid_argument(
+        "pick " + quote(pick.object.name) + ": joint " +
+        quote(link.joint_name.empty() ? joint : link.joint_name) + " moves link " + quote(pick.object.link) +
+        ", which carries the object, against the tip, link " + quote(robot.links[tip].name) +
+        ", expected a link that is fixed to the tip (--tip chooses another tip)");
+  }
+}
+
 Plan plan_pick(const PlanQuery& query, const Pick& pick) {
   require_query(query);
   const auto planner = query.planner ? query.planner : std::make_shared<const AutoPlanner>();
   const ConfigurationSpace& space = query.space;
   require_sound(pick, space.map().resolution(), space.options().padding);
+  require_rigid_hold(space.robot(), pick);
   Plan plan = empty_plan(query, *planner);
   const auto begin = Clock::now();
   {

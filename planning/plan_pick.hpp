@@ -15,7 +15,11 @@ namespace clearway {
 /// free. The planner joins the first such grasp and place that it can. The legs of the plan are those of
 /// names_of_legs(); the first one that fails ends it and says why.
 /// @throws std::invalid_argument as plan_and_check, and for a pick that is not sound or that the robot cannot
-///         hold.
+///         hold: a joint moves the link that carries the object against the tip.
 Plan plan_pick(const PlanQuery& query, const Pick& pick);
+
+/// The object rides on one link, and the tip takes and places it.
+/// @throws std::invalid_argument in one sentence where a joint moves these against each other.
+void require_rigid_hold(const Robot& robot, const Pick& pick);
 
 }  // namespace clearway

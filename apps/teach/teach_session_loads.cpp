@@ -8,6 +8,7 @@
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/picks/pick_scene.hpp"
+#include "planning/plan_pick.hpp"
 
 namespace clearway {
 namespace {
@@ -196,6 +197,7 @@ void TeachSession::choose_pick(const TeachEvent& event, std::string& remark) {
       robot.scale * pick.lift, contact_length(pick, space->map().resolution(), space->options().padding)));
   pick.contact = event.contact.value_or(pick.contact);
   require_sound(pick, space->map().resolution(), space->options().padding);
+  require_rigid_hold(robot, pick);
   require_own_voxels(pick, space->map());
   const Verdict verdict = PickScene(*space, pick, {}).grasping().check(q);
   if (!verdict.is_free()) refuse(verdict.sentence());

@@ -58,6 +58,19 @@ LoadHull read_hull(const YamlFields& fields, const std::filesystem::path& folder
   return hull;
 }
 
+/// Of three numbers the object keeps its attitude.
+Eigen::Isometry3d place_of(const YamlFields& fields, const Eigen::Isometry3d& map_from_object) {
+  const std::string key = fields.has("place_deg") ? "place_deg" : "place";
+  const std::size_t count = fields.is_list(key) ? fields.numbers(key, within_reach).size() : 6;
+  if (count != 3 && count != 6)
+    fields.fail(key,
+                "expected x, y, z or x, y, z, roll, pitch, yaw, got " + std::to_string(count) + " numbers");
+  if (count == 6) return fields.pose("place");
+  Eigen::Isometry3d place = map_from_object;
+  place.translation() = fields.vector(key);
+  return place;
+}
+
 }  // namespace
 
 LoadShape read_load_shape(const YamlFields& fields, const std::filesystem::path& folder) {
@@ -107,7 +120,7 @@ PickSetup read_pick(const YamlFields& fields, const std::filesystem::path& folde
   pick.mass = fields.number("mass", not_negative, 0);
   pick.touches = fields.texts("touches");
   pick.map_from_object = fields.pose("pose");
-  if (fields.has_angles("place")) pick.map_from_place = fields.pose("place");
+  if (fields.has_angles("place")) pick.map_from_place = place_of(fields, pick.map_from_object);
   pick.object_from_tip = fields.pose("grasp");
   if (fields.has("approach")) pick.approach = fields.vector("approach");
   pick.lift = fields.number("lift", positive, pick.lift);

@@ -57,7 +57,8 @@ struct PickSetup {
   double mass = 0;   ///< kg, full size
   std::vector<std::string> touches;
   Eigen::Isometry3d map_from_object = Eigen::Isometry3d::Identity();
-  std::optional<Eigen::Isometry3d> map_from_place;  ///< none: whoever asks says it
+  /// Of three numbers, m, it keeps the object's attitude; none: whoever asks says it.
+  std::optional<Eigen::Isometry3d> map_from_place;
   Eigen::Isometry3d object_from_tip = Eigen::Isometry3d::Identity();
   Eigen::Vector3d approach{0, 0, -0.1};  ///< m, map frame
   double lift = 0.1;                     ///< m

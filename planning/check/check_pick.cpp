@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/system/plain_text.hpp"
 #include "planning/check/path_check_links.hpp"
 #include "planning/check/pick_maps.hpp"
 #include "planning/check/pick_terms.hpp"
@@ -45,6 +46,7 @@ class PickCheck {
 
   PathVerdict run() {
     try {
+      terms_.require_rigid_hold();
       terms_.require_legs();
       terms_.require_grasp();
       require_ways(terms_);
@@ -143,6 +145,17 @@ PathVerdict check_pick(const PickToCheck& plan, const std::map<std::string, Poli
     PathVerdict verdict;
     verdict.first_contact = error.what();
     return verdict;
+  }
+}
+
+std::string place_note(const PickToCheck& plan, double padding) {
+  require_sound(plan.pick, plan.map.resolution(), padding);
+  try {
+    const PickTerms terms(plan, {}, padding, 0.0);
+    if (is_layer_occupied(terms, without_object(terms), plan.pick.map_from_place)) return {};
+    return "nothing that the map knows stands below the place of " + quote(plan.pick.object.name);
+  } catch (const check::FileDisagrees&) {
+    return {};  // which check_pick refuses
   }
 }
 

@@ -18,6 +18,7 @@ class PickMotionCheck {
 
   MotionVerdict run() {
     try {
+      terms_.require_rigid_hold();
       terms_.require_legs();
       terms_.require_grasp();
       verdict_ = check_rates(terms_.plan.robot, motion_, terms_.grips());

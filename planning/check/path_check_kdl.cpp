@@ -190,6 +190,19 @@ bool KdlArm::may_touch(std::size_t a, std::size_t b) const {
   });
 }
 
+std::string KdlArm::joint_between_links(std::size_t a, std::size_t b) const {
+  std::vector<int> above(chains_->model.links.size(), 0);
+  for (const std::size_t end : {a, b})
+    for (int i = static_cast<int>(end); i >= 0; i = chains_->link(i).parent)
+      ++above[static_cast<std::size_t>(i)];
+  for (const std::size_t end : {a, b})
+    for (int i = static_cast<int>(end); i >= 0 && above[static_cast<std::size_t>(i)] == 1;
+         i = chains_->link(i).parent)
+      if (const KdlLink& at = chains_->link(i); at.joint >= 0 && at.multiplier != 0.0)
+        return at.segment->getJoint().getName();
+  return {};
+}
+
 const KdlLink* KdlArm::only_joint_between(std::size_t a, std::size_t b) const {
   const KdlLink* found = nullptr;
   for (const int i : chains_->way_between(a, b)) {

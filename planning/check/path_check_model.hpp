@@ -61,6 +61,8 @@ class KdlArm {
   /// The joints of the configuration that hold the load, as grip_joints (planning/robot/load.hpp) says. Found
   /// by walking KDL's links. @param robot with the load
   std::vector<int> joints_that_hold(const Robot& robot, const Load& load) const;
+  /// The first joint that moves two links against each other, as KDL has it, held ones aside; empty: none.
+  std::string joint_between_links(std::size_t a, std::size_t b) const;
   /// A joint's limits; of one that turns without end half a turn to either side of the slowest link that it
   /// moves. `number`: its index.
   std::pair<double, double> range(const Joint& joint, std::size_t number) const;

@@ -1,5 +1,6 @@
 #include "planning/check/pick_maps.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "mapping/maps/freed_voxels.hpp"
@@ -52,18 +53,38 @@ Snapshot without_object(const PickTerms& terms) {
   return with_free_voxels(terms.plan.map, voxels_in(about, edge, is_own), false);
 }
 
-Snapshot without_layer(const PickTerms& terms, const Snapshot& map,
-                       const Eigen::Isometry3d& map_from_object) {
+namespace {
+
+/// Centres of the voxels of the layer of what the object stands on there, and so much deeper.
+std::vector<Eigen::Vector3d> layer_at(const PickTerms& terms, const Eigen::Isometry3d& map_from_object,
+                                      double deeper) {
   const double edge = terms.plan.map.resolution(), wide = layer_reach(edge, terms.padding);
   const double plane = lowest(terms.shape, map_from_object);
-  const Eigen::AlignedBox3d about = box_of(terms.shape, map_from_object, wide);
+  Eigen::AlignedBox3d about = box_of(terms.shape, map_from_object, wide);
+  about.min().z() -= deeper;
   const auto is_layer = [&](const Eigen::Vector3d& center) {
     const Eigen::Array3d low = center.array() - edge / 2, high = center.array() + edge / 2;
     return (low.head<2>() >= about.min().array().head<2>() - skin).all() &&
-           (high.head<2>() <= about.max().array().head<2>() + skin).all() && low.z() >= plane - wide - skin &&
-           high.z() <= plane + edge + skin;
+           (high.head<2>() <= about.max().array().head<2>() + skin).all() &&
+           low.z() >= plane - wide - deeper - skin && high.z() <= plane + edge + skin;
   };
-  return with_free_voxels(map, voxels_in(about, edge, is_layer), true);
+  return voxels_in(about, edge, is_layer);
+}
+
+}  // namespace
+
+Snapshot without_layer(const PickTerms& terms, const Snapshot& map,
+                       const Eigen::Isometry3d& map_from_object) {
+  return with_free_voxels(map, layer_at(terms, map_from_object, 0.0), true);
+}
+
+bool is_layer_occupied(const PickTerms& terms, const Snapshot& map,
+                       const Eigen::Isometry3d& map_from_object) {
+  const std::vector<Eigen::Vector3d> layer = layer_at(terms, map_from_object, terms.plan.map.resolution());
+  return std::any_of(layer.begin(), layer.end(), [&](const Eigen::Vector3d& center) {
+    const VoxelState state = map.state(center);
+    return state == VoxelState::occupied || state == VoxelState::conflict;
+  });
 }
 
 }  // namespace clearway::check

@@ -12,4 +12,8 @@ Snapshot without_object(const PickTerms& terms);
 /// The map without the layer of what the object stands on there.
 Snapshot without_layer(const PickTerms& terms, const Snapshot& map, const Eigen::Isometry3d& map_from_object);
 
+/// Whether the map has an obstacle in that layer, or in voxels that only begin below it: the object is put
+/// down less than a voxel and the padding above them.
+bool is_layer_occupied(const PickTerms& terms, const Snapshot& map, const Eigen::Isometry3d& map_from_object);
+
 }  // namespace clearway::check

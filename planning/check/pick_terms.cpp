@@ -83,6 +83,19 @@ void PickTerms::refuse_on(Leg index, const std::string& what) const {
                     static_cast<int>(index)};
 }
 
+void PickTerms::require_rigid_hold() const {
+  std::size_t carrier = plan.robot.links.size();
+  for (std::size_t i = 0; i < plan.robot.links.size(); ++i)
+    if (plan.robot.links[i].name == pick.object.link) carrier = i;
+  if (carrier == plan.robot.links.size()) refuse("the robot has no link " + quote(pick.object.link));
+  const auto tip = static_cast<std::size_t>(plan.robot.tip_link);
+  const std::string joint = arm_.joint_between_links(carrier, tip);
+  if (!joint.empty())
+    refuse("joint " + quote(joint) + " moves link " + quote(pick.object.link) +
+           ", which carries the object, against the tip, link " + quote(plan.robot.links[tip].name) +
+           ", expected a link that is fixed to the tip");
+}
+
 void PickTerms::require_legs() const {
   const std::size_t count = plan.legs.size();
   if (count != names_of_legs(false).size() && count != names_of_legs(true).size())

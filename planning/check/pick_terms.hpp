@@ -56,6 +56,9 @@ class PickTerms {
   [[noreturn]] void refuse(const std::string& what) const;                ///< @throws PickRefusal
   [[noreturn]] void refuse_on(Leg index, const std::string& what) const;  ///< @throws PickRefusal
 
+  /// No joint moves the link that carries the object against the tip. @throws PickRefusal
+  void require_rigid_hold() const;
+
   /// As many as a pick has, each beginning where the one before ends. @throws PickRefusal
   void require_legs() const;
 

@@ -252,6 +252,7 @@ std::string to_json(const Plan& plan) {
   if (!plan.cost_caveat.empty()) json["cost_caveat"] = plan.cost_caveat;
   if (!plan.loads.empty()) json["loads"] = json_of(plan.loads);
   if (plan.pick) json["pick"] = json_of(*plan.pick);
+  if (!plan.tip.empty()) json["tip"] = plan.tip;
   if (!plan.group.empty()) json["group"] = plan.group;
   if (!plan.held.empty()) json["held"] = plan.held;
   if (!plan.xacro.empty()) json["xacro"] = plan.xacro;

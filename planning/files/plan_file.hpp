@@ -53,10 +53,11 @@ struct Plan {
   std::vector<PlanResult> legs;              ///< each starts where the one before it ended
   std::vector<LegLoad> loads{};              ///< that ride on the robot, on some legs or all
   std::optional<Pick> pick{};                ///< what the legs do, if they pick and place
-  std::string cost_caveat{};                 ///< why the costs say nothing, one sentence; may be empty
-  std::string query;                         ///< its name in the map folder's record; empty: none
-  Configuration start;                       ///< as asked; of no size when the file does not say
-  std::vector<Configuration> goals;          ///< as asked
+  std::string tip{};                 ///< link whose poses a pick or poses of goals are of; empty: nobody says
+  std::string cost_caveat{};         ///< why the costs say nothing, one sentence; may be empty
+  std::string query;                 ///< its name in the map folder's record; empty: none
+  Configuration start;               ///< as asked; of no size when the file does not say
+  std::vector<Configuration> goals;  ///< as asked
   double time_s = 0.0;
   double cpu_s = 0.0;  ///< of the thread that planned; this and the next two are in no file
   double check_s = 0.0, check_cpu_s = 0.0;  ///< of the independent check

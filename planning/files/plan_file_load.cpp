@@ -179,6 +179,7 @@ Plan read_plan(const JsonField& root) {
   plan.time_s = root.at("time_s").number();
   plan.validation = validation(root.at("validation"));
   if (root.has("goals")) plan.goals = root.at("goals").vectors(dof);
+  if (root.has("tip")) plan.tip = root.at("tip").text();
   if (root.has("query")) plan.query = root.at("query").text();
   if (root.has("start")) plan.start = root.at("start").numbers(dof);
   if (root.has("scale")) plan.robot_scale = scale_of(root.at("scale"));

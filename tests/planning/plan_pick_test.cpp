@@ -112,7 +112,13 @@ TEST_F(PlanPick, SaysWhatIsInTheWay) {
     return plan_pick(
         {.space = *space_, .start = home, .goals = {}, .time_limit = 3.0, .survey = std::nullopt}, pick);
   };
-  EXPECT_NE(plan(far).explanation().find("no configuration within the limits"), std::string::npos);
+  const Robot& robot = space_->robot();
+  const std::string tip = robot.links[static_cast<std::size_t>(robot.tip_link)].name;
+  EXPECT_NE(
+      plan(far).explanation().find("no configuration within the limits was found that puts the tip, link '" +
+                                   tip + "', at the grasp"),
+      std::string::npos)
+      << plan(far).explanation();
   EXPECT_FALSE(plan(far).is_proved());
   Pick in_the_wall = can();
   in_the_wall.map_from_place.translation().y() = 0.0;
@@ -129,6 +135,33 @@ TEST_F(PlanPick, SaysWhatIsInTheWay) {
     Pick no_length = can();
     no_length.contact = contact;
     EXPECT_THROW(plan(no_length), std::invalid_argument) << contact;
+  }
+}
+
+TEST_F(PlanPick, RefusesAnObjectOnALinkThatMovesAgainstTheTip) {
+  const Robot& robot = space_->robot();
+  const Link& tip = robot.links[static_cast<std::size_t>(robot.tip_link)];
+  for (const Link& link : robot.links) {
+    const LinkPoses here = forward_kinematics(robot, home),
+                    there = forward_kinematics(robot, home + Configuration::Constant(6, 0.1));
+    const auto index = static_cast<std::size_t>(&link - robot.links.data());
+    const auto seen = [&](const LinkPoses& poses) {
+      return Eigen::Isometry3d(poses[static_cast<std::size_t>(robot.tip_link)].inverse() * poses[index]);
+    };
+    Pick pick = can();
+    pick.object.link = link.name;
+    if (seen(here).isApprox(seen(there), 1e-9)) {
+      EXPECT_NO_THROW(require_rigid_hold(robot, pick)) << link.name;
+      continue;
+    }
+    try {
+      plan_pick({.space = *space_, .start = home, .goals = {}, .survey = std::nullopt}, pick);
+      FAIL() << link.name;
+    } catch (const std::invalid_argument& refusal) {
+      const std::string text = refusal.what();
+      EXPECT_NE(text.find("moves link '" + link.name + "'"), std::string::npos) << text;
+      EXPECT_NE(text.find("the tip, link '" + tip.name + "'"), std::string::npos) << text;
+    }
   }
 }
 

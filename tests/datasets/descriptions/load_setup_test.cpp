@@ -131,6 +131,17 @@ TEST_F(LoadFiles, SayHowAnObjectIsTaken) {
   EXPECT_EQ(can.map_from_object.translation().x(), 1.0);
   EXPECT_EQ(can.object_from_tip.translation().z(), 0.1);
   EXPECT_FALSE(can.map_from_place.has_value());
+  const std::string taken =
+      "{name: can, sphere: 0.1, link: hand, pose: [1, 0, 0, 0.1, 0.2, 0.3], grasp: [0, 0, 0.1, 0, 0, 0], ";
+  for (const char* key : {"place", "place_deg"}) {  // three numbers keep the attitude, six say one
+    const auto kept = pick(taken + key + ": [2, 3, 4]}"),
+               turned = pick(taken + key + ": [2, 3, 4, 0, 0, 0]}");
+    EXPECT_EQ(kept.map_from_place->translation(), Eigen::Vector3d(2, 3, 4));
+    EXPECT_EQ(kept.map_from_place->linear(), kept.map_from_object.linear());
+    EXPECT_TRUE(turned.map_from_place->linear().isIdentity(1e-12));
+    EXPECT_THROW(pick(taken + key + ": [2, 3, 4, 0]}"), std::invalid_argument);
+    EXPECT_THROW(pick(taken + key + ": 2}"), std::invalid_argument);
+  }
   EXPECT_EQ(can.approach.x(), 0.1);
   EXPECT_EQ(can.lift, 0.05);
   EXPECT_EQ(can.contact, 0.0);

@@ -104,5 +104,41 @@ TEST(CheckPick, OnTheContactTheRobotItselfKeepsClearOfWhatTheObjectStandsOn) {
   EXPECT_TRUE(through.path(can_alone).valid) << through.path(can_alone).first_contact;
 }
 
+TEST(CheckPick, RefusesAnObjectOnALinkThatMovesAgainstTheTip) {
+  const Snapshot map = shelf();
+  Errand errand(-0.1);
+  for (const auto& [link, joint] :
+       {std::pair{"y", "'jz'"}, std::pair{"x", "'jz'"}, std::pair{"base", "'jz'"}}) {
+    errand.pick.object.link = link;
+    const PathVerdict path = errand.path(map);
+    EXPECT_FALSE(path.valid);
+    for (const std::string& sentence : {path.first_contact, errand.motion(map).fault}) {
+      EXPECT_NE(sentence.find(std::string("joint ") + joint + " moves link '" + link), std::string::npos)
+          << sentence;
+      EXPECT_NE(sentence.find("the tip, link 'hand'"), std::string::npos) << sentence;
+    }
+  }
+  errand.pick.object.link =
+      "fork";  // on a rod that is fixed to the hand, of which the load's pose is another
+  EXPECT_EQ(errand.path(map).first_contact.find("moves link"), std::string::npos);
+}
+
+TEST(CheckPick, NotesAPlaceBelowWhichTheMapHasNothing) {
+  const auto note = [](const Snapshot& map, double up, double to_side) {
+    Errand errand(-0.1);
+    errand.pick.map_from_place.translation().z() += up;
+    errand.pick.map_from_place.translation().y() += to_side;
+    return place_note(errand.stated(map), 0.0);
+  };
+  EXPECT_EQ(note(shelf(), 0.0, 0.0), "");
+  EXPECT_EQ(note(shelf(), 0.015, 0.0), "");  // its top voxel reaches into the layer
+  EXPECT_NE(note(shelf(), 0.05, 0.0).find("below the place of 'can'"), std::string::npos);
+  EXPECT_NE(note(shelf(), 0.0, -0.3), "");
+  // Its own voxels are gone when it is put down where it stood.
+  const Snapshot can_alone =
+      VoxelScene{edge, {box_of(0.175, 0.075, top, 0.225, 0.125, top + 0.119)}, {}, {}}.snapshot();
+  EXPECT_NE(note(can_alone, 0.0, 0.2), "");
+}
+
 }  // namespace check_pick_test
 }  // namespace clearway

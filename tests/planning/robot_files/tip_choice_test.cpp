@@ -1,0 +1,77 @@
+#include "planning/robot_files/tip_choice.hpp"
+
+#include <gtest/gtest.h>
+
+#include "planning/robot/goal_configurations.hpp"
+#include "tests/worlds/urdf_robots.hpp"
+
+namespace clearway {
+namespace tip_choice_test {
+
+using worlds::urdf_joint;
+using worlds::urdf_limit;
+
+/// A carriage with a palm; what hangs on it is each test's own.
+std::string hand(const std::string& more) {
+  return "<robot name='hand'><link name='rail'/>" +
+         worlds::urdf_link("palm", "0 0 0", "<sphere radius='0.05'/>") +
+         urdf_joint("slide", "prismatic", "rail", "palm", "0 0 0", "1 0 0", urdf_limit(-1, 1)) + more +
+         "</robot>";
+}
+std::string finger(const std::string& name) {
+  return "<link name='" + name + "'/>" +
+         urdf_joint(name + "_joint", "prismatic", "palm", name, "0 0 0", "0 1 0", urdf_limit(0, 0.1));
+}
+std::string fixed(const std::string& parent, const std::string& name) {
+  return "<link name='" + name + "'/>" +
+         urdf_joint(name + "_joint", "fixed", parent, name, "0 0 0", "1 0 0", "");
+}
+
+std::string doubt(const std::string& urdf, const std::string& settings = "", const std::string& srdf = "",
+                  const std::string& group = "") {
+  TemporaryFolder folder;
+  RobotRequest request{folder.write("hand.urdf", urdf)};
+  if (!settings.empty()) folder.write("hand.yaml", settings);
+  if (!srdf.empty()) folder.write("hand.srdf", "<robot name='hand'>" + srdf + "</robot>");
+  request.group = group;
+  return tip_doubt(load_robot(request));
+}
+
+TEST(TipChoice, OfOneBranchIsNoQuestion) {
+  EXPECT_EQ(doubt(hand("")), "");
+  EXPECT_EQ(doubt(hand(fixed("palm", "tcp"))), "");
+  EXPECT_EQ(doubt(hand(fixed("palm", "flange") + fixed("flange", "tcp") + fixed("rail", "stand"))), "");
+}
+
+TEST(TipChoice, NamesEndsThatAreAsDeep) {
+  const std::string said = doubt(hand(finger("left") + finger("right") + fixed("palm", "tcp")));
+  EXPECT_NE(said.find("the tip is link 'left'"), std::string::npos) << said;
+  EXPECT_NE(said.find("right, tcp are at the end of as long a branch"), std::string::npos) << said;
+  EXPECT_NE(doubt(hand(fixed("palm", "a") + fixed("palm", "b"))).find("b is at the end"), std::string::npos);
+}
+
+TEST(TipChoice, NamesAFingerThatIsDeeperThanTheTool) {
+  const std::string said = doubt(hand(finger("left") + fixed("left", "pad") + fixed("palm", "tcp")));
+  EXPECT_NE(said.find("the tip is link 'pad'"), std::string::npos) << said;
+  EXPECT_NE(said.find("joint 'left_joint' moves it against tcp"), std::string::npos) << said;
+}
+
+TEST(TipChoice, IsNoQuestionWhereSomebodyChoseIt) {
+  const std::string urdf = hand(finger("left") + finger("right") + fixed("palm", "tcp"));
+  EXPECT_EQ(doubt(urdf, "tip: {link: tcp}\n"), "");
+  EXPECT_NE(doubt(urdf, "fixed: {left_joint: 0.02}\n"), "");
+  const std::string group = "<group name='arm'><chain base_link='rail' tip_link='palm'/></group>";
+  EXPECT_EQ(doubt(urdf, "", group, "arm"), "");
+  EXPECT_NE(doubt(urdf, "", group), "");  // without the group its chain does not count
+  const std::string joints = "<group name='arm'><joint name='slide'/></group>";
+  EXPECT_EQ(doubt(urdf, "",
+                  joints + "<end_effector name='hand' parent_link='palm' group='fingers' "
+                           "parent_group='arm'/><group name='fingers'><link name='left'/></group>",
+                  "arm"),
+            "");
+  Robot in_memory;
+  EXPECT_TRUE(is_tip_chosen(in_memory));
+}
+
+}  // namespace tip_choice_test
+}  // namespace clearway
