@@ -166,10 +166,12 @@ class Statement {
   /// Poses in place of goals, by flag, else by the record.
   std::pair<std::vector<GoalPose>, std::string> goal_poses() const {
     std::vector<GoalPose> poses;
-    for (const NamedGoalPose& named : choose_goal_poses(options_.goal_poses, !options_.goals.empty(), robot_))
+    for (const NamedGoalPose& named :
+         choose_goal_poses(options_.goal_poses, !options_.goals.empty(), !options_.pick.empty(), robot_))
       poses.push_back(named.pose);
     if (!poses.empty()) return {poses, options_.goal_poses.tip};
-    if (!options_.goals.empty() || !query_) return {};
+    if (!options_.goals.empty() || !query_ || query_->goal_poses.empty())
+      return {poses, options_.goal_poses.tip};  // which a pick may have
     try {
       with_tip_of(robot_, query_->tip);
     } catch (const std::invalid_argument& error) {
@@ -267,6 +269,12 @@ class Statement {
 
 }  // namespace
 
+void state_tip(const Robot& robot, TermSource source, Contract& contract) {
+  if (!contract.pick.value && contract.goal_poses.empty()) return;
+  contract.tip_link = {tip_name(with_tip_of(robot, contract.tip)),
+                       contract.tip.empty() ? TermSource::by_default : source};
+}
+
 std::string_view to_string(TermSource source) {
   switch (source) {
     case TermSource::flag:
@@ -328,6 +336,7 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
   contract.start = statement.start();
   std::tie(contract.goal_poses, contract.tip) = statement.goal_poses();
   contract.goals = statement.goals(contract.pick.value.has_value(), contract.goal_poses.size());
+  state_tip(robot, options.goal_poses.tip.empty() ? TermSource::map : TermSource::flag, contract);
   return contract;
 }
 
@@ -340,6 +349,11 @@ Robot robot_of(const Contract& contract, const Robot& robot) {
   Robot placed = scaled(robot, contract.scale.value / robot.scale);
   placed.map_from_base = contract.map_from_base.value;
   return placed;
+}
+
+Robot tipped_robot_of(const Contract& contract, const Robot& robot) {
+  const Robot placed = robot_of(contract, robot);
+  return contract.pick.source == TermSource::map ? placed : with_tip_of(placed, contract.tip);
 }
 
 JointLoad joint_load_of(const Contract& contract) {

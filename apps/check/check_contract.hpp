@@ -50,7 +50,8 @@ struct Contract {
   Term<std::vector<Configuration>> goals;
   /// Poses in place of goals, one for each of the last legs: then `goals` are where the plan's legs end.
   std::vector<GoalPose> goal_poses;
-  std::string tip;                 ///< link that they place; empty: the robot's own tip
+  std::string tip;                 ///< link that they, and a pick's grasp, place; empty: the robot's own tip
+  Term<std::string> tip_link;      ///< the link that this is; empty where neither poses nor a pick ask
   std::string query;               ///< name of the map's query that terms are taken from; empty: none
   std::vector<std::string> notes;  ///< what a reader should know of the sources, one sentence each
 };
@@ -91,11 +92,19 @@ std::vector<Deviation> deviations(const Contract& contract, const Plan& plan, co
                                   const std::set<AcceptedTerm>& accepted);
 
 /// Takes from the plan what it loosens and the user accepts: scale, base, policies, padding, loads, payload
-/// and gravity.
-void adopt_accepted(const std::vector<Deviation>& found, const Plan& plan, Contract& contract);
+/// and gravity; with a pick the tip that it was made for, unless --tip names one.
+/// @param robot robot_to_check()
+void adopt_accepted(const std::vector<Deviation>& found, const Plan& plan, const Robot& robot,
+                    Contract& contract);
+
+/// States `tip_link` by `tip`, of which this is the source.
+void state_tip(const Robot& robot, TermSource source, Contract& contract);
 
 /// The robot at the scale and base of the contract, without its loads.
 Robot robot_of(const Contract& contract, const Robot& robot);
+
+/// The same, with the tip of the contract unless its pick is the map's, which is of the robot's own.
+Robot tipped_robot_of(const Contract& contract, const Robot& robot);
 
 /// The loads of the contract; of a pick its object on the legs that carry it.
 std::vector<LegLoad> carried_under(const Contract& contract);

@@ -269,7 +269,7 @@ namespace {
 
 /// With their policies: who names a load that nothing else names, names what it must lie in, too.
 /// @throws std::invalid_argument for a pick beside other loads, which nobody plans.
-void adopt_loads(const Plan& plan, Contract& contract) {
+void adopt_loads(const Plan& plan, const Robot& robot, Contract& contract) {
   if (plan.pick)
     for (const LegLoad& load : plan.loads)
       if (load.load.name != plan.pick->object.name)
@@ -278,6 +278,10 @@ void adopt_loads(const Plan& plan, Contract& contract) {
             " of the plan: expected none beside a pick, whose object is the one load");
   contract.loads = {plan.loads, TermSource::plan};
   contract.pick = {plan.pick, TermSource::plan};
+  if (contract.tip.empty() && contract.goal_poses.empty() && plan.tip != tip_name(robot))
+    contract.tip = plan.tip;
+  state_tip(robot, contract.tip_link.source == TermSource::flag ? TermSource::flag : TermSource::plan,
+            contract);
   for (const LegLoad& load : plan.loads) {
     const auto said = plan.policies.find(load.load.name);
     const Policy policy = said == plan.policies.end() ? Policy::painted : said->second;
@@ -292,13 +296,14 @@ void adopt_dynamics(const Plan& plan, Contract& contract) {
 
 }  // namespace
 
-void adopt_accepted(const std::vector<Deviation>& found, const Plan& plan, Contract& contract) {
+void adopt_accepted(const std::vector<Deviation>& found, const Plan& plan, const Robot& robot,
+                    Contract& contract) {
   for (const Deviation& deviation : found) {
     if (!deviation.is_accepted) continue;
     if (deviation.term == AcceptedTerm::scale) contract.scale = {plan.robot_scale, TermSource::plan};
     if (deviation.term == AcceptedTerm::base) contract.map_from_base = {plan.map_from_base, TermSource::plan};
     if (deviation.term == AcceptedTerm::padding) contract.padding = {plan.padding, TermSource::plan};
-    if (deviation.term == AcceptedTerm::load) adopt_loads(plan, contract);
+    if (deviation.term == AcceptedTerm::load) adopt_loads(plan, robot, contract);
     if (deviation.term == AcceptedTerm::payload) adopt_dynamics(plan, contract);
     if (deviation.term != AcceptedTerm::policy) continue;
     Term<double>& seen_within = contract.seen_within;

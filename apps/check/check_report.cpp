@@ -87,6 +87,8 @@ Json contract_json(const Contract& contract) {
     if (!contract.tip.empty()) json["goal_poses"]["tip"] = contract.tip;
     json["goal_poses"]["source"] = to_string(contract.goals.source);
   }
+  if (!contract.tip_link.value.empty())
+    json["tip"] = term_json(contract.tip_link.value, contract.tip_link.source);
   json["query"] = contract.query.empty() ? Json(nullptr) : Json(contract.query);
   json["notes"] = contract.notes;
   return json;
@@ -144,6 +146,8 @@ void append_contract(const Contract& contract, Rows& rows) {
                                                                                  : TermSource::plan));
   for (const GoalPose& goal : contract.goal_poses)
     rows.emplace_back("goal pose", describe_goal_pose(contract.tip, goal) + from(contract.goals.source));
+  if (!contract.tip_link.value.empty())
+    rows.emplace_back("tip", "link " + shortened(contract.tip_link.value) + from(contract.tip_link.source));
   if (!contract.query.empty()) rows.emplace_back("query", "'" + contract.query + "' of the map's record");
   for (const std::string& note : contract.notes) rows.emplace_back("note", note);
 }
@@ -162,11 +166,36 @@ void append_motion(const MotionVerdict& motion, double duration, Rows& rows) {
                                   std::to_string(motion.samples) + " samples");
 }
 
+void append_splines(const SplineVerdict& splines, double duration, Rows& rows) {
+  if (!splines.fault.empty()) {
+    rows.emplace_back("refused for", splines.fault);
+  } else if (splines.path.valid) {
+    rows.emplace_back("motion", "valid: " + significant(duration, 4) + " s, at most " +
+                                    percent(splines.velocity_share) + " of velocity and " +
+                                    percent(splines.acceleration_share) +
+                                    " of acceleration limits that are known");
+  }
+}
+
 void append_torques(const TorqueFinding& torques, Rows& rows) {
   if (torques.share != 0.0) rows.emplace_back("torques", "at most " + percent(torques.share) + " of a limit");
   for (const std::string& joint : torques.overloaded)
     rows.emplace_back("note",
                       "gravity alone takes more than 95 % of the torque limit of joint " + shortened(joint));
+}
+
+Json splines_json(const SplineVerdict& splines, double duration) {
+  return {{"verdict", splines.is_valid()       ? "valid"
+                      : !splines.fault.empty() ? "refused"
+                      : splines.path.undecided ? "undecided"
+                                               : "refused"},
+          {"fault", splines.fault},
+          {"duration_s", duration},
+          {"velocity_share", splines.velocity_share},
+          {"acceleration_share", splines.acceleration_share},
+          {"straight_lines", splines.lines},
+          {"cubics", splines.cubics},
+          {"quintics", splines.quintics}};
 }
 
 Json motion_json(const MotionVerdict& motion, double duration) {
@@ -185,14 +214,15 @@ Json motion_json(const MotionVerdict& motion, double duration) {
 }  // namespace
 
 bool CheckReport::is_valid() const {
-  return path.valid && (!motion || motion->valid) &&
+  return path.valid && (!motion || motion->valid) && (!splines || splines->fault.empty()) &&
          std::all_of(deviations.begin(), deviations.end(),
                      [](const Deviation& deviation) { return deviation.is_accepted; });
 }
 
 std::string_view CheckReport::word() const {
   if (is_valid()) return "valid";
-  const bool is_motion_refused = motion && !motion->valid && !motion->undecided;
+  const bool is_motion_refused =
+      (motion && !motion->valid && !motion->undecided) || (splines && !splines->fault.empty());
   const bool is_undecided = path.undecided || (path.valid && motion && motion->undecided);
   return is_undecided && !is_motion_refused ? "undecided" : "refused";
 }
@@ -210,6 +240,7 @@ Rows check_rows(const CheckReport& report) {
   if (report.path.valid)
     rows.emplace_back("min. clearance", significant(report.path.min_clearance * 1000.0, 3) + " mm");
   if (report.motion) append_motion(*report.motion, report.motion_duration, rows);
+  if (report.splines) append_splines(*report.splines, report.motion_duration, rows);
   if (report.torques) append_torques(*report.torques, rows);
   rows.emplace_back("waypoints", std::to_string(report.waypoints));
   for (auto& row : survey_figures(report.survey)) rows.push_back(std::move(row));
@@ -237,6 +268,7 @@ Json check_json(const CheckReport& report) {
   json["parameter"] = report.path.parameter;
   json["min_clearance_m"] = report.path.min_clearance;
   if (report.motion) json["motion"] = motion_json(*report.motion, report.motion_duration);
+  if (report.splines) json["motion"] = splines_json(*report.splines, report.motion_duration);
   if (report.torques) {
     json["motion"]["torque_share"] = report.torques->share;
     json["motion"]["overloaded_joints"] = report.torques->overloaded;

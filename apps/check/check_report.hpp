@@ -10,6 +10,7 @@
 #include "planning/check/motion_check.hpp"
 #include "planning/check/motion_torques.hpp"
 #include "planning/check/path_check.hpp"
+#include "planning/check/spline_check.hpp"
 
 namespace clearway {
 
@@ -19,7 +20,8 @@ struct CheckReport {
   std::vector<Deviation> deviations;
   std::optional<MotionVerdict> motion{};   ///< of the plan's motion, when it has one
   std::optional<TorqueFinding> torques{};  ///< of a motion that is valid but for these
-  double motion_duration = 0.0;            ///< seconds
+  std::optional<SplineVerdict> splines{};  ///< of a trajectory with times; its path is `path`
+  double motion_duration = 0.0;            ///< seconds, of motion or trajectory
   PathVerdict path;                        ///< of the plan's waypoints under the contract
   PathSurvey survey;                       ///< what the map knows of where they lead
   PlanStatus plan_status = PlanStatus::no_path;

@@ -125,6 +125,47 @@ void require_standing(const ForeignTrajectory& trajectory, const Robot& robot,
     if (held_joint(robot, name) != nullptr) StillJoint(name, robot, file).require(value);
 }
 
+/// Seconds, as ROS 2 (sec, nanosec) and ROS 1 (secs, nsecs) write them.
+double time_of(const YamlFields& point) {
+  const YamlFields time = point.map("time_from_start");
+  const bool is_old = time.has("secs") || time.has("nsecs");
+  return time.number(is_old ? "secs" : "sec", {0.0, 1e9}, 0.0) +
+         1e-9 * time.number(is_old ? "nsecs" : "nanosec", {0.0, 999'999'999.0}, 0.0);
+}
+
+/// The values of a field that a point may leave out.
+std::vector<double> rates_of(const YamlFields& point, const std::string& key, std::size_t joints) {
+  if (!point.has(key)) return {};
+  std::vector<double> values = point.numbers(key, any_value);
+  if (!values.empty() && values.size() != joints)
+    point.fail(key, "expected none or " + std::to_string(joints) + " numbers, one for each joint, got " +
+                        std::to_string(values.size()));
+  return values;
+}
+
+void read_times(const std::vector<YamlFields>& points, ForeignTrajectory& trajectory) {
+  const auto has_time = [](const YamlFields& point) { return point.has("time_from_start"); };
+  if (std::none_of(points.begin(), points.end(), has_time)) return;
+  for (const YamlFields& point : points) {
+    if (!has_time(point)) point.fail("time_from_start", "expected it as other points have it");
+    trajectory.times.push_back(time_of(point));
+  }
+  if (std::all_of(trajectory.times.begin(), trajectory.times.end(), [](double t) { return t == 0.0; })) {
+    trajectory.times.clear();
+    return;
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (i > 0 && !(trajectory.times[i] > trajectory.times[i - 1]))
+      points[i].fail("time_from_start", "expected more than the " + significant(trajectory.times[i - 1], 10) +
+                                            " s of the point before, got " +
+                                            significant(trajectory.times[i], 10) + " s");
+    trajectory.velocities.push_back(rates_of(points[i], "velocities", trajectory.joints.size()));
+    trajectory.accelerations.push_back(rates_of(points[i], "accelerations", trajectory.joints.size()));
+    if (trajectory.velocities.back().empty() && !trajectory.accelerations.back().empty())
+      points[i].fail("velocities", "expected them where there are accelerations");
+  }
+}
+
 template <typename Value>
 void take_default(Term<Value>& term) {
   if (term.source == TermSource::plan) term.source = TermSource::by_default;
@@ -148,9 +189,11 @@ std::optional<ForeignTrajectory> read_trajectory(const std::filesystem::path& fi
   if (std::set<std::string>(trajectory.joints.begin(), trajectory.joints.end()).size() !=
       trajectory.joints.size())
     found->fail("joint_names", "expected each name once");
-  for (const YamlFields& point : found->list_of_maps("points"))
+  const std::vector<YamlFields> points = found->list_of_maps("points");
+  for (const YamlFields& point : points)
     trajectory.points.push_back(point.numbers("positions", any_value, trajectory.joints.size()));
   if (trajectory.points.empty()) found->fail("points", "expected at least one");
+  read_times(points, trajectory);
   return trajectory;
 }
 
@@ -187,7 +230,7 @@ Plan plan_of_trajectory(const ForeignTrajectory& trajectory, const Robot& robot,
   return plan;
 }
 
-void adopt_terms(Contract& contract, Plan& plan) {
+void adopt_terms(Contract& contract, Plan& plan, bool is_timed) {
   plan.robot = contract.robot.value;
   plan.robot_scale = contract.scale.value;
   plan.map_from_base = contract.map_from_base.value;
@@ -208,8 +251,9 @@ void adopt_terms(Contract& contract, Plan& plan) {
   take_default(contract.payload);
   take_default(contract.gravity);
   take_default(contract.loads);
+  if (is_timed) return;
   contract.notes.push_back(
-      "the points of the trajectory are checked as joined by straight edges; times are not, and where a "
+      "the points of the trajectory, which have no times, are checked as joined by straight edges; where a "
       "controller goes between them is not known");
 }
 

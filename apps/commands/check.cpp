@@ -4,17 +4,21 @@
 
 #include "apps/check/check_contract.hpp"
 #include "apps/check/check_report.hpp"
+#include "apps/check/timed_trajectory.hpp"
 #include "apps/check/trajectory_plan.hpp"
 #include "apps/console/commands.hpp"
 #include "apps/console/table.hpp"
+#include "apps/query/goal_poses.hpp"
 #include "apps/query/query.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/maps/map_damage.hpp"
 #include "mapping/maps/map_integration.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/files/plan_file.hpp"
 #include "planning/planned_motion.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/robot_files/srdf_file.hpp"
+#include "planning/robot_files/tip_choice.hpp"
 
 namespace clearway {
 
@@ -48,7 +52,7 @@ std::vector<LegsToCheck> legs_under(const Contract& contract, const Robot& robot
 PathVerdict check_waypoints(const Contract& contract, const Robot& robot, const Snapshot& map,
                             const Plan& plan) {
   if (contract.pick.value && !plan.waypoints().empty()) {
-    const Robot placed = robot_of(contract, robot);
+    const Robot placed = tipped_robot_of(contract, robot);
     return check_pick(pick_of(plan, *contract.pick.value, placed, map), policies_of(contract),
                       contract.padding.value, contract.seen_within.value);
   }
@@ -61,11 +65,41 @@ PathVerdict check_waypoints(const Contract& contract, const Robot& robot, const 
   return none;
 }
 
+/// Notes of a pick's tip and place, and of a tip that nobody chose.
+void note_tip_and_place(const Robot& robot, const Snapshot& map, const Plan& plan, Contract& contract) {
+  if (!contract.pick.value && contract.goal_poses.empty()) return;
+  if (contract.tip.empty()) {
+    if (const std::string doubt = tip_doubt(robot); !doubt.empty()) contract.notes.push_back(doubt);
+  }
+  const std::string& tip = contract.tip_link.value;
+  if (!plan.tip.empty() && plan.tip != tip)
+    contract.notes.push_back("the plan was made for the tip " + quote(plan.tip) + "; it is judged for " +
+                             quote(tip));
+  if (!contract.pick.value) return;
+  const Robot placed = tipped_robot_of(contract, robot);
+  const std::string note =
+      place_note(pick_of(plan, *contract.pick.value, placed, map), contract.padding.value);
+  if (!note.empty()) contract.notes.push_back(note);
+}
+
+/// A trajectory with times, as a controller runs it; its chords stand for the plan's waypoints in the survey.
+void check_timed_of(const TimedTrajectory& trajectory, const Snapshot& map, std::vector<LegsToCheck>& legs,
+                    CheckReport& report) {
+  Contract& contract = report.contract;
+  report.splines = check_timed(trajectory, legs.front().robot, map, policies_of(contract),
+                               contract.padding.value, contract.seen_within.value);
+  report.path = report.splines->path;
+  report.motion_duration = trajectory.points.back().time;
+  legs.front().waypoints = report.splines->chords;
+  for (std::string& note : notes_of(trajectory, *report.splines, legs.front().robot))
+    contract.notes.push_back(std::move(note));
+}
+
 /// Its motion, under the same terms and the limits of the robot's own files.
 void check_motion_of(const Plan& plan, const Robot& robot, const Snapshot& map, CheckReport& report) {
   if (!plan.motion || plan.stops().empty() || !report.path.valid) return;
   const Contract& contract = report.contract;
-  const Robot placed = robot_of(contract, robot);
+  const Robot placed = tipped_robot_of(contract, robot);
   report.motion_duration = plan.motion->motion.duration();
   const MotionJudgement judged = judge_motion({placed, map, policies_of(contract), contract.padding.value,
                                                contract.seen_within.value, joint_load_of(contract)},
@@ -93,13 +127,19 @@ int run_check(const CheckOptions& options, Console& console) {
   CheckReport report;
   report.contract =
       state_contract(options, plan, robot, map, map_sha256(options.map), load_query_record(options.map));
-  if (trajectory) adopt_terms(report.contract, plan);
+  const std::optional<TimedTrajectory> timed =
+      trajectory ? timed_trajectory(*trajectory, robot, options.plan) : std::nullopt;
+  if (trajectory) adopt_terms(report.contract, plan, timed.has_value());
   report.deviations = deviations(report.contract, plan, robot, options.accepted);
-  adopt_accepted(report.deviations, plan, report.contract);
-  report.path = check_waypoints(report.contract, robot, map, plan);
+  adopt_accepted(report.deviations, plan, robot, report.contract);
+  note_tip_and_place(robot, map, plan, report.contract);
+  std::vector<LegsToCheck> legs = legs_under(report.contract, robot, map, plan);
+  if (timed && !report.contract.pick.value)
+    check_timed_of(*timed, map, legs, report);
+  else
+    report.path = check_waypoints(report.contract, robot, map, plan);
   check_motion_of(plan, robot, map, report);
   // What a refused path sweeps is not worth the wait, and one that is malformed leads nowhere.
-  std::vector<LegsToCheck> legs = legs_under(report.contract, robot, map, plan);
   if (!report.is_valid())
     for (LegsToCheck& part : legs) part.waypoints.clear();
   report.survey = survey_legs(legs, policies_of(report.contract));

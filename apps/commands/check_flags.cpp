@@ -12,7 +12,10 @@ Command add_check(CLI::App& app, Console& console) {
       app, "check",
       "check a plan independently and continuously against a stated contract (KDL kinematics, FCL geometry)",
       console);
-  command->add_option("plan", options->plan, "plan.json, or a JointTrajectory of ROS as .json or .yaml")
+  command
+      ->add_option("plan", options->plan,
+                   "plan.json, or a JointTrajectory of ROS as .json or .yaml, which is judged as ROS's "
+                   "joint_trajectory_controller runs it if it has times")
       ->required()
       ->type_name("PLAN");
   command->add_option("--map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply")

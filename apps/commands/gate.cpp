@@ -71,6 +71,12 @@ void print_terms(const ConfigurationSpace& space, Console& console) {
     if (!note.empty()) console.warn("note: " + note);
 }
 
+/// No chunk that begins there can pass.
+void report_start(const ConfigurationSpace& space, const GateOptions& terms, Console& console) {
+  if (!terms.start || space.is_free(*terms.start)) return;
+  console.warn("warning: --start is not free, so no chunk passes: " + space.check(*terms.start).sentence());
+}
+
 GateVerdict judge(Gate& gate, const ChunkLine& line) {
   if (line.is_read()) return gate.judge(line.chunk);
   return {.reason = line.fault.reason, .sentence = line.fault.sentence};
@@ -103,6 +109,7 @@ int run_gate(const GateCommandOptions& options, Console& console) {
   const double seen_within = options.robot.seen_within.value_or(0.0);
   ConfigurationSpace space = padded_space(robot, map, policies, padding, seen_within);
   print_terms(space, console);
+  report_start(space, gate_terms, console);
   gate.publish(std::move(space), newest_look(options, map), history);
 
   LineReader lines(console.in(), options.max_line);

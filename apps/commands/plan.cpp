@@ -18,6 +18,7 @@
 #include "mapping/files/map_file.hpp"
 #include "mapping/maps/map_damage.hpp"
 #include "mapping/system/atomic_file.hpp"
+#include "planning/check/check_pick.hpp"
 #include "planning/files/trajectory_file.hpp"
 #include "planning/plan_and_check.hpp"
 #include "planning/plan_pick.hpp"
@@ -26,6 +27,7 @@
 #include "planning/pose_goals.hpp"
 #include "planning/robot/reach.hpp"
 #include "planning/robot_files/srdf_file.hpp"
+#include "planning/robot_files/tip_choice.hpp"
 
 namespace clearway {
 
@@ -174,6 +176,12 @@ void report_standing(const Plan& plan, const ConfigurationSpace& space, const Co
   }
 }
 
+/// Who asks for poses or a grasp is told where the tip is by default.
+void report_tip(const PlanOptions& options, const Robot& robot, Console& console) {
+  if (!options.goal_poses.tip.empty()) return;
+  if (const std::string doubt = tip_doubt(robot); !doubt.empty()) console.warn("note: " + doubt);
+}
+
 /// What --pick asks for. Other flags that do not go with it are refused.
 std::optional<Pick> pick_of(const PlanOptions& options, const Robot& robot) {
   if (options.pick.empty()) {
@@ -184,7 +192,9 @@ std::optional<Pick> pick_of(const PlanOptions& options, const Robot& robot) {
     throw std::invalid_argument("--attach: expected either --attach or --pick, got both");
   if (options.goals.size() + options.goal_poses.poses.size() > 1)
     throw std::invalid_argument("--goal: expected at most one with --pick");
-  return choose_pick(options.pick, options.place, robot);
+  Pick pick = choose_pick(options.pick, options.place, robot);
+  require_rigid_hold(robot, pick);
+  return pick;
 }
 
 std::string plan_page(const PlanOptions& options, const Plan& plan, const ConfigurationSpace& space,
@@ -205,12 +215,13 @@ int run_plan(const PlanOptions& options, Console& console) {
   // The cheap mistakes are reported before the map is read.
   const std::shared_ptr<const Planner> planner =
       make_planner(options.planner, choose_planner_options(options.settings));
-  const Robot robot = choose_robot(options.robot);
+  const Robot own_tip = choose_robot(options.robot);
+  const Robot robot = options.pick.empty() ? own_tip : with_tip_of(own_tip, options.goal_poses.tip);
   for (const auto& [format, file] : options.trajectories) trajectory_format(format, robot);
   rate_limits(robot, options.scales);
   const Configuration start = choose_configuration(options.start, "--start", robot, options.degrees);
   const std::vector<NamedGoalPose> goal_poses =
-      choose_goal_poses(options.goal_poses, !options.goals.empty(), robot);
+      choose_goal_poses(options.goal_poses, !options.goals.empty(), !options.pick.empty(), robot);
   std::vector<Configuration> goals;
   for (const std::string& goal : options.goals) {
     goals.push_back(choose_configuration(goal, "--goal", robot, options.degrees));
@@ -236,6 +247,7 @@ int run_plan(const PlanOptions& options, Console& console) {
   const double padding = choose_padding(options.robot, robot);
   const ConfigurationSpace space =
       padded_space(robot, map, policies, padding, options.robot.seen_within.value_or(0.0));
+  if (pick || !goal_poses.empty()) report_tip(options, robot, console);
   std::optional<PoseGoals> at_poses;
   if (!goal_poses.empty()) {
     at_poses.emplace(space, options.goal_poses.tip, goal_poses, start);
@@ -259,6 +271,8 @@ int run_plan(const PlanOptions& options, Console& console) {
               : at_poses ? plan_to_poses(query, *at_poses)
                          : plan_and_check(query);
   plan.map_caveat = joined(plan.map_caveat, cloud);
+  if (pick || at_poses) plan.tip = tip_name(with_tip_of(robot, options.goal_poses.tip));
+  if (pick) plan.map_caveat = joined(plan.map_caveat, place_note(pick_of(plan, *pick, robot, map), padding));
   add_motion(options, space, plan, console);
   report_default_policy(options, plan, space, console);
   report_standing(plan, space, start, console);

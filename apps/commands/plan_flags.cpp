@@ -64,7 +64,7 @@ Command add_plan(CLI::App& app, Console& console) {
       "add the smooth trajectory to the plan's JSON, where `check` checks it, too; implied by --trajectory");
   const auto add_scale = [&](const char* flag, double& scale, const char* what) {
     command->add_option(flag, scale, what)
-        ->check(number("a share above 0, at most 1", 1e-6, 1.0))
+        ->check(number("a share from 0.000001 to 1", 1e-6, 1.0))
         ->capture_default_str()
         ->type_name("SHARE");
   };

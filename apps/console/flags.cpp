@@ -5,6 +5,7 @@
 #include <cctype>
 #include <charconv>
 #include <limits>
+#include <memory>
 
 #include "apps/console/parse.hpp"
 #include "planning/robot/robot.hpp"
@@ -34,9 +35,26 @@ std::string whole_number(const std::string& text) {
 
 std::string file_name(const std::string& text) { return text.empty() ? "expected a file name, got ''" : ""; }
 
+namespace {
+
+/// Help in which only an option that takes several values after its name has "..." behind them.
+class OptionHelp : public CLI::Formatter {
+ public:
+  std::string make_option_opts(const CLI::Option* option) const override {
+    std::string text = CLI::Formatter::make_option_opts(option);
+    const std::string more = " ...";
+    if (const auto at = text.find(more); at != std::string::npos && !option->get_allow_extra_args())
+      text.erase(at, more.size());
+    return text;
+  }
+};
+
+}  // namespace
+
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
                       Console& console) {
   CLI::App* command = app.add_subcommand(name, description);
+  command->formatter(std::make_shared<OptionHelp>());
   command->add_flag("--quiet", console.quiet, "no log, no progress; results and warnings still appear");
   command->add_flag("--json", console.json, "print one JSON object on stdout and nothing else there");
   command->get_formatter()->column_width(36);
@@ -193,8 +211,10 @@ void add_pick(CLI::App& command, std::filesystem::path& file, std::string& place
       ->check(file_name)
       ->type_name("PICK.yaml");
   command
-      .add_option("--place", place,
-                  "place pose of the object: x,y,z[,roll,pitch,yaw], m and rad; default: the file's")
+      .add_option(
+          "--place", place,
+          "place pose of the object: x,y,z[,roll,pitch,yaw], m and rad; without angles it keeps those of its "
+          "pose; default: the file's")
       ->type_name("POSE");
 }
 
@@ -220,7 +240,10 @@ void add_goal_poses(CLI::App& command, GoalPoseChoice& choice, const std::string
   command
       .add_option(
           "--tip", choice.tip,
-          "link, or end effector of the SRDF, that --goal-pose refers to; default: the robot's own tip")
+          "link, or end effector of the SRDF and by it the link that it hangs on, whose frame --goal-pose "
+          "and "
+          "the grasp of --pick place; default: the robot's own tip: of its settings, else of its planning "
+          "group, else the end of its longest branch")
       ->type_name("LINK");
   command
       .add_option("--position-tolerance", choice.position_tolerance,

@@ -13,12 +13,17 @@ Robot with_tip_of(const Robot& robot, const std::string& tip) {
   return tip.empty() ? robot : with_tip(robot, link_of_tip(robot, tip));
 }
 
-std::vector<NamedGoalPose> choose_goal_poses(const GoalPoseChoice& choice, bool has_goals,
+std::string tip_name(const Robot& robot) {
+  return robot.links[static_cast<std::size_t>(robot.tip_link)].name;
+}
+
+std::vector<NamedGoalPose> choose_goal_poses(const GoalPoseChoice& choice, bool has_goals, bool has_pick,
                                              const Robot& robot) {
   if (has_goals && !choice.poses.empty())
     throw std::invalid_argument("--goal-pose: expected either --goal or --goal-pose, got both");
-  for (const auto& [is_given, flag] : {std::pair{!choice.tip.empty(), "--tip"},
-                                       std::pair{choice.position_tolerance > 0.0, "--position-tolerance"},
+  if (!choice.tip.empty() && choice.poses.empty() && !has_pick)
+    throw std::invalid_argument("--tip: expected --goal-pose or --pick with it");
+  for (const auto& [is_given, flag] : {std::pair{choice.position_tolerance > 0.0, "--position-tolerance"},
                                        std::pair{choice.turn_tolerance > 0.0, "--turn-tolerance"},
                                        std::pair{!choice.free_axis.empty(), "--free-axis"}})
     if (is_given && choice.poses.empty())

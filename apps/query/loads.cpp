@@ -67,10 +67,11 @@ Pick choose_pick(const std::filesystem::path& file, const std::string& place, co
   if (place.empty() && !setup.map_from_place)
     throw std::invalid_argument("--place: expected where " + quote(setup.name) +
                                 " goes, here or as 'place' in " + quote_path(file.string()));
-  return stated_pick(
-      setup,
-      place.empty() ? *setup.map_from_place : pose_from_numbers(parse_numbers(place, "--place"), "--place"),
-      robot);
+  if (place.empty()) return stated_pick(setup, *setup.map_from_place, robot);
+  const std::vector<double> numbers = parse_numbers(place, "--place");
+  Eigen::Isometry3d map_from_place = pose_from_numbers(numbers, "--place");
+  if (numbers.size() == 3) map_from_place.linear() = setup.map_from_object.linear();
+  return stated_pick(setup, map_from_place, robot);
 }
 
 Robot with_all_loads(const Robot& robot, const std::vector<LegLoad>& loads) {

@@ -29,8 +29,8 @@ std::vector<LegLoad> choose_loads(const std::vector<std::filesystem::path>& file
 /// and for an object that the robot cannot hold.
 Pick stated_pick(const PickSetup& setup, const Eigen::Isometry3d& map_from_place, const Robot& robot);
 
-/// The pick of a file. @param place "x,y,z[,roll,pitch,yaw]" of the object afterwards, m and rad;
-/// empty: the file's
+/// The pick of a file. @param place "x,y,z[,roll,pitch,yaw]" of the object afterwards, m and rad; without
+/// angles it keeps those of its pose; empty: the file's
 /// @throws std::invalid_argument also for no place, or an object that the robot cannot hold.
 Pick choose_pick(const std::filesystem::path& file, const std::string& place, const Robot& robot);
 

@@ -225,6 +225,21 @@ void report_motion(const PlannedMotion& planned, std::vector<std::pair<std::stri
 
 namespace {
 
+std::string check_of(const PathVerdict& validation) {
+  if (validation.valid) return "valid";
+  if (validation.first_contact.empty()) return "none, because the plan is not whole";
+  return "REFUSED: " + validation.first_contact;
+}
+
+/// "3 of 6": of all legs those that have a path. Of a pick that ends early nobody knows a last one to a goal.
+std::string count_of_legs(const Plan& plan) {
+  const auto solved = std::count_if(plan.legs.begin(), plan.legs.end(),
+                                    [](const PlanResult& leg) { return leg.status == PlanStatus::solved; });
+  const std::size_t all = plan.pick ? std::max(plan.legs.size(), names_of_legs(false).size())
+                                    : std::max(plan.legs.size(), plan.goals.size());
+  return std::to_string(solved) + " of " + std::to_string(all);
+}
+
 /// "approach, reach, lift": the legs that a pick has got.
 std::string legs_of_pick(const Plan& plan) {
   const std::vector<std::string> names = names_of_legs(plan.legs.size() > names_of_legs(false).size());
@@ -249,21 +264,23 @@ std::vector<std::pair<std::string, std::string>> plan_figures(const Plan& plan) 
   if (!plan.explanation().empty()) rows.emplace_back("explanation", plan.explanation());
   if (!plan.waypoints().empty()) {
     if (plan.pick) rows.emplace_back("pick", shortened(plan.pick->object.name) + ": " + legs_of_pick(plan));
-    rows.emplace_back("legs", std::to_string(plan.legs.size()) + " of " + std::to_string(plan.goals.size()));
+    rows.emplace_back("legs", count_of_legs(plan));
     rows.emplace_back("steps", grouped(steps));
     rows.emplace_back(
         "cost", plan.cost_caveat.empty() ? significant(joules, 5) + " J" : "not known: " + plan.cost_caveat);
     rows.emplace_back("final distance", significant(rest, 3) + " (joint space)");
     report_missed_goals(plan, rows);
-    rows.emplace_back("check", plan.validation.valid ? "valid" : "REFUSED: " + plan.validation.first_contact);
-    rows.emplace_back("path clearance", significant(plan.validation.min_clearance * 1000.0, 3) +
-                                            " mm to voxels at least, along straight edges");
+    rows.emplace_back("check", check_of(plan.validation));
+    if (plan.validation.valid)
+      rows.emplace_back("path clearance", significant(plan.validation.min_clearance * 1000.0, 3) +
+                                              " mm to voxels at least, along straight edges");
   }
   if (plan.motion) report_motion(*plan.motion, rows);
   if (!plan.motion_caveat.empty()) rows.emplace_back("smooth motion", "none: " + plan.motion_caveat);
   if (!plan.map_integration.empty()) rows.emplace_back("map integration", plan.map_integration);
   if (!plan.map_caveat.empty()) rows.emplace_back("note", plan.map_caveat);
   for (const LegLoad& load : plan.loads) rows.emplace_back("load", describe_load(load));
+  if (!plan.tip.empty()) rows.emplace_back("tip", "link " + shortened(plan.tip));
   rows.emplace_back("policy", describe_policies(plan.policies, plan.seen_within));
   rows.emplace_back("padding", describe_padding(plan.padding, plan.position_accuracy));
   if (plan.survey) {

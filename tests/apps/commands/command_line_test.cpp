@@ -286,7 +286,8 @@ TEST_F(CommandLine, check_refuses_a_motion_that_was_altered_and_accepts_the_one_
     folder_.write("plan.json", altered.dump());
     expect_refused(check(), exit_bad_input, {"motion.speed", "above 0"});
   }
-  expect_refused(plan("-1,0", "1,1", {"--jerk", "0"}), exit_bad_input, {"--jerk", "above 0"});
+  expect_refused(plan("-1,0", "1,1", {"--jerk", "0"}), exit_bad_input,
+                 {"--jerk", "a share from 0.000001 to 1"});
 }
 
 TEST_F(CommandLine, no_trajectory_is_written_without_a_valid_plan_or_for_a_robot_it_does_not_fit) {

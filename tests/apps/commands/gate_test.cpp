@@ -53,6 +53,13 @@ class GateCommand : public ::testing::Test {
     return run;
   }
 
+  /// Warnings alone.
+  std::string warnings(const std::vector<std::string>& more) const {
+    std::vector<std::string> quiet = more;
+    quiet.emplace_back("--quiet");
+    return gate("", quiet).log;
+  }
+
   static std::vector<Json> verdicts(const CommandRun& run) {
     std::vector<Json> lines;
     std::istringstream text(run.out);
@@ -65,6 +72,14 @@ class GateCommand : public ::testing::Test {
 
 const std::string pass = R"({"id":"a","times":[0,0.1,0.2],"positions":[[0,0],[0.1,0],[0.2,0]]})";
 const std::string blocked = R"({"id":2,"times":[0.2,0.4,0.9],"positions":[[0.2,0],[0.4,0],[0.9,0]]})";
+
+TEST_F(GateCommand, AStartThatIsNotFreeIsReported) {
+  const std::string blocked = warnings({"--start", "0.9,0"});
+  EXPECT_NE(blocked.find("warning: --start is not free, so no chunk passes: "), std::string::npos) << blocked;
+  EXPECT_NE(blocked.find("base"), std::string::npos) << blocked;
+  EXPECT_EQ(warnings({"--start", "0.5,0"}).find("--start"), std::string::npos);
+  EXPECT_NE(warnings({"--start", "200,0"}).find("--start is not free"), std::string::npos);
+}
 
 TEST_F(GateCommand, AnswersEachLineWithOneAndGoesOnAfterBadOnes) {
   const std::string wide = R"({"id":"w","times":[0],"positions":[[)" + std::string(5000, ' ') + "]]}";

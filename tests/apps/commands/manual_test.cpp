@@ -37,5 +37,21 @@ TEST(Manual, NamesEveryVariableOfTheEnvironment) {
     EXPECT_NE(page.find(".B " + variable + "\n"), std::string::npos) << variable;
 }
 
+/// "..." stands in a command's help where several values may follow one flag, and nowhere else.
+TEST(Manual, HelpShowsHowManyValuesAFlagTakes) {
+  for (const char* command : {"plan", "check", "gate", "import"}) {
+    const std::string help = run_command({command, "--help"}).out;
+    const auto at = help.find("--fix JOINT=VALUE");
+    ASSERT_NE(at, std::string::npos) << command;
+    EXPECT_NE(help.substr(at, 24).find("--fix JOINT=VALUE "), std::string::npos);
+    EXPECT_EQ(help.substr(at, 24).find("..."), std::string::npos) << help.substr(at, 24);
+  }
+  EXPECT_NE(run_command({"import", "--help"}).out.find("..."), std::string::npos);  // its files
+  const CommandRun slow =
+      run_command({"plan", "--map", "m", "--robot", "point", "--start=0,0", "--goal=0,0", "--speed", "1e-9"});
+  EXPECT_EQ(slow.status, exit_bad_input);
+  EXPECT_NE(slow.log.find("expected a share from 0.000001 to 1, got '1e-9'"), std::string::npos) << slow.log;
+}
+
 }  // namespace manual_test
 }  // namespace clearway

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "mapping/files/map_file.hpp"
+#include "planning/robot_files/load_robot.hpp"
 #include "tests/apps/expect_words.hpp"
 #include "tests/apps/run_command.hpp"
 #include "tests/worlds/voxel_scene.hpp"
@@ -58,6 +59,63 @@ TEST_F(PickCommand, takes_a_can_and_puts_it_down) {
   expect_words(plan_->out, {"can: approach, reach, lift, carry, lower, retreat", "6 of 6", "valid"});
   EXPECT_EQ(written()["loads"][0]["legs"], Json({3, 4, 5}));
   EXPECT_TRUE(std::filesystem::exists(folder_->file("plan.html")));
+}
+
+/// The robot's own tip is 0.13 m before the frame of link `hand`, which --tip names.
+TEST_F(PickCommand, names_the_tip_and_takes_another_one) {
+  EXPECT_EQ(written()["tip"], "hand");
+  expect_words(plan_->out, {"tip", "link hand"});
+  EXPECT_EQ(plan_->out.find("nothing that the map knows"), std::string::npos);
+  const std::string out = folder_->file("tip.json"),
+                    deeper = folder_->write(
+                        "deeper.yaml",
+                        "{name: can, cylinder: [0.03, 0.12], link: hand, pose: [0.42, 0.16, 0.16, 0, 0, 0], "
+                        "mass: 0.3, place: [0.42, -0.2, 0.16], grasp_deg: [0, 0, 0.17, 180, 0, 0]}");
+  const auto plan = [&](const std::string& tip) {
+    return run_command({"plan", "--map", folder_->file("map"), "--robot", "arm6", "--policy", "not_occupied",
+                        "--start=0,-1.9,1.7,-1.4,-1.57,0", "--pick", deeper, "--out", out, "--tip", tip});
+  };
+  const CommandRun by_frame = plan("hand");
+  ASSERT_EQ(by_frame.status, exit_done) << by_frame.out << by_frame.log;
+  const auto checked = [&](std::vector<std::string> more) {
+    more.insert(more.end(), {"--policy", "not_occupied", "--pick", deeper});
+    return check(Json::parse(read_file(out)), more);
+  };
+  EXPECT_EQ(checked({"--tip", "hand"}).status, exit_done) << checked({"--tip", "hand"}).out;
+  expect_words(checked({"--tip", "hand"}).out, {"link hand (flag)"});
+  const CommandRun by_default = checked({});
+  EXPECT_EQ(by_default.status, exit_no);
+  expect_words(by_default.out, {"link hand (default)", "the tip takes the object 0.13 m"});
+  // The hand turns against the link before its last joint.
+  const Robot robot = load_robot("arm6");
+  auto moved = static_cast<std::size_t>(robot.tip_link);
+  while (robot.links[moved].joint < 0) moved = static_cast<std::size_t>(robot.links[moved].parent);
+  const std::string before = robot.links[static_cast<std::size_t>(robot.links[moved].parent)].name;
+  const CommandRun refused = checked({"--tip", before});
+  EXPECT_EQ(refused.status, exit_no);
+  expect_words(refused.out, {"moves link 'hand'", "the plan was made for the tip 'hand'; it is judged for"});
+  const CommandRun turning = plan(before);
+  EXPECT_EQ(turning.status, exit_bad_input);
+  expect_words(turning.log,
+               {"moves link 'hand', which carries the object, against the tip, link '" + before});
+}
+
+TEST_F(PickCommand, notes_a_place_with_nothing_below) {
+  const std::string out = folder_->file("floating.json");
+  const CommandRun run = run_command({"plan", "--map", folder_->file("map"), "--robot", "arm6", "--policy",
+                                      "not_occupied", "--start=0,-1.9,1.7,-1.4,-1.57,0", "--pick",
+                                      folder_->file("pick.yaml"), "--place", "0.42,-0.2,0.3", "--out", out});
+  ASSERT_EQ(run.status, exit_done) << run.out << run.log;
+  const std::string words = "nothing that the map knows stands below the place of 'can'";
+  expect_words(run.out, {words});
+  const CommandRun checked =
+      check(Json::parse(read_file(out)),
+            {"--policy", "not_occupied", "--pick", folder_->file("pick.yaml"), "--place", "0.42,-0.2,0.3"});
+  EXPECT_EQ(checked.status, exit_done) << checked.out;
+  expect_words(checked.out, {words});
+  EXPECT_EQ(
+      check(written(), {"--policy", "not_occupied", "--pick", folder_->file("pick.yaml")}).out.find(words),
+      std::string::npos);
 }
 
 TEST_F(PickCommand, check_never_takes_the_pick_from_the_plan) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include <functional>
 #include <memory>
 #include <stdexcept>
@@ -60,6 +62,39 @@ TEST(Query, AGoalThatABeamComesNearAndDoesNotReachIsReportedBesideTheVerdict) {
   };
   EXPECT_EQ(goal_row(true), "");
   EXPECT_NE(goal_row(false).find("check refuses the plan without --accept-goals"), std::string::npos);
+}
+
+TEST(Query, LegsWithoutAPathAreNotCountedAsSolvedAndACheckThatWasNotRunIsNoRefusal) {
+  const auto rows = [](Plan plan) {
+    std::map<std::string, std::string> found;
+    for (const auto& [name, text] : plan_figures(plan)) found[name] = text;
+    return found;
+  };
+  const Configuration q = Configuration::Zero(1);
+  PlanResult solved, failed;
+  solved.status = PlanStatus::solved;
+  solved.waypoints = {q, q};
+  failed.explanation = "No path found.";
+  Plan plan;
+  plan.legs = {solved, failed};
+  plan.goals = {q, q};
+  plan.validation.valid = true;
+  EXPECT_EQ(rows(plan)["legs"], "1 of 2");
+  EXPECT_EQ(rows(plan)["check"], "valid");
+  plan.goals.push_back(q);
+  EXPECT_EQ(rows(plan)["legs"], "1 of 3");
+  plan.pick.emplace();
+  plan.legs = {solved, solved, solved, failed};
+  plan.goals = {q, q, q};
+  plan.validation = {};
+  EXPECT_EQ(rows(plan)["legs"], "3 of 6");
+  EXPECT_EQ(rows(plan)["check"], "none, because the plan is not whole");
+  EXPECT_FALSE(rows(plan).contains("path clearance"));
+  EXPECT_FALSE(rows(plan).contains("tip"));
+  plan.tip = "hand";
+  EXPECT_EQ(rows(plan)["tip"], "link hand");
+  plan.validation.first_contact = "edge 0 at 0: hand touches a voxel";
+  EXPECT_EQ(rows(plan)["check"], "REFUSED: edge 0 at 0: hand touches a voxel");
 }
 
 }  // namespace query_test

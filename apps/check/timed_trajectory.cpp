@@ -1,0 +1,156 @@
+#include "apps/check/timed_trajectory.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "apps/console/parse.hpp"
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr double swings_within = 1e-4;      ///< rad or m
+constexpr double starts_within = 0.01;      ///< rad or m, MoveIt's default
+constexpr double rests_within = 1e-6;       ///< rad/s or m/s
+constexpr double same_place_within = 1e-9;  ///< rad or m
+
+bool moves_by_plan(const Robot& robot, const std::string& name) {
+  return std::any_of(robot.joints.begin(), robot.joints.end(),
+                     [&](const Joint& joint) { return joint.name == name; });
+}
+
+/// What a joint that stands still does between its points: the control points of its polynomials stay there.
+void require_still(const ForeignTrajectory& trajectory, const Robot& robot,
+                   const std::filesystem::path& file) {
+  double longest = trajectory.times.front();
+  for (std::size_t i = 1; i < trajectory.times.size(); ++i)
+    longest = std::max(longest, trajectory.times[i] - trajectory.times[i - 1]);
+  for (std::size_t j = 0; j < trajectory.joints.size(); ++j) {
+    if (moves_by_plan(robot, trajectory.joints[j])) continue;
+    for (std::size_t i = 0; i < trajectory.times.size(); ++i) {
+      const auto rate = [&](const std::vector<std::vector<double>>& rates) {
+        return rates[i].empty() ? 0.0 : std::abs(rates[i][j]);
+      };
+      const double swing = 0.4 * longest * rate(trajectory.velocities) +
+                           longest * longest / 20.0 * rate(trajectory.accelerations);
+      if (swing > swings_within)
+        throw std::invalid_argument(file.string() + ": the trajectory has joint " +
+                                    quote(trajectory.joints[j]) + ", which stands still, move at points[" +
+                                    std::to_string(i) + "], expected velocities and accelerations of 0");
+    }
+  }
+}
+
+/// Values of the robot's joints among those of the trajectory.
+Eigen::VectorXd picked(const ForeignTrajectory& trajectory, const Robot& robot,
+                       const std::vector<double>& values) {
+  if (values.empty()) return {};
+  Eigen::VectorXd own(static_cast<Eigen::Index>(robot.dof()));
+  for (std::size_t j = 0; j < robot.dof(); ++j) {
+    const auto found = std::find(trajectory.joints.begin(), trajectory.joints.end(), robot.joints[j].name);
+    own[static_cast<Eigen::Index>(j)] = values[static_cast<std::size_t>(found - trajectory.joints.begin())];
+  }
+  return own;
+}
+
+/// From where the robot is before to the first point.
+void add_start(const ForeignTrajectory& trajectory, const Robot& robot, TimedTrajectory& timed) {
+  const SplinePoint first = timed.points.front();
+  Configuration start = first.position;
+  bool is_stated = false;
+  for (std::size_t j = 0; j < robot.dof(); ++j) {
+    const auto found = trajectory.start.find(robot.joints[j].name);
+    if (found == trajectory.start.end()) continue;
+    start[static_cast<Eigen::Index>(j)] = found->second;
+    is_stated = true;
+  }
+  if (first.time > 0.0) {
+    const Eigen::VectorXd rest = Eigen::VectorXd::Zero(start.size());
+    if (is_stated)
+      timed.points.insert(timed.points.begin(), {0.0, start, rest, rest});
+    else
+      timed.notes.push_back("where the robot is before the first point, which it reaches after " +
+                            significant(first.time) + " s, is not said: the way there is not judged");
+    return;
+  }
+  Eigen::Index joint = 0;
+  const double apart = (start - first.position).cwiseAbs().maxCoeff(&joint);
+  if (apart <= same_place_within) return;
+  timed.before = start;
+  if (apart > starts_within)
+    timed.fault = "motion: joint " + shortened(robot.joints[static_cast<std::size_t>(joint)].name) +
+                  " is at " + significant(start[joint]) + " before and at " +
+                  significant(first.position[joint]) +
+                  " at the first point, expected a time_from_start above 0 in which it gets there";
+}
+
+std::string counted(std::size_t count, const std::string& one, const std::string& many) {
+  return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+std::string joints_without(const Robot& robot, double Joint::*limit) {
+  std::string names;
+  std::size_t count = 0;
+  for (const Joint& joint : robot.joints) {
+    if (joint.*limit > 0.0) continue;
+    names += (count == 0 ? "" : ", ") + shortened(joint.name);
+    ++count;
+  }
+  return count == robot.dof() && count > 1 ? "any joint" : names;
+}
+
+}  // namespace
+
+std::optional<TimedTrajectory> timed_trajectory(const ForeignTrajectory& trajectory, const Robot& robot,
+                                                const std::filesystem::path& file) {
+  if (trajectory.times.empty()) return std::nullopt;
+  require_still(trajectory, robot, file);
+  TimedTrajectory timed;
+  for (std::size_t i = 0; i < trajectory.points.size(); ++i)
+    timed.points.push_back({trajectory.times[i], picked(trajectory, robot, trajectory.points[i]),
+                            picked(trajectory, robot, trajectory.velocities[i]),
+                            picked(trajectory, robot, trajectory.accelerations[i])});
+  add_start(trajectory, robot, timed);
+  const Eigen::VectorXd& last = timed.points.back().velocity;
+  if (last.size() > 0 && last.cwiseAbs().maxCoeff() > rests_within)
+    timed.notes.push_back("the last point has a velocity: how the robot stops after it is not judged");
+  return timed;
+}
+
+SplineVerdict check_timed(const TimedTrajectory& trajectory, const Robot& robot, const Snapshot& map,
+                          const std::map<std::string, Policy>& policies, double padding, double seen_within) {
+  SplineVerdict verdict = check_splines(robot, map, policies, padding, trajectory.points, seen_within);
+  if (!trajectory.fault.empty()) verdict.fault = trajectory.fault;
+  if (trajectory.before.size() == 0 || !verdict.path.valid) return verdict;
+  PathVerdict way = check_path(robot, map, policies, padding,
+                               {trajectory.before, trajectory.points.front().position}, 0.0, seen_within);
+  way.clearance.clear();
+  if (way.valid) way.min_clearance = std::min(way.min_clearance, verdict.path.min_clearance);
+  if (!way.valid) way.first_contact = "on the way to the first point: " + way.first_contact;
+  verdict.path = way;
+  verdict.chords.insert(verdict.chords.begin(), trajectory.before);
+  return verdict;
+}
+
+std::vector<std::string> notes_of(const TimedTrajectory& trajectory, const SplineVerdict& verdict,
+                                  const Robot& robot) {
+  std::string edges;
+  const auto add = [&](std::size_t count, const std::string& one, const std::string& many) {
+    if (count > 0) edges += (edges.empty() ? ": " : ", ") + counted(count, one, many);
+  };
+  add(verdict.quintics, "quintic", "quintics");
+  add(verdict.cubics, "cubic", "cubics");
+  add(verdict.lines, "straight line without velocities", "straight lines without velocities");
+  std::vector<std::string> notes{"the trajectory is judged as ROS's joint_trajectory_controller runs it" +
+                                 edges};
+  if (const std::string names = joints_without(robot, &Joint::max_velocity); !names.empty())
+    notes.push_back("the robot states no velocity limit of " + names + ", so none is compared");
+  if (verdict.cubics + verdict.quintics > 0)
+    if (const std::string names = joints_without(robot, &Joint::max_acceleration); !names.empty())
+      notes.push_back("the robot states no acceleration limit of " + names + ", so none is compared");
+  notes.insert(notes.end(), trajectory.notes.begin(), trajectory.notes.end());
+  return notes;
+}
+
+}  // namespace clearway

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/check/trajectory_plan.hpp"
+#include "planning/check/spline_check.hpp"
+
+namespace clearway {
+
+/// A trajectory with times, as a controller takes it.
+struct TimedTrajectory {
+  std::vector<SplinePoint> points;  ///< in the robot's order of joints
+  /// Where the robot is before a first point whose time is 0; of no size: there.
+  Configuration before{};
+  std::string fault{};               ///< why no controller can run it, one sentence; else empty
+  std::vector<std::string> notes{};  ///< what is not judged, one sentence each
+};
+
+/// The trajectory with its times; none of one without. From where the file says that the robot is before, at
+/// rest, a controller goes to the first point in that point's time. A first time of 0 leaves none: the robot
+/// may then stand 0.01 rad or m beside that point, as MoveIt allows (`allowed_start_tolerance`).
+/// @throws std::invalid_argument naming `file` and a joint that stands still, but that velocities or
+/// accelerations between its points would move by more than 1e-4 rad or m.
+std::optional<TimedTrajectory> timed_trajectory(const ForeignTrajectory& trajectory, const Robot& robot,
+                                                const std::filesystem::path& file);
+
+/// check_splines of it, from where the robot is before; `path` then covers the way to the first point, too.
+/// @param robot with the loads that it carries
+SplineVerdict check_timed(const TimedTrajectory& trajectory, const Robot& robot, const Snapshot& map,
+                          const std::map<std::string, Policy>& policies, double padding, double seen_within);
+
+/// "the trajectory is judged as ROS's joint_trajectory_controller runs it: 12 cubics, 1 straight line …", and
+/// one sentence more where the robot states no limits.
+std::vector<std::string> notes_of(const TimedTrajectory& trajectory, const SplineVerdict& verdict,
+                                  const Robot& robot);
+
+}  // namespace clearway

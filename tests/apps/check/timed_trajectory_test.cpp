@@ -1,0 +1,191 @@
+// Trajectories with times, as controllers run them, at `clearway check`.
+#include "apps/check/timed_trajectory.hpp"
+
+#include <cmath>
+
+#include "planning/robot_files/load_robot.hpp"
+#include "tests/apps/check/check_command.hpp"
+#include "tests/worlds/urdf_robots.hpp"
+
+namespace clearway {
+namespace check_test {
+
+/// Trajectories of the robot `point`, whose joints x and y have a velocity limit of 1 m/s, within the paint:
+/// what lies within 1 m of the origin.
+class CheckTimed : public Check {
+ protected:
+  struct Point {
+    double time;
+    Json positions, velocities = Json::array(), accelerations = Json::array();
+  };
+  static Json message(const std::vector<Point>& points) {
+    Json message{{"joint_names", {"x", "y"}}, {"points", Json::array()}};
+    for (const Point& point : points) {
+      const auto nanoseconds = std::llround(point.time * 1e9);
+      message["points"].push_back(
+          {{"positions", point.positions},
+           {"velocities", point.velocities},
+           {"accelerations", point.accelerations},
+           {"time_from_start",
+            {{"sec", nanoseconds / 1'000'000'000}, {"nanosec", nanoseconds % 1'000'000'000}}}});
+    }
+    return message;
+  }
+  CommandRun check_file(const Json& message, std::vector<std::string> more = {}) const {
+    std::vector<std::string> arguments{
+        "check", folder_.write("t.json", message.dump()), "--map", folder_.file("map"), "--robot", "point"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_command(arguments);
+  }
+  CommandRun check_points(const std::vector<Point>& points, std::vector<std::string> more = {}) const {
+    return check_file(message(points), std::move(more));
+  }
+};
+
+TEST_F(CheckTimed, ASwingBetweenEqualPointsIsSeen) {
+  const auto swing = [&](double speed, double seconds) {
+    return check_points({{0, {0, 0}, {speed, 0}}, {seconds, {0, 0}, {-speed, 0}}});
+  };
+  EXPECT_EQ(swing(0.9, 1.0).status, exit_done) << swing(0.9, 1.0).out;  // 0.9 / 4 m
+  const CommandRun wide = swing(0.9, 6.0);                              // 1.35 m
+  EXPECT_EQ(wide.status, exit_no);
+  EXPECT_NE(wide.out.find("s after the start: base comes too near to a voxel that is unknown"),
+            std::string::npos)
+      << wide.out;
+  EXPECT_NE(wide.out.find("judged as ROS's joint_trajectory_controller runs it: 1 cubic"), std::string::npos);
+  // Without the velocities it stands.
+  EXPECT_EQ(check_points({{0, {0, 0}}, {6.0, {0, 0}}}).status, exit_done);
+}
+
+TEST_F(CheckTimed, SpeedsBeyondALimitAreRefused) {
+  const CommandRun fast = check_points({{0, {0, 0}, {0, 0}}, {0.001, {0.3, 0}, {0, 0}}});
+  EXPECT_EQ(fast.status, exit_no);
+  EXPECT_NE(
+      fast.out.find("motion: edge 0, 0.0005 s after the start: the velocity of joint x is 450, its limit 1"),
+      std::string::npos)
+      << fast.out;
+  const Json said =
+      Json::parse(check_points({{0, {0, 0}, {0, 0}}, {0.001, {0.3, 0}, {0, 0}}}, {"--json"}).out);
+  EXPECT_EQ(said["verdict"], "refused");
+  EXPECT_EQ(said["motion"]["verdict"], "refused");
+  EXPECT_NEAR(said["motion"]["velocity_share"].get<double>(), 450.0, 1e-6);
+  // A line of 0.3 m at 0.75 and at 1.5 m/s; from rest to rest the cubic's greatest is half as much again.
+  EXPECT_EQ(check_points({{0, {0, 0}}, {0.4, {0.3, 0}}}).status, exit_done);
+  EXPECT_EQ(check_points({{0, {0, 0}}, {0.2, {0.3, 0}}}).status, exit_no);
+  EXPECT_EQ(check_points({{0, {0, 0}, {0, 0}}, {0.4, {0.3, 0}, {0, 0}}}).status, exit_no);
+  EXPECT_EQ(check_points({{0, {0, 0}, {0, 0}}, {0.45, {0.3, 0}, {0, 0}}}).status, exit_done);
+  const CommandRun quintic =
+      check_points({{0, {0, 0}, {0, 0}, {0, 0}}, {0.57, {0.3, 0}, {0, 0}, {0, 0}}}, {"--json"});
+  EXPECT_EQ(quintic.status, exit_done) << quintic.out;
+  EXPECT_NEAR(Json::parse(quintic.out)["motion"]["velocity_share"].get<double>(), 1.875 * 0.3 / 0.57, 1e-9);
+  EXPECT_EQ(Json::parse(quintic.out)["motion"]["quintics"], 1);
+  EXPECT_NE(quintic.out.find("no acceleration limit of any joint"), std::string::npos) << quintic.out;
+}
+
+TEST_F(CheckTimed, OurOwnTrajectoriesStayValid) {
+  const std::string ros = folder_.file("own.yaml"), json = folder_.file("own.json");
+  const CommandRun run =
+      run_command({"plan", "--map", folder_.file("map"), "--robot", "point", "--start=-0.3,0", "--goal=0.3,0",
+                   "--goal=0.3,0.2", "--trajectory", "ros", ros, "--trajectory", "ros-json", json});
+  ASSERT_EQ(run.status, exit_done) << run.out << run.log;
+  for (const std::string& file : {ros, json}) {
+    const CommandRun checked =
+        run_command({"check", file, "--map", folder_.file("map"), "--robot", "point", "--json"});
+    EXPECT_EQ(checked.status, exit_done) << checked.out << checked.log;
+    const Json motion = Json::parse(checked.out)["motion"];
+    EXPECT_EQ(motion["verdict"], "valid");
+    EXPECT_GT(motion["cubics"].get<int>() + motion["quintics"].get<int>(), 20);
+    EXPECT_GT(motion["velocity_share"].get<double>(), 0.3);
+    EXPECT_LE(motion["velocity_share"].get<double>(), 1.0 + 1e-6);
+  }
+}
+
+TEST_F(CheckTimed, GoesFromWhereTheRobotIsInTheTimeOfTheFirstPoint) {
+  const auto from = [&](double x, double time) {
+    const Json robot{{"joint_state", {{"name", {"x", "y"}}, {"position", {x, 0.0}}}}};
+    return check_file(
+        {{"trajectory",
+          {{{"joint_trajectory", message({{time, {0, 0}, {0, 0}}, {time + 1, {0, 0.1}, {0, 0}}})}}}},
+         {"trajectory_start", robot}});
+  };
+  EXPECT_EQ(from(-0.3, 0.46).status, exit_done) << from(-0.3, 0.46).out;
+  EXPECT_EQ(from(-0.3, 0.44).status, exit_no);  // 0.3 * 1.5 / 0.44 m/s
+  EXPECT_EQ(from(-1.5, 60.0).status, exit_no);  // not painted
+  EXPECT_EQ(from(-0.009, 0.0).status, exit_done);
+  const CommandRun jump = from(-0.3, 0.0);
+  EXPECT_EQ(jump.status, exit_no);
+  EXPECT_NE(jump.out.find("joint x is at -0.3 before and at 0 at the first point, expected a time_from_start "
+                          "above 0"),
+            std::string::npos)
+      << jump.out;
+  const CommandRun unknown = check_points({{0.5, {0, 0}}, {1.0, {0.1, 0}}});
+  EXPECT_EQ(unknown.status, exit_done);
+  EXPECT_NE(unknown.out.find("where the robot is before the first point, which it reaches after 0.5 s"),
+            std::string::npos)
+      << unknown.out;
+  EXPECT_NE(check_points({{0, {0, 0}, {0, 0}}, {1, {0.1, 0}, {0.1, 0}}}).out.find("how the robot stops"),
+            std::string::npos);
+}
+
+TEST_F(CheckTimed, TimesThatDoNotRiseAndRatesThatDoNotFitAreNamed) {
+  const auto refusal = [&](const Json& message) {
+    const CommandRun run = check_file(message);
+    EXPECT_EQ(run.status, exit_bad_input) << message << run.out;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
+    return run.log;
+  };
+  const Json good = message({{0, {0, 0}, {0, 0}}, {1, {0.1, 0}, {0, 0}}, {2, {0.2, 0}, {0, 0}}});
+  ASSERT_EQ(check_file(good).status, exit_done);
+  const auto changed = [&](int point, const std::string& key, const Json& value) {
+    Json message = good;
+    message["points"][static_cast<std::size_t>(point)][key] = value;
+    return message;
+  };
+  for (const auto& [message, words] : std::vector<std::pair<Json, std::string>>{
+           {changed(2, "time_from_start", {{"sec", 1}, {"nanosec", 0}}),
+            "points[2].time_from_start: expected more than the 1 s of the point before, got 1 s"},
+           {changed(1, "time_from_start", {{"secs", 3}, {"nsecs", 500000000}}),
+            "points[2].time_from_start: expected more than the 3.5 s of the point before, got 2 s"},
+           {changed(1, "time_from_start", {{"sec", -1}, {"nanosec", 0}}), "time_from_start.sec"},
+           {changed(1, "velocities", {1.0}), "points[1].velocities: expected none or 2 numbers"},
+           {changed(1, "accelerations", {1.0, 0.0, 0.0}), "points[1].accelerations: expected none or 2"},
+           {changed(1, "velocities", {"a", 0}), "points[1].velocities"}})
+    EXPECT_NE(refusal(message).find(words), std::string::npos) << refusal(message);
+  Json without = changed(1, "velocities", Json::array());
+  without["points"][1]["accelerations"] = {0.0, 0.0};
+  EXPECT_NE(refusal(without).find("points[1].velocities: expected them where there are accelerations"),
+            std::string::npos);
+  Json missing = good;
+  missing["points"][1].erase("time_from_start");
+  EXPECT_NE(refusal(missing).find("points[1].time_from_start: expected it as other points have it"),
+            std::string::npos);
+}
+
+TEST_F(CheckTimed, ALoadRidesOnTheCurve) {
+  const std::string bar = folder_.write("bar.yaml", "{name: bar, box: [0.02, 1.8, 0.01], link: base}");
+  const std::vector<Point> swing{{0, {0, 0}, {0.9, 0}}, {2.0, {0, 0}, {-0.9, 0}}};  // 0.45 m
+  EXPECT_EQ(check_points(swing).status, exit_done);
+  const CommandRun loaded = check_points(swing, {"--attach", bar});
+  EXPECT_EQ(loaded.status, exit_no);
+  EXPECT_NE(loaded.out.find("bar comes too near"), std::string::npos) << loaded.out;
+}
+
+TEST_F(CheckTimed, JointsThatStandStillMayNotMoveBetweenItsPoints) {
+  const std::string urdf = folder_.write("arm.urdf", worlds::arm_with_finger());
+  const Robot robot = load_robot(RobotRequest{urdf, {}, {}, {{"grip", 0.03}}});
+  ForeignTrajectory still{{"grip", "elbow", "shoulder"}, {{0.03, 0.1, 0.2}, {0.03, 0.3, 0.4}}};
+  EXPECT_FALSE(timed_trajectory(still, robot, "t.json"));
+  still.times = {0.0, 2.0};
+  still.velocities = {{0.0, 0.5, 0.25}, {0.0, 0.0, 0.0}};
+  still.accelerations = {{}, {}};
+  const auto timed = timed_trajectory(still, robot, "t.json");
+  ASSERT_TRUE(timed);
+  EXPECT_EQ(timed->points.front().velocity, Eigen::VectorXd(Eigen::Vector2d(0.25, 0.5)));
+  EXPECT_EQ(timed->points.back().position, Configuration(Eigen::Vector2d(0.4, 0.3)));
+  EXPECT_EQ(timed->points.front().acceleration.size(), 0);
+  still.velocities[1][0] = 1e-3;  // a swing of up to 4/27 of 2 mm
+  EXPECT_THROW(timed_trajectory(still, robot, "t.json"), std::invalid_argument);
+}
+
+}  // namespace check_test
+}  // namespace clearway
