@@ -314,6 +314,7 @@ Plan plan_pick(const PlanQuery& query, const Pick& pick) {
     plan.policies = legs.policies();
   }
   plan.pick = pick;
+  plan.tip = space.robot().links[static_cast<std::size_t>(space.robot().tip_link)].name;
   report_ends(query, plan);
   plan.time_s = std::chrono::duration<double>(Clock::now() - begin).count();
   if (plan.status() == PlanStatus::solved) check_legs_of(space, pick, plan);

@@ -170,10 +170,11 @@ void append_splines(const SplineVerdict& splines, double duration, Rows& rows) {
   if (!splines.fault.empty()) {
     rows.emplace_back("refused for", splines.fault);
   } else if (splines.path.valid) {
-    rows.emplace_back("motion", "valid: " + significant(duration, 4) + " s, at most " +
-                                    percent(splines.velocity_share) + " of velocity and " +
-                                    percent(splines.acceleration_share) +
-                                    " of acceleration limits that are known");
+    std::string shares;
+    for (const auto& [share, limits] : {std::pair{splines.velocity_share, " of velocity limits"},
+                                        std::pair{splines.acceleration_share, " of acceleration limits"}})
+      if (share > 0.0) shares += (shares.empty() ? ", at most " : " and ") + percent(share) + limits;
+    rows.emplace_back("motion", "valid: " + significant(duration, 4) + " s" + shares);
   }
 }
 

@@ -10,6 +10,7 @@
 #include "planning/plan_pick.hpp"
 #include "planning/planner_table.hpp"
 #include "planning/pose_goals.hpp"
+#include "planning/robot_files/srdf_file.hpp"
 
 namespace clearway {
 namespace {
@@ -112,7 +113,13 @@ Plan plan(const NamedSpace& space, const py::object& start, const py::object& go
     query.goals = wanted.configurations;
     if (wanted.poses.empty()) return pick ? plan_pick(query, *pick) : plan_and_check(query);
     const PoseGoals at_poses(*space, wanted.tip, wanted.poses, query.start);
-    if (!pick) return plan_to_poses(query, at_poses);
+    if (!pick) {
+      Plan plan = plan_to_poses(query, at_poses);
+      const Robot& robot = space->robot();
+      plan.tip = wanted.tip.empty() ? robot.links[static_cast<std::size_t>(robot.tip_link)].name
+                                    : link_of_tip(robot, wanted.tip);
+      return plan;
+    }
     query.goals = at_poses.goals();
     return plan_pick(query, *pick);
   });
