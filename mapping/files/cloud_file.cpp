@@ -1,6 +1,7 @@
 #include "mapping/files/cloud_file.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -129,25 +130,57 @@ std::vector<Eigen::Vector3f> read_cloud(const std::filesystem::path& file) {
   return finite_points(cloud);
 }
 
+namespace {
+
+/// Points over a triangle, no farther apart than `step`: in rows from the corner across from its shortest
+/// side.
+void add_points(std::array<Eigen::Vector3f, 3> corners, double step, std::vector<Eigen::Vector3f>& points) {
+  const auto across = [&](std::size_t i) { return (corners[(i + 1) % 3] - corners[(i + 2) % 3]).norm(); };
+  std::size_t first = 0;
+  for (std::size_t i = 1; i < 3; ++i)
+    if (across(i) < across(first)) first = i;
+  std::rotate(corners.begin(), corners.begin() + static_cast<std::ptrdiff_t>(first), corners.end());
+  const Eigen::Vector3f b = corners[1] - corners[0], c = corners[2] - corners[0];
+  const auto pieces = [&](float length) { return std::max(1, static_cast<int>(std::ceil(length / step))); };
+  const int rows = pieces(std::max(b.norm(), c.norm()));
+  for (int i = 0; i <= rows; ++i) {
+    const float share = static_cast<float>(i) / static_cast<float>(rows);
+    const Eigen::Vector3f from = corners[0] + share * b, way = share * (c - b);
+    const int parts = pieces(way.norm());
+    for (int k = 0; k <= parts; ++k)
+      points.push_back(from + static_cast<float>(k) / static_cast<float>(parts) * way);
+  }
+}
+
+/// About how many of them.
+double points_over(const std::array<Eigen::Vector3f, 3>& corners, double step) {
+  const double area = 0.5 * (corners[1] - corners[0]).cross(corners[2] - corners[0]).cast<double>().norm();
+  double around = 0.0;
+  for (std::size_t i = 0; i < 3; ++i) around += (corners[i] - corners[(i + 1) % 3]).cast<double>().norm();
+  return area / (step * step) + around / step + 3.0;
+}
+
+}  // namespace
+
 std::vector<Eigen::Vector3f> read_surface(const std::filesystem::path& file, double edge) {
   ParsedCloud cloud = parse_cloud(file);
+  if (cloud.has_lost_faces)
+    throw std::invalid_argument(
+        "'" + file.string() + "' has faces that cannot be read (strips of triangles, or " +
+        "lists of an unusual type): expected faces with indices of 4 bytes, or points alone");
   constexpr double most = 5e7;
+  const double step = 0.4 * edge;
   std::vector<Eigen::Vector3f> on_faces;
-  for (const auto& corners : cloud.triangles) {
-    const Eigen::Vector3f &a = cloud.points[corners[0]], &b = cloud.points[corners[1]],
-                          &c = cloud.points[corners[2]];
-    if (!(a.allFinite() && b.allFinite() && c.allFinite())) continue;
-    const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
-    const double pieces = std::max(1.0, std::ceil(longest / (0.4 * edge)));
-    if (static_cast<double>(on_faces.size()) + pieces * pieces > most)
+  double asked = 0.0;
+  for (const auto& [i, j, k] : cloud.triangles) {
+    const std::array<Eigen::Vector3f, 3> corners{cloud.points[i], cloud.points[j], cloud.points[k]};
+    if (!(corners[0].allFinite() && corners[1].allFinite() && corners[2].allFinite())) continue;
+    asked += points_over(corners, step);
+    if (asked > most)
       throw std::invalid_argument("'" + file.string() +
                                   "' has faces of more than 50 million points at voxels of " + to_text(edge) +
                                   " m: expected smaller ones, or a coarser --cloud-resolution");
-    const int last = static_cast<int>(pieces);
-    for (int i = 0; i <= last; ++i)
-      for (int k = 0; k <= last - i; ++k)
-        on_faces.push_back(a + static_cast<float>(i) / static_cast<float>(last) * (b - a) +
-                           static_cast<float>(k) / static_cast<float>(last) * (c - a));
+    add_points(corners, step, on_faces);
   }
   std::vector<Eigen::Vector3f> points = finite_points(cloud);
   points.insert(points.end(), on_faces.begin(), on_faces.end());
@@ -168,7 +201,7 @@ ViewedCloud read_viewed_cloud(const std::filesystem::path& file) {
   return cloud;
 }
 
-float left_log_odds(const FusedTree& tree) { return 2.0F * tree.getProbHitLog(); }
+float left_log_odds(const FusedTree& tree) { return std::nextafter(tree.getClampingThresMaxLog(), 0.0F); }
 
 std::shared_ptr<const FusedTree> tree_of_cloud(const std::vector<Eigen::Vector3f>& points,
                                                const CloudVoxels& voxels, const std::filesystem::path& file) {

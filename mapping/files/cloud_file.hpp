@@ -69,7 +69,7 @@ CloudVoxels voxels_of_cloud(const std::filesystem::path& file, const std::vector
 std::shared_ptr<const FusedTree> tree_of_cloud(const std::vector<Eigen::Vector3f>& points,
                                                const CloudVoxels& voxels, const std::filesystem::path& file);
 
-/// Those of two hits.
+/// The next below the highest: they mark what they are of, and are as hard to erase.
 float left_log_odds(const FusedTree& tree);
 
 /// Centres of the occupied and conflict voxels at the finest resolution.

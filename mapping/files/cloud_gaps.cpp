@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <bitset>
 #include <cmath>
 #include <cstdint>
 #include <map>
-#include <tuple>
+#include <set>
+#include <utility>
 
 namespace clearway {
 namespace {
@@ -26,74 +26,125 @@ struct SurfacePoint {
 using Key = std::array<int, 3>;
 Key key_of(const Eigen::Vector3i& cell) { return {cell.x(), cell.y(), cell.z()}; }
 
-/// One point of each quarter of a voxel along each axis, by voxels.
+/// One point of each quarter of a voxel along each axis, by voxels: the least of them, whatever their order.
 std::vector<SurfacePoint> distinct_points(const std::vector<Eigen::Vector3f>& points,
                                           const std::vector<Eigen::Vector3i>& cells, double edge) {
-  const auto part_of = [](const SurfacePoint& row) {
-    return key_of((row.point.array() / static_cast<float>(same_point)).floor().cast<int>().matrix());
+  struct Place {
+    std::uint64_t part;  ///< 17 bits of each number of the cell, then 2 of each quarter
+    std::uint32_t point;
   };
-  std::vector<SurfacePoint> rows;
-  rows.reserve(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i)
-    rows.push_back({cells[i], (points[i].cast<double>() / edge - cells[i].cast<double>()).cast<float>()});
-  const auto place = [&](const SurfacePoint& row) {
-    return std::tuple(key_of(row.cell), part_of(row), row.point.x(), row.point.y(), row.point.z());
+  const auto within = [&](std::size_t i) {
+    return Eigen::Vector3f((points[i].cast<double>() / edge - cells[i].cast<double>()).cast<float>());
   };
-  std::sort(rows.begin(), rows.end(),
-            [&](const SurfacePoint& a, const SurfacePoint& b) { return place(a) < place(b); });
-  rows.erase(std::unique(rows.begin(), rows.end(),
-                         [&](const SurfacePoint& a, const SurfacePoint& b) {
-                           return a.cell == b.cell && part_of(a) == part_of(b);
-                         }),
-             rows.end());
-  return rows;
+  std::vector<Place> places;
+  places.reserve(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f at = within(i);
+    std::uint64_t cell = 0, quarter = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      cell = cell << 17U | static_cast<std::uint64_t>(cells[i][axis] + 65536);
+      const int part = std::clamp(static_cast<int>(at[axis] / static_cast<float>(same_point)), 0, 3);
+      quarter = quarter << 2U | static_cast<std::uint64_t>(part);
+    }
+    places.push_back({cell << 6U | quarter, static_cast<std::uint32_t>(i)});
+  }
+  std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) { return a.part < b.part; });
+  const auto is_less = [](const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+  };
+  std::vector<SurfacePoint> kept;
+  std::uint64_t last = ~std::uint64_t{0};
+  for (const Place& place : places) {
+    const Eigen::Vector3f at = within(place.point);
+    if (place.part != last)
+      kept.push_back({cells[place.point], at});
+    else if (is_less(at, kept.back().point))
+      kept.back().point = at;
+    last = place.part;
+  }
+  return kept;
 }
 
 /// Which voxels hold points, in blocks.
 class HeldCells {
  public:
-  explicit HeldCells(const std::vector<SurfacePoint>& rows) {
-    for (const SurfacePoint& row : rows) blocks_[block_of(row.cell)].set(place_in_block(row.cell));
+  explicit HeldCells(const std::vector<SurfacePoint>& points) {
+    for (const SurfacePoint& point : points) {
+      const Eigen::Vector3i in_block = point.cell.unaryExpr([](int c) { return c & (block - 1); });
+      Block& held = blocks_[block_of(point.cell)];
+      held.rows[static_cast<std::size_t>(in_block.z() * block + in_block.y())] |=
+          static_cast<std::uint8_t>(1U << in_block.x());
+    }
   }
 
   /// Calls `visit` with each empty voxel that has points in two of its 26 neighbours on opposite sides.
   template <typename Visit>
   void visit_between(const Visit& visit) const {
-    std::map<Key, bool> near;  // blocks that hold points, and those beside them
-    for (const auto& [key, bits] : blocks_)
-      for (int k = 0; k < 27; ++k) near[{key[0] + k % 3 - 1, key[1] + k / 3 % 3 - 1, key[2] + k / 9 - 1}];
-    for (const auto& [key, ignored] : near) visit_block(key, visit);
+    std::set<Key> near;  // blocks that hold points, and those beside them that these reach
+    for (const auto& [key, held] : blocks_) {
+      near.insert(key);
+      for (int k = 0; k < 27; ++k)
+        if (held.reaches(side_of(k))) near.insert(beside(key, side_of(k)));
+    }
+    for (const Key& key : near) visit_block(key, visit);
   }
 
  private:
-  using Bits = std::bitset<block * block * block>;
   static constexpr int wide = block + 2;
 
-  static Key block_of(const Eigen::Vector3i& cell) { return {cell.x() >> 3, cell.y() >> 3, cell.z() >> 3}; }
-  static std::size_t place_in_block(const Eigen::Vector3i& cell) {
-    return static_cast<std::size_t>(((cell.z() & 7) * block + (cell.y() & 7)) * block + (cell.x() & 7));
+  static Eigen::Vector3i side_of(int k) { return {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1}; }
+  static Key beside(const Key& key, const Eigen::Vector3i& side) {
+    return {key[0] + side.x(), key[1] + side.y(), key[2] + side.z()};
   }
+
+  /// Of 8 x 8 x 8 voxels: rows along x.
+  struct Block {
+    std::array<std::uint8_t, block * block> rows{};
+
+    /// The voxels of the layer, edge or corner on that side; all where a side is 0.
+    template <typename Visit>
+    void visit_side(const Eigen::Vector3i& side, const Visit& visit) const {
+      const auto range = [](int s) { return std::pair(s > 0 ? block - 1 : 0, s < 0 ? 0 : block - 1); };
+      const auto [z0, z1] = range(side.z());
+      const auto [y0, y1] = range(side.y());
+      const unsigned mask = side.x() == 0 ? 0xffU : side.x() > 0 ? 0x80U : 1U;
+      for (int z = z0; z <= z1; ++z)
+        for (int y = y0; y <= y1; ++y)
+          for (unsigned bits = rows[static_cast<std::size_t>(z * block + y)] & mask; bits != 0;
+               bits &= bits - 1)
+            visit(Eigen::Vector3i(std::countr_zero(bits), y, z));
+    }
+    bool reaches(const Eigen::Vector3i& side) const {
+      bool found = false;
+      visit_side(side, [&](const Eigen::Vector3i&) { found = true; });
+      return found;
+    }
+  };
+
+  static Key block_of(const Eigen::Vector3i& cell) { return {cell.x() >> 3, cell.y() >> 3, cell.z() >> 3}; }
 
   template <typename Visit>
   void visit_block(const Key& key, const Visit& visit) const {
     std::array<bool, wide * wide * wide> held{};
     const auto at = [](int x, int y, int z) { return static_cast<std::size_t>((z * wide + y) * wide + x); };
     const Eigen::Vector3i corner = block * Eigen::Vector3i(key[0], key[1], key[2]);
+    Eigen::Vector3i low = Eigen::Vector3i::Constant(wide), high = Eigen::Vector3i::Constant(-1);  // of `held`
     for (int k = 0; k < 27; ++k) {
-      const Eigen::Vector3i side(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
-      const auto found = blocks_.find({key[0] + side.x(), key[1] + side.y(), key[2] + side.z()});
+      const Eigen::Vector3i side = side_of(k);
+      const auto found = blocks_.find(beside(key, side));
       if (found == blocks_.end()) continue;
-      for (std::size_t i = 0; i < found->second.size(); ++i) {
-        if (!found->second.test(i)) continue;
-        const auto index = static_cast<int>(i);
-        const Eigen::Vector3i place = block * side + Eigen::Vector3i(index % 8, index / 8 % 8, index / 64);
-        if (((place.array() >= -1) && (place.array() <= block)).all())
-          held[at(place.x() + 1, place.y() + 1, place.z() + 1)] = true;
-      }
+      found->second.visit_side(-side, [&](const Eigen::Vector3i& in_block) {
+        const Eigen::Vector3i place = block * side + in_block + Eigen::Vector3i::Ones();
+        held[at(place.x(), place.y(), place.z())] = true;
+        low = low.cwiseMin(place);
+        high = high.cwiseMax(place);
+      });
     }
-    for (int z = 1; z <= block; ++z)
-      for (int y = 1; y <= block; ++y)
-        for (int x = 1; x <= block; ++x) {
+    low = low.cwiseMax(1);  // what is between others is within their box
+    high = high.cwiseMin(block);
+    for (int z = low.z(); z <= high.z(); ++z)
+      for (int y = low.y(); y <= high.y(); ++y)
+        for (int x = low.x(); x <= high.x(); ++x) {
           if (held[at(x, y, z)]) continue;
           std::uint32_t sides = 0;
           for (int k = 0; k < 27; ++k)
@@ -119,7 +170,7 @@ class HeldCells {
     return false;
   }
 
-  std::map<Key, Bits> blocks_;
+  std::map<Key, Block> blocks_;
 };
 
 /// Whether the segment passes a part of the voxel about the origin that counts. What lies in a face belongs

@@ -59,7 +59,7 @@ Coordinate coordinate(const pcl::PCLPointCloud2& cloud, const std::string& name)
 }
 
 constexpr std::size_t viewpoint_bytes = 7 * sizeof(float);
-constexpr std::size_t points_at = viewpoint_bytes + sizeof(std::uint64_t);
+constexpr std::size_t points_at = viewpoint_bytes + 2 * sizeof(std::uint64_t);
 
 /// A file of these bytes that has no name but this, as long as it lives.
 class NamelessFile {
@@ -84,18 +84,15 @@ class NamelessFile {
   int descriptor_ = -1;
 };
 
-/// Of a .ply file; false for what is none.
+/// Whether a .ply file has faces, or strips of triangles.
 bool has_faces(const std::filesystem::path& file) {
   std::string content;
   const InputFile input(file, "cloud");
   input.read_at(0, std::min(input.size(), megabyte), content);
-  bool found = false;
-  for (const PlyElement& element : ply_header(content).elements) {
-    if (element.name == "tristrips" && element.count > 0)
-      throw std::runtime_error("it holds strips of triangles, expected points or faces");
-    found |= element.name == "face" && element.count > 0;
-  }
-  return found;
+  const std::vector<PlyElement> elements = ply_header(content).elements;
+  return std::any_of(elements.begin(), elements.end(), [](const PlyElement& element) {
+    return (element.name == "face" || element.name == "tristrips") && element.count > 0;
+  });
 }
 
 /// What PCL shall read in place of a .ply file; nothing for the file itself. The child may write no file.
@@ -132,17 +129,19 @@ std::vector<Triangle> fans(const std::vector<pcl::Vertices>& faces, std::size_t 
   return triangles;
 }
 
-/// Runs in the child: the viewpoint (x y z, qw qx qy qz), how many points, these as raw floats, triangles.
+/// Runs in the child: the viewpoint (x y z, qw qx qy qz), how many points, whether faces are lost, the points
+/// as raw floats, triangles.
 std::string read_with_pcl(const std::filesystem::path& file, const std::string& readable, bool is_pcd) {
   check_text_of_cloud(readable, is_pcd);
   pcl::PCLPointCloud2 cloud;
   Eigen::Vector4f origin = Eigen::Vector4f::Zero();
   Eigen::Quaternionf turn = Eigen::Quaternionf::Identity();
   int version = 0, status = 0;
+  const bool has_any_faces = !is_pcd && has_faces(file);
   pcl::PolygonMesh mesh;
   if (is_pcd) {
     status = pcl::PCDReader().read(readable, cloud, origin, turn, version);
-  } else if (has_faces(file)) {
+  } else if (has_any_faces) {
     status = pcl::PLYReader().read(readable, mesh, origin, turn, version);
     cloud = std::move(mesh.cloud);
   } else {
@@ -159,8 +158,8 @@ std::string read_with_pcl(const std::filesystem::path& file, const std::string& 
   std::string points(points_at + count * sizeof(Eigen::Vector3f), '\0');
   const float viewpoint[7] = {origin.x(), origin.y(), origin.z(), turn.w(), turn.x(), turn.y(), turn.z()};
   std::memcpy(points.data(), viewpoint, sizeof(viewpoint));
-  const std::uint64_t stated = count;
-  std::memcpy(&points[viewpoint_bytes], &stated, sizeof(stated));
+  const std::array<std::uint64_t, 2> stated{count, has_any_faces && triangles.empty() ? 1U : 0U};
+  std::memcpy(&points[viewpoint_bytes], stated.data(), sizeof(stated));
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const float value = coordinates[axis].of(&cloud.data[i * cloud.point_step]);
@@ -198,13 +197,22 @@ ParsedCloud parse_cloud(const std::filesystem::path& file) {
   const std::string bytes = read_in_child(file);
   ParsedCloud cloud;
   std::memcpy(cloud.viewpoint.data(), bytes.data(), viewpoint_bytes);
-  std::uint64_t count = 0;
-  std::memcpy(&count, bytes.data() + viewpoint_bytes, sizeof(count));
+  std::array<std::uint64_t, 2> stated{};
+  if (bytes.size() < points_at) refuse(file, "it holds no points");
+  std::memcpy(stated.data(), bytes.data() + viewpoint_bytes, sizeof(stated));
+  const std::uint64_t count = stated[0];
+  if (count > (bytes.size() - points_at) / sizeof(Eigen::Vector3f))
+    refuse(file, "it holds fewer points than it says");
+  cloud.has_lost_faces = stated[1] != 0;
   cloud.points.resize(count);
   const std::size_t rest = points_at + count * sizeof(Eigen::Vector3f);
   std::memcpy(cloud.points.data()->data(), bytes.data() + points_at, rest - points_at);
   cloud.triangles.resize((bytes.size() - rest) / sizeof(Triangle));
-  if (!cloud.triangles.empty()) std::memcpy(cloud.triangles.data(), bytes.data() + rest, bytes.size() - rest);
+  if (!cloud.triangles.empty())
+    std::memcpy(cloud.triangles.data(), bytes.data() + rest, cloud.triangles.size() * sizeof(Triangle));
+  for (const Triangle& triangle : cloud.triangles)
+    for (const std::uint32_t corner : triangle)
+      if (corner >= count) refuse(file, "a face names a point that it does not hold");
   return cloud;
 }
 

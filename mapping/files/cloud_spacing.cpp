@@ -51,7 +51,7 @@ class PointCells {
   template <typename Visit>
   void visit_near(std::size_t i, const Visit& visit) const {
     const CellNumber cell(points_[i], edge_);
-    for (int k = 0; k < 9; ++k) {
+    for (const int k : {4, 1, 3, 5, 7, 0, 2, 6, 8}) {  // its own row of cells first
       const std::uint64_t last = cell(k % 3 - 1, k / 3 - 1, 1);
       auto row = std::lower_bound(rows_.begin(), rows_.end(), Row{cell(k % 3 - 1, k / 3 - 1, -1), 0});
       for (; row != rows_.end() && row->first <= last; ++row) {
@@ -277,6 +277,10 @@ std::optional<ThinnedPart> strewn_part(const Points& points, double fine) {
   constexpr double from = 0.7, to = 3.0, least_share = 0.05;
   const Indices distinct = apart_by_cells(points, 0.25 * fine);
   const PointCells near(points, distinct, from * fine);
+  const Indices few = spread(distinct, 4000);
+  const auto strewn =
+      std::count_if(few.begin(), few.end(), [&](std::size_t i) { return !near.has_near(i, of_grid); });
+  if (static_cast<double>(strewn) < 0.8 * least_share * static_cast<double>(few.size())) return std::nullopt;
   Indices open;
   std::copy_if(distinct.begin(), distinct.end(), std::back_inserter(open),
                [&](std::size_t i) { return !near.has_near(i, of_grid); });

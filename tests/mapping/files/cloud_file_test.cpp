@@ -395,7 +395,24 @@ TEST(CloudFile, FacesOfAPlyAreSurface) {
   wrong.replace(wrong.find("15"), 2, "16");
   EXPECT_THROW(load_map(folder.write("w.ply", header("ascii", std::to_string(count)) + points + wrong)),
                DamagedFile);
-  EXPECT_THROW(load_map(files[0], 1e-4), std::invalid_argument);
+  EXPECT_THROW(load_map(files[0], 5e-5), std::invalid_argument);
+  // A beam of long thin faces is no matter of many points; strips, and lists that PCL does not read, are
+  // told.
+  const std::string beam =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0.01\n500 0 0.01\n500 0.1 "
+      "0.01\n0 0.1 "
+      "0.01\n4 0 1 2 3\n";
+  const Snapshot along = load_map(folder.write("beam.ply", beam), 0.02);
+  EXPECT_NEAR(static_cast<double>(along.counts().occupied), 500 / 0.02 * 6, 0.1 * 500 / 0.02 * 6);
+  for (const char* list : {"uchar ushort vertex_indices", "uchar int strip"}) {
+    std::string odd = beam;
+    odd.replace(odd.find("uchar int vertex_indices"), 24, list);
+    if (std::string(list).ends_with("strip")) odd.replace(odd.find("face"), 4, "tristrips");
+    const std::string file = folder.write("odd.ply", odd);
+    EXPECT_THROW(load_map(file, 0.02), std::invalid_argument) << list;
+    EXPECT_EQ(read_cloud(file).size(), 4U) << list;
+  }
 }
 
 TEST(CloudFile, TextOfAPlyMayEndItsLinesAsWindowsDoes) {
