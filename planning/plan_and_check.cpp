@@ -155,12 +155,15 @@ void plan_legs(const PlanQuery& query, const Planner& planner, const LegSpaces& 
       plan.legs.push_back(std::move(refused));
       break;
     }
+    Configuration to = goal;  // whose grip may be off by rounding
+    for (const Load& load : space.robot().loads)
+      for (const int j : grip_joints(space.robot(), load)) to[j] = from[j];
     planner.prepare(space);
     const ThreadStopwatch cpu(plan.cpu_s);
     const auto begin = Clock::now();
     const PathCost cost = path_cost(query, space.robot());
     plan.legs.push_back(
-        planner.plan({space, cost, from, goal, query.seed,
+        planner.plan({space, cost, from, to, query.seed,
                       [&] { return seconds_since(begin) > query.time_limit; }, query.time_limit}));
     plan.time_s += seconds_since(begin);
     plan.cpu_s += plan.legs.back().process_cpu;

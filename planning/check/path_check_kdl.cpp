@@ -233,29 +233,39 @@ std::vector<int> KdlArm::joints_that_hold(const Robot& robot, const Load& load) 
     if (at.parent >= 0) above[i] = above[static_cast<std::size_t>(at.parent)];
     if (at.joint >= 0 && at.multiplier != 0.0) above[i].emplace(at.joint, static_cast<int>(i));
   }
-  std::vector<bool> holds(links, false), is_body(links, false);
+  std::vector<bool> touches(links, false), is_body(links, false);
   std::size_t carrier = links;
   for (std::size_t i = 0; i < links; ++i) {
     const std::string& name = robot.links[i].name;
     if (name == load.link) carrier = i;
-    holds[i] =
-        name == load.link || std::find(load.touches.begin(), load.touches.end(), name) != load.touches.end();
+    touches[i] =
+        name != load.link && std::find(load.touches.begin(), load.touches.end(), name) != load.touches.end();
   }
   for (std::size_t b = 0; b < own_bodies(robot); ++b)
     is_body[static_cast<std::size_t>(chains_->body_link[b])] = true;
   std::vector<int> held;
   if (carrier == links || above[carrier].empty()) return held;
   for (int j = 0; j < static_cast<int>(robot.dof()); ++j) {
-    const auto tip = static_cast<std::size_t>(robot.tip_link);
-    if (above[tip].contains(j) && (!holds[tip] || tip == carrier)) continue;
-    std::set<int> ways;  // in which it moves what holds the load
-    bool moves_others = false;
+    const auto at = [&](std::size_t link) {
+      const auto found = above[link].find(j);
+      return found == above[link].end() ? -1 : found->second;
+    };
+    const auto follows = [&](std::size_t link) {  // the carrier, whatever j does
+      for (const auto& [joint, first] : above[carrier])
+        if (joint != j && !above[link].contains(joint)) return false;
+      return true;
+    };
+    std::set<int> fingers;  // each moved in a way of its own
+    bool is_loose = false, moves_more = false;
     for (std::size_t i = 0; i < links; ++i) {
-      const auto way = above[i].find(j);
-      if (holds[i]) ways.insert(way == above[i].end() ? -1 : way->second);
-      moves_others |= is_body[i] && !holds[i] && way != above[i].end();
+      if (touches[i] || i == carrier) fingers.insert(at(i));
+      is_loose |= touches[i] && follows(i) && at(i) != at(carrier);
+      moves_more |=
+          at(i) >= 0 && (!follows(i) || (at(carrier) >= 0 && is_body[i] && !touches[i] && i != carrier));
     }
-    if (ways.size() > 1 && !moves_others) held.push_back(j);
+    fingers.erase(-1);
+    const bool is_wrist = at(static_cast<std::size_t>(robot.tip_link)) >= 0 && fingers.size() < 2;
+    if (is_loose && !moves_more && !is_wrist) held.push_back(j);
   }
   return held;
 }

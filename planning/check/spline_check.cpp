@@ -13,9 +13,10 @@
 namespace clearway {
 namespace {
 
-constexpr double excess = 1e-6;        ///< share of a limit that rounding may take
-constexpr double text_digit = 1e-9;    ///< rad, m, s and their quotients: twice what rounding takes
-constexpr double rounded_away = 1e-9;  ///< rad or m: of positions
+constexpr double excess = 1e-6;         ///< share of a limit that rounding may take
+constexpr double text_digit = 1e-9;     ///< rad, m, s and their quotients: twice what rounding takes
+constexpr double most_rounding = 0.01;  ///< of a limit, however short the time between two points
+constexpr double rounded_away = 1e-9;   ///< rad or m: of positions
 constexpr double wide_tube = 5e-4, narrow_tube = 5e-5;  ///< rad or m of a joint
 constexpr std::size_t most_tubes = 200'000;
 constexpr double narrowest = 0x1p-30;  ///< share of an edge's time
@@ -80,6 +81,10 @@ class SplineChecker {
   SplineVerdict& verdict() { return verdict_; }
 
   void require_rates() {
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      compare_stated("velocity", i, points_[i].velocity, &Joint::max_velocity);
+      compare_stated("acceleration", i, points_[i].acceleration, &Joint::max_acceleration);
+    }
     for (std::size_t edge = 0; edge < curves_.size(); ++edge) {
       const Bezier velocity = derivative(curves_[edge]);
       const double h = velocity.duration;
@@ -151,7 +156,23 @@ class SplineChecker {
     if (!(limit > 0.0)) return;  // not known
     const BezierPeak found = peak(rate, static_cast<Eigen::Index>(j));
     share = std::max(share, std::abs(found.value) / limit);
-    if (std::abs(found.value) <= limit * (1.0 + excess) + rounding || !verdict_.fault.empty()) return;
+    if (std::abs(found.value) > limit * (1.0 + excess) + std::min(rounding, most_rounding * limit))
+      refuse_rate(what, edge, found, j, limit);
+  }
+
+  /// What the points state is not blurred by the time between them.
+  void compare_stated(const char* what, std::size_t point, const Eigen::VectorXd& rates,
+                      double Joint::*limit) {
+    for (Eigen::Index j = 0; j < rates.size(); ++j) {
+      const double most = robot_.joints[static_cast<std::size_t>(j)].*limit;
+      if (!(most > 0.0) || std::abs(rates[j]) <= most * (1.0 + excess) + text_digit) continue;
+      const std::size_t edge = std::min(point, std::max<std::size_t>(points_.size(), 2) - 2);
+      refuse_rate(what, edge, {point > edge ? 1.0 : 0.0, rates[j]}, static_cast<std::size_t>(j), most);
+    }
+  }
+
+  void refuse_rate(const char* what, std::size_t edge, const BezierPeak& found, std::size_t j, double limit) {
+    if (!verdict_.fault.empty()) return;
     std::ostringstream text;
     text.imbue(std::locale::classic());
     text << "motion: " << at(edge, found.share) << "the " << what << " of joint "

@@ -65,6 +65,20 @@ GateReason reason_of(Obstruction obstruction) {
   }
 }
 
+/// Empty, or which joint opens or closes while it holds a load. @param before where it held it; none:
+/// anywhere
+std::string lost_grip(const Robot& robot, const MotionChunk& chunk,
+                      const std::optional<Configuration>& before, double tolerance) {
+  const Configuration& first = chunk.positions.front();
+  for (const Configuration& q : chunk.positions)
+    if (std::string moved = grip_violation(robot, first, q); !moved.empty()) return moved;
+  if (!before) return {};
+  for (const Load& load : robot.loads)
+    for (const int j : grip_joints(robot, load))
+      if (std::abs(first[j] - (*before)[j]) > tolerance) return grip_violation(robot, *before, first);
+  return {};
+}
+
 std::string obstruction_sentence(const Verdict& verdict) {
   if (!verdict.is_free()) return verdict.sentence();
   const std::string part = verdict.part.empty() ? "the robot" : shortened(verdict.part);
@@ -113,6 +127,7 @@ Gate::~Gate() = default;
 
 void Gate::restart(std::optional<Configuration> start) {
   standing_.clear();
+  gripped_ = start;
   if (start) standing_.push_back(std::move(*start));
 }
 
@@ -161,6 +176,8 @@ GateVerdict Gate::judge(const MotionChunk& chunk) {
     return refused(GateReason::jump,
                    jump_sentence(robot, nearest_of(standing_, first), first, options_.tolerance));
 
+  if (const std::string lost = lost_grip(robot, chunk, gripped_, options_.tolerance); !lost.empty())
+    return refused(GateReason::joint_limit, lost);
   const std::vector<StraightPiece> pieces = straight_pieces(chunk, map->limits, standing);
   const std::size_t unproved = first_unproved(map->proof, pieces);
   if (unproved < pieces.size()) {
@@ -171,6 +188,7 @@ GateVerdict Gate::judge(const MotionChunk& chunk) {
   const Configuration stop = stop_from(end, edge_velocity(chunk, chunk.positions.size() - 2), map->limits);
   verdict.may_go = ProvedPart{chunk.times.back(), end, stop};
   standing_.assign({end, stop});
+  if (!gripped_) gripped_ = first;
   return verdict;
 }
 

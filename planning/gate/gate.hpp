@@ -123,8 +123,9 @@ class Gate {
 
   GateOptions options_;
   Latest<Map> maps_;
-  std::uint64_t published_ = 0;          ///< the publishing thread's
-  std::vector<Configuration> standing_;  ///< where the next chunk may start; none: anywhere
+  std::uint64_t published_ = 0;             ///< the publishing thread's
+  std::vector<Configuration> standing_;     ///< where the next chunk may start; none: anywhere
+  std::optional<Configuration> gripped_{};  ///< since the start: where the joints that hold loads stand
 };
 
 }  // namespace clearway

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <map>
 #include <set>
 #include <stdexcept>
 
@@ -66,13 +67,82 @@ bool are_alike(const Shape& a, const Shape& b) {
   return true;
 }
 
-/// The first link on the way from the root to this one that the joint moves; -1: it does not move it.
-int nearest_moved_by(const Robot& robot, int joint, int at) {
-  int first = -1;
-  for (; at >= 0; at = robot.links[static_cast<std::size_t>(at)].parent)
-    if (robot.links[static_cast<std::size_t>(at)].joint == joint) first = at;
-  return first;
+/// For each link the joints that move it, each with the first link on the way from the root that it moves.
+std::vector<std::map<int, int>> ways_of_links(const Robot& robot) {
+  std::vector<std::map<int, int>> ways(robot.links.size());
+  for (std::size_t i = 0; i < ways.size(); ++i) {
+    const Link& link = robot.links[i];
+    if (link.parent >= 0) ways[i] = ways[static_cast<std::size_t>(link.parent)];
+    if (link.joint >= 0 && link.multiplier != 0.0) ways[i].emplace(link.joint, static_cast<int>(i));
+  }
+  return ways;
 }
+
+/// Who holds a load, and by which joints.
+class Grip {
+ public:
+  Grip(const Robot& robot, const Load& load) : robot_(robot), ways_(ways_of_links(robot)) {
+    for (std::size_t i = 0; i < robot.links.size(); ++i) {
+      const std::string& name = robot.links[i].name;
+      if (name == load.link) carrier_ = i;
+      if (std::find(load.touches.begin(), load.touches.end(), name) != load.touches.end()) touched_.insert(i);
+    }
+    touched_.erase(carrier_);
+  }
+
+  std::vector<int> joints() const {
+    std::vector<int> held;
+    if (ways_[carrier_].empty()) return held;
+    for (int j = 0; j < static_cast<int>(robot_.dof()); ++j)
+      if (slides(j) && is_of_the_hand(j)) held.push_back(j);
+    return held;
+  }
+
+ private:
+  int way(std::size_t link, int joint) const {
+    const auto found = ways_[link].find(joint);
+    return found == ways_[link].end() ? -1 : found->second;
+  }
+  /// Whether all that moves the carrier moves the link, the joint aside.
+  bool rides_along(std::size_t link, int joint) const {
+    return std::all_of(ways_[carrier_].begin(), ways_[carrier_].end(),
+                       [&](const auto& of) { return of.first == joint || ways_[link].contains(of.first); });
+  }
+  bool slides(int joint) const {
+    return std::any_of(touched_.begin(), touched_.end(), [&](std::size_t link) {
+      return rides_along(link, joint) && way(link, joint) != way(carrier_, joint);
+    });
+  }
+  /// Whether it moves fingers: what rides along with the carrier; if that moves too nothing that holds
+  /// nothing; and not the tip, unless several fingers.
+  bool is_of_the_hand(int joint) const {
+    for (std::size_t i = 0; i < ways_.size(); ++i)
+      if (way(i, joint) >= 0 && !rides_along(i, joint)) return false;
+    if (way(carrier_, joint) >= 0)
+      for (const Body& body : robot_.bodies) {
+        const auto link = static_cast<std::size_t>(body.link);
+        if (way(link, joint) >= 0 && link != carrier_ && !touched_.contains(link) && !is_load(body))
+          return false;
+      }
+    if (way(static_cast<std::size_t>(robot_.tip_link), joint) < 0) return true;
+    std::set<int> fingers;
+    for (const std::size_t link : touched_) fingers.insert(way(link, joint));
+    fingers.insert(way(carrier_, joint));
+    fingers.erase(-1);
+    return fingers.size() > 1;
+  }
+  bool is_load(const Body& body) const {
+    return std::any_of(robot_.loads.begin(), robot_.loads.end(),
+                       [&](const Load& known) { return known.name == body.part; });
+  }
+
+  const Robot& robot_;
+  std::vector<std::map<int, int>> ways_;
+  std::size_t carrier_ = 0;
+  std::set<std::size_t> touched_;
+};
+
+constexpr double same_grip = 1e-6;  ///< rad, m
 
 }  // namespace
 
@@ -114,51 +184,14 @@ Robot robot_of_leg(const Robot& robot, const std::vector<LegLoad>& loads, int le
   return result;
 }
 
-std::vector<int> grip_joints(const Robot& robot, const Load& load) {
-  const auto link = [&](int i) -> const Link& { return robot.links[static_cast<std::size_t>(i)]; };
-  const auto index_of = [&](const std::string& name) {
-    for (int i = 0; i < static_cast<int>(robot.links.size()); ++i)
-      if (link(i).name == name) return i;
-    return -1;
-  };
-  const auto moves = [&](int joint, int at) {
-    for (; at >= 0; at = link(at).parent)
-      if (link(at).joint == joint && link(at).multiplier != 0.0) return true;
-    return false;
-  };
-  std::set<int> holding = {index_of(load.link)};
-  for (const std::string& name : load.touches) holding.insert(index_of(name));
-  const auto is_a_load = [&](const Body& body) {
-    return std::any_of(robot.loads.begin(), robot.loads.end(),
-                       [&](const Load& known) { return known.name == body.part; });
-  };
-  std::vector<int> grip;
-  bool is_carried = false;
-  for (int j = 0; j < static_cast<int>(robot.dof()); ++j) {
-    is_carried = is_carried || moves(j, index_of(load.link));
-    const auto moved = std::count_if(holding.begin(), holding.end(), [&](int i) { return moves(j, i); });
-    const bool moves_others = std::any_of(robot.bodies.begin(), robot.bodies.end(), [&](const Body& body) {
-      return !holding.contains(body.link) && !is_a_load(body) && moves(j, body.link);
-    });
-    // Fingers that close on one another move all that holds it, and each another way.
-    const bool is_alike =
-        moved == static_cast<std::ptrdiff_t>(holding.size()) && moves(j, index_of(load.link)) &&
-        std::all_of(holding.begin(), holding.end(), [&](int i) {
-          return nearest_moved_by(robot, j, i) == nearest_moved_by(robot, j, index_of(load.link));
-        });
-    const bool is_tip_a_finger = holding.contains(robot.tip_link) && robot.tip_link != index_of(load.link);
-    const bool moves_tip = moves(j, robot.tip_link) && !is_tip_a_finger;
-    if (moved > 0 && !is_alike && !moves_others && !moves_tip) grip.push_back(j);
-  }
-  return is_carried ? grip : std::vector<int>{};
-}
+std::vector<int> grip_joints(const Robot& robot, const Load& load) { return Grip(robot, load).joints(); }
 
 Robot with_still_grip(const Robot& robot, const Eigen::VectorXd& q) {
   Robot still = robot;
   for (const Load& load : robot.loads)
     for (const int j : grip_joints(robot, load)) {
       Joint& joint = still.joints[static_cast<std::size_t>(j)];
-      joint.lower = joint.upper = q[j];
+      if (q[j] >= joint.lower && q[j] <= joint.upper) joint.lower = joint.upper = q[j];
     }
   return still;
 }
@@ -166,7 +199,7 @@ Robot with_still_grip(const Robot& robot, const Eigen::VectorXd& q) {
 std::string grip_violation(const Robot& robot, const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
   for (const Load& load : robot.loads)
     for (const int j : grip_joints(robot, load))
-      if (from[j] != to[j])
+      if (!(std::abs(from[j] - to[j]) <= same_grip))
         return "joint " + quote(robot.joints[static_cast<std::size_t>(j)].name) + " holds load " +
                quote(load.name) + " and cannot move from " + short_text(from[j]) + " to " +
                short_text(to[j]) + " while it rides";

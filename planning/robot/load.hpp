@@ -39,15 +39,15 @@ Robot with_load(const Robot& robot, const Load& load);
 /// The robot as it is on a leg: with the loads that ride on it. @throws as with_load
 Robot robot_of_leg(const Robot& robot, const std::vector<LegLoad>& loads, int leg);
 
-/// Indices of the joints that hold the load, as fingers do: they move its link and those that `touches` names
-/// against one another, no other link that has a body, and not the tip, unless it is on one that `touches`
-/// names. They stand still while it rides. None if no joint moves its link. @param robot with or without it
+/// Indices of the joints that hold the load, as fingers do: they move links that `touches` names against its
+/// own, and nothing that does not ride along with that; not one finger alone that the tip is on: that is a
+/// wrist. They stand still while it rides. None if no joint moves its link. @param robot with or without it
 std::vector<int> grip_joints(const Robot& robot, const Load& load);
 
-/// The robot whose joints that hold its loads can only be where `q` has them: their limits are that value.
+/// The robot whose joints that hold its loads can only be where `q` has them, if that is within their limits.
 Robot with_still_grip(const Robot& robot, const Eigen::VectorXd& q);
 
-/// Empty, or the sentence that a joint which holds a load would have to move from one to the other.
+/// Empty, or the sentence that a joint which holds a load would have to move by more than 1e-6 rad or m.
 std::string grip_violation(const Robot& robot, const Eigen::VectorXd& from, const Eigen::VectorXd& to);
 
 /// The parts that hold a load, carrier first: the nearest link from its own towards the root that has a

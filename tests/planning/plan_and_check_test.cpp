@@ -189,13 +189,13 @@ TEST(PlanAndCheck, FingersStandStillWhileTheyHoldALoad) {
                                       .start = at(-0.5, 0.01),
                                       .goals = {at(0.5, 0.01), at(0.7, 0.03)},
                                       .planner = make_planner(entry.name),
-                                      .time_limit = 5.0,
+                                      .time_limit = 1.0,
                                       .loads = {{can, {0}}},
                                       .survey = std::nullopt,
                                       .advice_time = 0.0});
     if (plan.status() != PlanStatus::solved) continue;
     ++solved;
-    EXPECT_TRUE(plan.is_proved()) << entry.name << plan.validation.first_contact;
+    EXPECT_TRUE(plan.is_proved() || !entry.certifies) << entry.name << plan.validation.first_contact;
     for (const Configuration& q : plan.legs[0].waypoints) EXPECT_EQ(q[4], 0.01) << entry.name;
     EXPECT_NEAR(plan.legs[1].waypoints.back()[4], 0.03, 0.011) << entry.name;
     Plan opened = plan;

@@ -258,6 +258,22 @@ TEST(SplineCheck, LimitsMayBeExceededByRoundingAlone) {
   EXPECT_NE(fault(0.01, 0.999), "");
 }
 
+/// However short the edges are: what points state is compared as it stands, the rest to 1 %.
+TEST(SplineCheck, ShortEdgesHideNoSpeed) {
+  for (const double h : {1e-3, 1e-5, 1e-7, 1e-9}) {
+    for (const double speed : {0.999, 1.02}) {
+      const Eigen::Vector2d v(speed, 0.0);
+      std::vector<SplinePoint> stated, lines;
+      for (int i = 0; i < 20; ++i) {
+        stated.push_back({h * i, at(speed * h * i, 0), v});
+        lines.push_back({h * i, at(speed * h * i, 0)});
+      }
+      EXPECT_EQ(check(disc(1.0), with_voxels({}), stated).fault.empty(), speed < 1.0) << h << " " << speed;
+      EXPECT_EQ(check(disc(1.0), with_voxels({}), lines).fault.empty(), speed < 1.0) << h << " " << speed;
+    }
+  }
+}
+
 TEST(SplineCheck, OnePointIsCheckedWhereItIs) {
   EXPECT_TRUE(check(disc(), with_voxels({{6, 0}}), {{1.0, at(0, 0)}}).is_valid());
   const SplineVerdict met = check(disc(), with_voxels({{3, 0}}), {{1.0, at(0, 0)}});

@@ -12,6 +12,7 @@
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/fcl_truth.hpp"
 #include "tests/worlds/random_world.hpp"
+#include "tests/worlds/urdf_robots.hpp"
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
@@ -65,6 +66,43 @@ TEST(Gate, PassesAMotionOnlyWhenItsStopIsFree) {
   EXPECT_EQ(refused.piece->kind, Kind::braking);
   EXPECT_EQ(refused.piece->waypoint, 5U);
   EXPECT_NEAR(refused.parameter, 0.3 / 0.4, 1e-3);
+}
+
+TEST(Gate, FingersThatHoldALoadStandStill) {
+  const worlds::UrdfRobot gripper = worlds::gripper();
+  Load can;
+  can.name = "can";
+  can.link = "palm";
+  can.shape = Shape::sphere(0.01);
+  can.link_from_load.translation().z() = -0.08;
+  can.touches = {"left", "right"};
+  const auto moved = [](double begin, double x, double grip, double at_end) {
+    MotionChunk chunk;
+    for (int i = 0; i < 4; ++i) {
+      chunk.times.push_back(begin + 0.1 * i);
+      chunk.positions.push_back(
+          (Configuration(5) << x + 0.01 * i, 0, 0.5, 0, grip + (at_end - grip) * i / 3.0).finished());
+    }
+    return chunk;
+  };
+  GateOptions options = with_limits(5.0);
+  options.allow_outside = {"all"};
+  for (const bool is_loaded : {false, true}) {
+    Gate gate(options);
+    gate.publish({is_loaded ? with_load(gripper.robot(), can) : gripper.robot(),
+                  VoxelScene{}.snapshot(),
+                  {.critical_by_default = false}});
+    EXPECT_TRUE(gate.judge(moved(0.0, 0.0, 0.02, 0.02)).is_passed())
+        << gate.judge(moved(0, 0, 0.02, 0.02)).sentence;
+    const GateVerdict opened = gate.judge(moved(0.3, 0.03, 0.02, 0.021));
+    EXPECT_EQ(opened.is_passed(), !is_loaded);
+    if (!is_loaded) continue;
+    EXPECT_EQ(opened.reason, GateReason::joint_limit);
+    EXPECT_NE(opened.sentence.find("joint 'grip' holds load 'can'"), std::string::npos) << opened.sentence;
+    EXPECT_TRUE(
+        gate.judge(moved(0.3, 0.03, 0.0205, 0.0205)).is_passed());  // as far as it may start elsewhere
+    EXPECT_FALSE(gate.judge(moved(0.6, 0.06, 0.0213, 0.0213)).is_passed()) << "and no farther, bit by bit";
+  }
 }
 
 TEST(Gate, TheReactionTimeIsDrivenOn) {

@@ -20,6 +20,10 @@
 namespace clearway {
 namespace load_test {
 
+using worlds::urdf_joint;
+using worlds::urdf_limit;
+using worlds::urdf_link;
+
 Load can(const std::string& link) {
   Load load;
   load.name = "can";
@@ -90,13 +94,17 @@ TEST(Load, IsHeldByTheJointsThatMoveFingersAlone) {
   };
   const std::vector<int> fingers{4}, none;
   EXPECT_EQ(grip("palm", {"left", "right"}), fingers);
-  EXPECT_EQ(grip("tcp", {"left"}), none);  // the other finger, which moves with it, holds nothing
+  EXPECT_EQ(grip("tcp", {"left"}), fingers);  // the other one moves with it, whatever it holds
   EXPECT_EQ(grip("tcp", {"left", "right"}), fingers);
   EXPECT_EQ(grip("left", {"right", "palm"}), fingers);
   EXPECT_EQ(grip("palm", {"mast", "left", "right"}), fingers);
   EXPECT_EQ(grip("palm", {}), none);
   EXPECT_EQ(grip("palm", {"mast"}), none);
   EXPECT_EQ(grip("base", {"left", "right"}), none);  // it stands
+  robot.tip_link = index_of(robot, "left");          // as the last link of a file may be
+  EXPECT_EQ(grip("palm", {"left", "right"}), fingers);
+  EXPECT_EQ(grip("palm", {"mast"}), none);
+  robot.tip_link = index_of(robot, "tcp");
   Load load = can("palm");
   load.touches = {"left", "right"};
   const Robot loaded = with_load(robot, load);
@@ -105,6 +113,8 @@ TEST(Load, IsHeldByTheJointsThatMoveFingersAlone) {
   EXPECT_EQ(still.joints[4].lower, 0.03);
   EXPECT_EQ(still.joints[4].upper, 0.03);
   EXPECT_EQ(still.joints[3].lower, robot.joints[3].lower);
+  const Configuration too_wide = Configuration::Constant(5, 0.0401);  // stays out of limits
+  EXPECT_EQ(with_still_grip(loaded, too_wide).joints[4].upper, robot.joints[4].upper);
   Configuration other = q;
   other[2] = 0.5;
   EXPECT_EQ(grip_violation(loaded, q, other), "");
@@ -112,6 +122,54 @@ TEST(Load, IsHeldByTheJointsThatMoveFingersAlone) {
   other[4] = 0.02;
   EXPECT_EQ(grip_violation(loaded, q, other),
             "joint 'grip' holds load 'can' and cannot move from 0.03 to 0.02 while it rides");
+}
+
+/// A gripper whose knuckles bear the fingers, as Robotiq's do, on one of two arms; the other one has the tip.
+TEST(Load, IsHeldByJointsThatMoveMoreThanFingersAndByNoWrist) {
+  const std::string ball = "<sphere radius='0.02'/>";
+  std::string text = urdf_link("base", "0 0 0", ball);
+  const auto add = [&](const std::string& joint, const std::string& type, const std::string& parent,
+                       const std::string& child, const std::string& inside = "") {
+    text += urdf_link(child, "0 0 0", ball) + urdf_joint(joint, type, parent, child, "0 0 0.1", "0 1 0",
+                                                         type == "fixed" ? "" : urdf_limit(-1, 1) + inside);
+  };
+  for (const std::string side : {"l", "r"}) {
+    add(side + "j1", "revolute", "base", side + "1");
+    add(side + "j2", "revolute", side + "1", side + "2");
+    add(side + "j3", "revolute", side + "2", side + "3");
+  }
+  add("mount", "fixed", "l3", "hand");
+  add("finger_joint", "revolute", "hand", "knuckle");
+  add("other_joint", "revolute", "hand", "other_knuckle", "<mimic joint='finger_joint' multiplier='-1'/>");
+  add("f1", "fixed", "knuckle", "finger");
+  add("f2", "fixed", "other_knuckle", "other_finger");
+  add("p1", "revolute", "finger", "pad", "<mimic joint='finger_joint' multiplier='-1'/>");
+  add("p2", "revolute", "other_finger", "other_pad", "<mimic joint='finger_joint' multiplier='1'/>");
+  const worlds::UrdfRobot made("two_arms", text);
+  Robot robot = made.robot();
+  const auto joint_called = [&](const std::string& name) {
+    for (std::size_t j = 0; j < robot.dof(); ++j)
+      if (robot.joints[j].name == name) return static_cast<int>(j);
+    return -1;
+  };
+  const auto grip = [&](const std::string& link, const std::vector<std::string>& touches) {
+    Load load = can(link);
+    load.touches = touches;
+    const std::vector<int> found = grip_joints(robot, load);
+    const Robot loaded = with_load(robot, load);
+    EXPECT_EQ(check::KdlArm(loaded).joints_that_hold(loaded, load), found) << link;
+    return found;
+  };
+  const std::vector<int> fingers{joint_called("finger_joint")}, none;
+  for (const char* tip : {"r3", "hand", "pad", "l3"}) {
+    robot.tip_link = index_of(robot, tip);
+    EXPECT_EQ(grip("hand", {"pad", "other_pad"}), fingers) << tip;
+    EXPECT_EQ(grip("l3", {"pad", "other_pad", "finger", "other_finger"}), fingers) << tip;
+    EXPECT_EQ(grip("hand", {}), none);
+    EXPECT_EQ(grip("l3", {"r3"}), none) << tip;  // handed over from arm to arm
+    EXPECT_EQ(grip("l3", {"base"}), none) << tip;
+  }
+  EXPECT_EQ(grip("l2", {"l3"}), none);  // the wrist moves the tip and no second finger
 }
 
 /// The planner's way to find them and the check's own.
