@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 #include "apps/console/parse.hpp"
@@ -62,14 +63,27 @@ void add_start(const ForeignTrajectory& trajectory, const Robot& robot, TimedTra
   for (std::size_t j = 0; j < robot.dof(); ++j) {
     const auto found = trajectory.start.find(robot.joints[j].name);
     if (found == trajectory.start.end()) continue;
-    start[static_cast<Eigen::Index>(j)] = found->second;
+    const Joint& joint = robot.joints[j];
+    const auto at = static_cast<Eigen::Index>(j);
+    start[at] = found->second;
+    if (joint.kind == JointKind::revolute && !std::isfinite(joint.upper - joint.lower))  // by the short way
+      start[at] +=
+          2.0 * std::numbers::pi * std::round((first.position[at] - start[at]) / (2.0 * std::numbers::pi));
     is_stated = true;
   }
+  if (is_stated)
+    for (const Joint& joint : robot.joints)
+      if (!trajectory.start.contains(joint.name))
+        timed.notes.push_back("where joint " + shortened(joint.name) +
+                              " is before the trajectory is not said: it is taken to be at the first point");
+  if (first.time <= 0.0 && first.velocity.size() > 0 && first.velocity.cwiseAbs().maxCoeff() > rests_within)
+    timed.notes.push_back("the first point has a velocity: how the robot comes to it is not judged");
   if (first.time > 0.0) {
     const Eigen::VectorXd rest = Eigen::VectorXd::Zero(start.size());
-    if (is_stated)
+    if (is_stated) {
       timed.points.insert(timed.points.begin(), {0.0, start, rest, rest});
-    else
+      timed.has_start = true;
+    } else
       timed.notes.push_back("where the robot is before the first point, which it reaches after " +
                             significant(first.time) + " s, is not said: the way there is not judged");
     return;
@@ -121,6 +135,18 @@ std::optional<TimedTrajectory> timed_trajectory(const ForeignTrajectory& traject
 SplineVerdict check_timed(const TimedTrajectory& trajectory, const Robot& robot, const Snapshot& map,
                           const std::map<std::string, Policy>& policies, double padding, double seen_within) {
   SplineVerdict verdict = check_splines(robot, map, policies, padding, trajectory.points, seen_within);
+  if (trajectory.has_start) {
+    // Of a robot whose hardware states no accelerations, or no velocities, the controller knows less of the
+    // start: then it takes a cubic or a line.
+    SplinePoint start = trajectory.points.front();
+    for (auto* unknown : {&start.acceleration, &start.velocity}) {
+      unknown->resize(0);
+      const SplineVerdict other =
+          check_splines(robot, map, policies, padding, {start, trajectory.points[1]}, seen_within);
+      if (verdict.fault.empty()) verdict.fault = other.fault;
+      if (verdict.path.valid && !other.path.valid) verdict.path = other.path;
+    }
+  }
   if (!trajectory.fault.empty()) verdict.fault = trajectory.fault;
   if (trajectory.before.size() == 0 || !verdict.path.valid) return verdict;
   PathVerdict way = check_path(robot, map, policies, padding,

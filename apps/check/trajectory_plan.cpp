@@ -46,6 +46,10 @@ std::map<std::string, double> start_of(const YamlFields& root) {
   const std::vector<std::string> names = joints.texts("name");
   const std::vector<double> values = joints.numbers("position", any_value, names.size());
   for (std::size_t i = 0; i < names.size(); ++i) start[names[i]] = values[i];
+  if (joints.has("velocity"))
+    for (const double velocity : joints.numbers("velocity", any_value))
+      if (std::abs(velocity) > 1e-6)
+        joints.fail("velocity", "expected 0: only a robot that rests before a trajectory is judged");
   return start;
 }
 
@@ -125,12 +129,24 @@ void require_standing(const ForeignTrajectory& trajectory, const Robot& robot,
     if (held_joint(robot, name) != nullptr) StillJoint(name, robot, file).require(value);
 }
 
-/// Seconds, as ROS 2 (sec, nanosec) and ROS 1 (secs, nsecs) write them.
+/// Seconds, as ROS 2 (sec, nanosec), ROS 1 (secs, nsecs) and bridges between them (sec, nsec) write them.
 double time_of(const YamlFields& point) {
   const YamlFields time = point.map("time_from_start");
-  const bool is_old = time.has("secs") || time.has("nsecs");
-  return time.number(is_old ? "secs" : "sec", {0.0, 1e9}, 0.0) +
-         1e-9 * time.number(is_old ? "nsecs" : "nanosec", {0.0, 999'999'999.0}, 0.0);
+  double sum = 0.0;
+  std::size_t known = 0;
+  const auto add = [&](std::initializer_list<const char*> names, Bounds bounds, double unit) {
+    const auto found =
+        std::count_if(names.begin(), names.end(), [&](const char* name) { return time.has(name); });
+    if (found > 1) time.fail(*names.begin(), "expected one of its names");
+    for (const char* name : names)
+      if (time.has(name)) sum += unit * time.number(name, bounds);
+    known += static_cast<std::size_t>(found);
+  };
+  add({"sec", "secs"}, {0.0, 1e9}, 1.0);
+  add({"nanosec", "nsec", "nsecs"}, {0.0, 999'999'999.0}, 1e-9);
+  if (known == 0 || known != time.keys().size())
+    time.fail("", "expected sec and nanosec (ROS 2), or secs and nsecs (ROS 1), and nothing else");
+  return sum;
 }
 
 /// The values of a field that a point may leave out.

@@ -127,6 +127,42 @@ TEST_F(CheckTimed, GoesFromWhereTheRobotIsInTheTimeOfTheFirstPoint) {
             std::string::npos);
 }
 
+/// Of the start the controller knows what the hardware states: each curve that it may take is judged.
+TEST_F(CheckTimed, TheWayFromTheStartIsJudgedAsEachCurveThatAControllerMayTake) {
+  const auto with_accelerations = [&](double ahead, Json velocity) {
+    const Json robot{
+        {"joint_state", {{"name", {"x", "y"}}, {"position", {0.0, 0.0}}, {"velocity", velocity}}}};
+    const double a = -ahead * 4.0 / 3.0;  // 6 s from rest: the cubic goes 8 v / 9 ahead, the quintic less
+    return check_file({{"trajectory",
+                        {{{"joint_trajectory", message({{6, {0, 0}, {-ahead, 0}, {a, 0}},
+                                                        {7, {-ahead / 3, 0}, {0, 0}, {0, 0}}})}}}},
+                       {"trajectory_start", robot}});
+  };
+  EXPECT_EQ(with_accelerations(0.3, Json::array()).status, exit_done)
+      << with_accelerations(0.3, Json::array()).out;
+  EXPECT_EQ(with_accelerations(0.95, Json::array()).status, exit_no);
+  EXPECT_EQ(with_accelerations(0.3, {0.0, 0.0}).status, exit_done);
+  const CommandRun moving = with_accelerations(0.3, {0.5, 0.0});
+  EXPECT_EQ(moving.status, exit_bad_input);
+  EXPECT_NE(moving.log.find("only a robot that rests before a trajectory is judged"), std::string::npos)
+      << moving.log;
+}
+
+TEST_F(CheckTimed, TimesAreReadByTheirNamesOrRefused) {
+  const auto at = [&](const Json& first, const Json& second) {
+    Json file = message({{0.0, {0, 0}}, {1.0, {0.4, 0}}});
+    file["points"][0]["time_from_start"] = first;
+    file["points"][1]["time_from_start"] = second;
+    return check_file(file).status;
+  };
+  EXPECT_EQ(at({{"sec", 0}, {"nsec", 900'000'000}}, {{"sec", 1}, {"nsec", 100'000'000}}), exit_no);  // 2 m/s
+  EXPECT_EQ(at({{"secs", 0}, {"nsecs", 100'000'000}}, {{"secs", 1}, {"nsecs", 0}}), exit_done);
+  EXPECT_EQ(at({{"sec", 0}}, {{"sec", 1}}), exit_done);
+  EXPECT_EQ(at({{"sec", 0}, {"nanos", 0}}, {{"sec", 1}, {"nanos", 0}}), exit_bad_input);
+  EXPECT_EQ(at({{"sec", 0}, {"secs", 0}}, {{"sec", 1}, {"secs", 1}}), exit_bad_input);
+  EXPECT_EQ(at(Json::object(), {{"sec", 1}}), exit_bad_input);
+}
+
 TEST_F(CheckTimed, TimesThatDoNotRiseAndRatesThatDoNotFitAreNamed) {
   const auto refusal = [&](const Json& message) {
     const CommandRun run = check_file(message);

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "datasets/descriptions/suite.hpp"
+#include "planning/robot/kinematics.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/apps/problem_sets/import_fixture.hpp"
 

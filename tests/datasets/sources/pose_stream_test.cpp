@@ -46,6 +46,9 @@ TEST(PoseStream, OutsideOfItsTimeAndAcrossGapsItSaysNothing) {
   EXPECT_LT(apart(*stream.nearest(5.11), screw(5.2)), 1e-6);
   EXPECT_LT(apart(*stream.nearest(6.2), screw(6.0)), 1e-6);
   EXPECT_FALSE(stream.nearest(6.3));
+  PoseStream two(2.0);
+  for (const double time : {1.0, 2.0}) two.add(time, screw(time));
+  EXPECT_LT(apart(*two.nearest(1.5), screw(2.0)), 1e-6);  // of two as near the later
   EXPECT_NEAR(*stream.last_time(), 6.0, 1e-6);
 }
 
