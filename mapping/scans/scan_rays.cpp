@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "mapping/rigid_pose.hpp"
+#include "mapping/voxels/rigid_pose.hpp"
 #include "mapping/scans/compare_hits.hpp"
 #include "mapping/scans/point_batch.hpp"
 #include "mapping/scans/safe_scan.hpp"

@@ -82,8 +82,9 @@ class SplineChecker {
 
   void require_rates() {
     for (std::size_t i = 0; i < points_.size(); ++i) {
-      compare_stated("velocity", i, points_[i].velocity, &Joint::max_velocity);
-      compare_stated("acceleration", i, points_[i].acceleration, &Joint::max_acceleration);
+      if (controls_at(i) >= 4) compare_stated("velocity", i, points_[i].velocity, &Joint::max_velocity);
+      if (controls_at(i) >= 6)
+        compare_stated("acceleration", i, points_[i].acceleration, &Joint::max_acceleration);
     }
     for (std::size_t edge = 0; edge < curves_.size(); ++edge) {
       const Bezier velocity = derivative(curves_[edge]);
@@ -160,6 +161,14 @@ class SplineChecker {
       refuse_rate(what, edge, found, j, limit);
   }
 
+  /// Of the curves that begin or end at a point, the most control points: 4 of cubics, 6 of quintics.
+  std::size_t controls_at(std::size_t point) const {
+    std::size_t most = 0;
+    if (point > 0) most = curves_[point - 1].control.size();
+    if (point < curves_.size()) most = std::max(most, curves_[point].control.size());
+    return most;
+  }
+
   /// What the points state is not blurred by the time between them.
   void compare_stated(const char* what, std::size_t point, const Eigen::VectorXd& rates,
                       double Joint::*limit) {
@@ -167,7 +176,7 @@ class SplineChecker {
       const double most = robot_.joints[static_cast<std::size_t>(j)].*limit;
       if (!(most > 0.0) || std::abs(rates[j]) <= most * (1.0 + excess) + text_digit) continue;
       const std::size_t edge = std::min(point, std::max<std::size_t>(points_.size(), 2) - 2);
-      refuse_rate(what, edge, {point > edge ? 1.0 : 0.0, rates[j]}, static_cast<std::size_t>(j), most);
+      refuse_rate(what, edge, {rates[j], point > edge ? 1.0 : 0.0}, static_cast<std::size_t>(j), most);
     }
   }
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "mapping/rigid_pose.hpp"
+#include "mapping/voxels/rigid_pose.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 

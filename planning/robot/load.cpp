@@ -7,7 +7,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "mapping/rigid_pose.hpp"
+#include "mapping/voxels/rigid_pose.hpp"
 #include "mapping/system/nearest_name.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"

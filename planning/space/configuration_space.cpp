@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "mapping/rigid_pose.hpp"
+#include "mapping/voxels/rigid_pose.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/space/collision_model.hpp"
 #include "planning/space/part_policies.hpp"

@@ -45,8 +45,10 @@ BundlePriors priors_of(Camera camera, const TagBody& board, bool with_k3, double
   // Measured of rendered boards: blur of a pixel moves edges out by 0.06 px at 18 px of side, 0.005 above 60;
   // a gamma of 0.45 moves all in by 0.04 px.
   constexpr double side_of_small = 20.0;  // px
-  priors.camera[kFirstOfGrowth] = edge_bias;
-  priors.camera[kFirstOfGrowth + 1] = side_of_small * edge_bias;
+  if (camera.lens != Lens::rational) {    // whose many coefficients take it for their own
+    priors.camera[kFirstOfGrowth] = edge_bias;
+    priors.camera[kFirstOfGrowth + 1] = side_of_small * edge_bias;
+  }
   const TagErrors& e = board.errors;
   priors.tags.assign(board.tags.size(), {e.size, e.place, e.place, e.place, e.turn, e.turn, e.turn});
   return priors;

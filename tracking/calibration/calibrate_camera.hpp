@@ -44,7 +44,8 @@ struct CameraCalibration {
 
 /// Camera from views of a board whose tags lie in one plane. OpenCV's calibrateCamera (Zhang 2000) begins;
 /// bundle adjustment of camera, poses and the board, held by the board's own stated errors, ends, so that
-/// the covariance counts these too; how far blur moves the edges of all tags alike is one more unknown. k3
+/// the covariance counts these too; how far blur moves the edges of all tags alike is one more unknown,
+/// but of rational lenses. k3
 /// stays 0 unless the views show it by four standard deviations. Views and tags that contradict the others
 /// are left out: at most a third. The errors of the camera are as large as the covariance moves the image
 /// wherever it was covered; distortion takes what the others do not explain. The errors of views held out are

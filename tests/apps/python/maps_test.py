@@ -271,7 +271,9 @@ class Answers(unittest.TestCase):
                     self.assertEqual(space.clearance(point), distance)
 
     def test_a_cloud_file_is_read_as_the_points_that_it_holds(self):
-        points = np.random.default_rng(10).uniform(-1, 1, (50, 3)).astype(np.float32)
+        random = np.random.default_rng(10)  # too far apart for anything to lie between them
+        places = np.stack(np.unravel_index(random.choice(343, 50, replace=False), (7, 7, 7)), -1) - 3
+        points = (0.3 * places + random.uniform(-0.05, 0.05, (50, 3))).astype(np.float32)
         with worlds.folder() as folder:
             file = pathlib.Path(folder) / "cloud.ply"
             header = "ply\nformat ascii 1.0\nelement vertex 50\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
