@@ -35,7 +35,7 @@ void free_rational(const Camera& camera, double pixels, BundlePriors& priors) {
 
 /// The camera as free as lenses differ, so that it decides only what the images leave entirely open; k3 of a
 /// plumb bob as asked; the board as well known as it says.
-BundlePriors priors_of(Camera camera, const TagBody& board, bool with_k3, double edge_bias) {
+BundlePriors priors_of(Camera camera, const TagBody& board, bool with_k3, double growth) {
   BundlePriors priors;
   const double diagonal = std::hypot(camera.width, camera.height);
   camera.errors = {0.5, 0.5, 0.5 * camera.width, 0.5 * diagonal};
@@ -46,8 +46,8 @@ BundlePriors priors_of(Camera camera, const TagBody& board, bool with_k3, double
   // a gamma of 0.45 moves all in by 0.04 px.
   constexpr double side_of_small = 20.0;  // px
   if (camera.lens != Lens::rational) {    // whose many coefficients take it for their own
-    priors.camera[kFirstOfGrowth] = edge_bias;
-    priors.camera[kFirstOfGrowth + 1] = side_of_small * edge_bias;
+    priors.camera[kFirstOfGrowth] = growth;
+    priors.camera[kFirstOfGrowth + 1] = side_of_small * growth;
   }
   const TagErrors& e = board.errors;
   priors.tags.assign(board.tags.size(), {e.size, e.place, e.place, e.place, e.turn, e.turn, e.turn});
@@ -186,7 +186,7 @@ struct Fitted {
 void free_k3_where_it_shows(const TagBody& board, double edge_bias, Fitted& fitted) {
   Fitted freed{fitted.bundle, {}, {}};
   freed.bundle.board = board;
-  freed.priors = priors_of(freed.bundle.camera, board, true, edge_bias);
+  freed.priors = priors_of(freed.bundle.camera, board, true, fitted.priors.camera[kFirstOfGrowth]);
   freed.fit = adjust(freed.bundle, freed.priors, fitted.fit.noise_px, edge_bias);
   const double sigma = freed.fit.is_converged ? std::sqrt(freed.fit.covariance(8, 8)) : kInfinity;
   if (std::abs(freed.bundle.camera.distortion[4]) > 4.0 * sigma) fitted = std::move(freed);
@@ -221,7 +221,7 @@ double held_out_by(Lens lens, const Fitted& fitted, const TagBody& board, const 
   if (!find_initial(bundle, plane)) return kInfinity;
   std::erase_if(bundle.views, [&](const BoardView& view) { return !has_sight(bundle, view); });
   if (tags_of(bundle.views) < tags_of(fitted.bundle.views)) return kInfinity;
-  other.priors = priors_of(bundle.camera, board, false, options.edge_bias);
+  other.priors = priors_of(bundle.camera, board, false, 0.0);  // as of the rational lens
   other.fit = adjust_with_noise(bundle, other.priors, options.edge_bias);
   if (!other.fit.is_converged) return kInfinity;
   if (lens == Lens::plumb_bob) free_k3_where_it_shows(board, options.edge_bias, other);
