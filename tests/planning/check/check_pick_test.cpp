@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "planning/path/smooth_motion.hpp"
 #include "tests/worlds/urdf_robots.hpp"
 #include "tests/worlds/voxel_scene.hpp"
@@ -30,7 +32,7 @@ worlds::UrdfRobot gantry(double below) {
 
 /// A can on a shelf that is one voxel thick is taken, carried along it and put down; as its legs go by hand.
 struct Errand {
-  explicit Errand(double below) : gantry_(gantry(below)), robot(gantry_.robot()) {
+  explicit Errand(double below, double lift = 0.1) : gantry_(gantry(below)), robot(gantry_.robot()) {
     for (std::size_t i = 0; i < robot.links.size(); ++i)
       if (robot.links[i].name == "hand") robot.tip_link = static_cast<int>(i);
     pick.object.name = "can";
@@ -39,11 +41,13 @@ struct Errand {
     pick.map_from_object.translation() << 0.2, 0.1, middle;
     pick.map_from_place.translation() << 0.2, -0.1, middle;
     pick.approach << 0.1, 0.0, 0.0;
+    pick.lift = lift;
     pick.margin = 0.02;
     legs = {{at(0.05, 0.1, 0), at(0.1, 0.1, 0)}, {at(0.1, 0.1, 0), at(0.2, 0.1, 0)}, {}, {}, {}, {}};
-    for (int i = 0; i <= 20; ++i) legs[2].push_back(at(0.2, 0.1, 0.005 * i));
-    legs[3] = {at(0.2, 0.1, 0.1), at(0.2, -0.1, 0.1)};
-    for (int i = 20; i >= 0; --i) legs[4].push_back(at(0.2, -0.1, 0.005 * i));
+    const int steps = static_cast<int>(std::lround(lift / 0.005));
+    for (int i = 0; i <= steps; ++i) legs[2].push_back(at(0.2, 0.1, 0.005 * i));
+    legs[3] = {legs[2].back(), at(0.2, -0.1, 0.005 * steps)};
+    for (int i = steps; i >= 0; --i) legs[4].push_back(at(0.2, -0.1, 0.005 * i));
     legs[5] = {at(0.2, -0.1, 0), at(0.1, -0.1, 0)};
   }
 
@@ -138,6 +142,27 @@ TEST(CheckPick, NotesAPlaceBelowWhichTheMapHasNothing) {
   const Snapshot can_alone =
       VoxelScene{edge, {box_of(0.175, 0.075, top, 0.225, 0.125, top + 0.119)}, {}, {}}.snapshot();
   EXPECT_NE(note(can_alone, 0.0, 0.2), "");
+}
+
+/// The can is lifted through a shelf that it is past at the end of the lift, and not by its contact.
+TEST(CheckPick, AllOfTheLiftIsProved) {
+  const Errand errand(-0.3, 0.2);
+  const auto world = [](double x) {
+    return VoxelScene{
+        edge,
+        {box_of(0.1, -0.2, top - edge, 0.3, 0.2, top - 0.001),
+         box_of(0.175, 0.075, top, 0.225, 0.125, top + 0.119), box_of(x, 0.08, 0.26, x + 0.04, 0.12, 0.279)},
+        {},
+        {}}
+        .snapshot();
+  };
+  EXPECT_TRUE(errand.path(world(0.6)).valid) << errand.path(world(0.6)).first_contact;
+  EXPECT_TRUE(errand.motion(world(0.6)).valid) << errand.motion(world(0.6)).fault;
+  EXPECT_NE(errand.path(world(0.18)).first_contact.find("leg lift, its edge"), std::string::npos);
+  EXPECT_FALSE(errand.path(world(0.18)).valid);
+  EXPECT_FALSE(errand.motion(world(0.18)).valid);
+  EXPECT_NE(errand.motion(world(0.18)).fault.find("leg lift"), std::string::npos)
+      << errand.motion(world(0.18)).fault;
 }
 
 }  // namespace check_pick_test
