@@ -110,9 +110,9 @@ int run_import(const ImportOptions& options, Console& console) {
   if (!outcome.suite.empty()) outcome.suite = options.out / outcome.suite.filename();
   folder.publish();
   report(options, outcome, console);
-  if (!outcome.suite.empty()) return exit_done;
-  console.warn("clearway: import: no file is a request, so there are maps and no suite");
-  return exit_no;
+  if (outcome.suite.empty())
+    console.warn("clearway: import: no file is a request, so there are maps and no suite");
+  return exit_done;
 }
 
 Command add_import(CLI::App& app, Console& console) {

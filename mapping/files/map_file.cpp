@@ -187,7 +187,7 @@ std::string cloud_remark(const fs::path& path, const Snapshot& map, bool is_chos
   if (left > 0)
     add(std::to_string(left) + " voxels of " + millimetres(edge) +
         " stand for points so far apart that surfaces may have holes there that a path leads through");
-  if (sparse >= 0.1)
+  if (sparse >= 0.1 && left == 0)
     add(short_text(std::floor(100.0 * sparse)) + " % of the cloud's voxels of " + millimetres(edge) +
         " touch fewer than four others, so that surfaces may have holes that a path leads through");
   if (!remark.empty()) remark += "; --cloud-resolution chooses others";

@@ -13,9 +13,6 @@ namespace clearway::import_test {
 using Json = nlohmann::json;
 using Arguments = std::vector<std::string>;
 
-/// How an import of scenes without requests ends.
-constexpr int maps_alone = exit_no;
-
 inline const std::string arm_request =
     "start_state:\n"
     "  joint_state:\n"

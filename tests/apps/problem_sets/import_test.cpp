@@ -108,7 +108,7 @@ TEST_F(Import, ObjectsStandInTheFramesOfLinksThatStandStillAndInMoveItsTransform
                                               object("a", "pedestal") + object("b", "odom") +
                                               object("c", "camera/lens") + object("d", "upper"));
   const CommandRun run = import("mbm", {scene}, {"--leave-out-unknown-frames"});
-  ASSERT_EQ(run.status, maps_alone) << run.log;
+  ASSERT_EQ(run.status, exit_done) << run.log;
   EXPECT_NE(run.out.find("'d' in frame 'upper', which is not the map's"), std::string::npos) << run.out;
   EXPECT_EQ(run.out.find("frame 'pedestal'"), std::string::npos) << run.out;
   const Snapshot world = map("s");
@@ -162,7 +162,7 @@ TEST_F(Import, BothTextsOfMoveItsScenesAreReadAndMeshesAreTheirSurface) {
       "* sheet\n0 0 0\n0 0 0.7071067811865476 0.7071067811865476\n1\nmesh\n3 1\n0.05 0.05 3.05\n0.33 0.05 "
       "3.05\n0.05 0.33 3.05\n"
       "0 1 2\n0 0 0\n0 0 0 1\n0 0 0 0\n0\n.\n");
-  ASSERT_EQ(import("scene", {old_form, new_form}).status, maps_alone);
+  ASSERT_EQ(import("scene", {old_form, new_form}).status, exit_done);
   EXPECT_EQ(map("old").counts().occupied, 8U);
   const Snapshot world = map("new");
   EXPECT_EQ(world.counts().occupied,
@@ -185,7 +185,7 @@ TEST_F(Import, MeshesInsideAreReadInEachFormOfVerticesWithEachOfTriangles) {
           "s.yaml", "world: {collision_objects: [{id: a, meshes: [{vertices: " + std::string(vertices) +
                         ", triangles: " + triangles + "}]}]}");
       const CommandRun run = import("mbm", {scene});
-      ASSERT_EQ(run.status, maps_alone) << run.log << vertices << triangles;
+      ASSERT_EQ(run.status, exit_done) << run.log << vertices << triangles;
       EXPECT_EQ(map("s").counts().occupied, 10U);  // 4 + 3 + 2 + 1 voxels
     }
   }
@@ -199,7 +199,7 @@ TEST_F(Import, AppearsWholeOrNotAtAllBesideWhatIsThere) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
   std::filesystem::create_directory(folder_ / "out");
   folder_.write("out/notes.md", "mine");
-  ASSERT_EQ(import("scene", {scene}).status, maps_alone);
+  ASSERT_EQ(import("scene", {scene}).status, exit_done);
   EXPECT_EQ(read_file(folder_ / "out/notes.md"), "mine");
   EXPECT_EQ(map("old").counts().occupied, 8U);
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 3);  // and nothing hidden
@@ -271,7 +271,7 @@ TEST_F(Import, AnObjectThatIsAddedAgainReplacesTheOneOfItsName) {
       folder_.write("s.yaml", "world: {collision_objects: [" + ball(1.05, "0") + ", " + ball(2.05, "append") +
                                   ", " + ball(3.05, "add") + ", " + ball(4.05, "append") + "]}");
   const CommandRun run = import("mbm", {scene}, {"--json"});
-  ASSERT_EQ(run.status, maps_alone) << run.log;
+  ASSERT_EQ(run.status, exit_done) << run.log;
   EXPECT_EQ(Json::parse(run.out)["left_out"], Json::array());
   const Snapshot world = map("s");
   EXPECT_EQ(world.counts().occupied, 2U);
@@ -329,7 +329,7 @@ TEST_F(Import, WhatASceneSaysOfContactsPaddingsAndTheRobotIsSaidToBeLeftOut) {
                       "\nworld: {collision_objects: [{id: mug, primitives: [{type: sphere, dimensions: "
                       "[0.01]}]}, {id: pan, primitives: [{type: sphere, dimensions: [0.01]}]}]}");
     const CommandRun run = import("mbm", {scene}, {"--json"});
-    EXPECT_EQ(run.status, maps_alone) << run.log;
+    EXPECT_EQ(run.status, exit_done) << run.log;
     const Json left = Json::parse(run.out)["left_out"];
     EXPECT_EQ(Json::parse(read_file(folder_.file("out/import.json")))["left_out"], left);
     return left;

@@ -40,7 +40,7 @@ class ImportFrames : public Import {
   /// In the middle of its voxel, unless `count` says how many it may meet.
   void expect_at(const std::string& scene, const Eigen::Vector3d& at, std::size_t count = 1) {
     const CommandRun run = import_scene(scene);
-    ASSERT_EQ(run.status, maps_alone) << run.log << scene;
+    ASSERT_EQ(run.status, exit_done) << run.log << scene;
     EXPECT_LE(map("s").counts().occupied, count) << scene;
     EXPECT_EQ(map("s").state(at), VoxelState::occupied) << scene;
   }
@@ -63,14 +63,14 @@ TEST_F(ImportFrames, AWorldThatWouldLoseAnObjectForItsFrameIsRefusedUnlessAFlagA
       "object 'box' in frame 'kinect', which is unknown, expected one of map, odom, world, arm_base, "
       "base; --leave-out-unknown-frames imports the rest");
   const CommandRun run = import_scene(object_in("kinect"), {"--leave-out-unknown-frames", "--json"});
-  ASSERT_EQ(run.status, maps_alone) << run.log;
+  ASSERT_EQ(run.status, exit_done) << run.log;
   EXPECT_EQ(Json::parse(run.out)["left_out"],
             Json{"s.yaml: object 'box' in frame 'kinect', which is not the map's"});
   const std::string hand =
       "robot_state: {attached_collision_objects: [{link_name: lower, object: {id: mug, header: {frame_id: "
       "kinect}, primitives: [{type: sphere, dimensions: [0.01]}]}}]}\n";
   expect_refused(hand + "world: {}\n", "attached body 'mug' stands in frame 'kinect', which is unknown");
-  EXPECT_EQ(import_scene(hand + "world: {}\n", {"--leave-out-unknown-frames"}).status, maps_alone);
+  EXPECT_EQ(import_scene(hand + "world: {}\n", {"--leave-out-unknown-frames"}).status, exit_done);
 }
 
 TEST_F(ImportFrames, TheRootAndFramesThatAScenePlacesInThemselvesAreTheMap) {

@@ -89,13 +89,13 @@ TEST_F(ImportOctomap, OfTheSameResolutionBecomesItsOccupiedVoxelsAndNoOthers) {
   for (const std::string& message :
        {message_of(tree, true), message_of(tree, false), message_of(tree, true, false)}) {
     const CommandRun run = import_world("octomap: {header: {frame_id: base}, " + message + "}", {"--json"});
-    ASSERT_EQ(run.status, maps_alone) << run.log;
+    ASSERT_EQ(run.status, exit_done) << run.log;
     EXPECT_EQ(Json::parse(run.out)["left_out"], Json::array());
     EXPECT_EQ(occupied(), expected);
     const Json objects = Json::parse(read_file(folder_.file("out/import.json")))["worlds"][0]["objects"];
     EXPECT_EQ(objects, (Json{{{"object", "<octomap>"}, {"kind", "octomap"}, {"voxels", expected.size()}}}));
   }
-  EXPECT_EQ(import_world("octomap: {" + message_of(color, false) + "}").status, maps_alone);
+  EXPECT_EQ(import_world("octomap: {" + message_of(color, false) + "}").status, exit_done);
 }
 
 /// Half the edge: each voxel is eight. By the origin's pose and its frame's: a quarter turn about z, and 1 m.
@@ -110,10 +110,10 @@ TEST_F(ImportOctomap, StandsWhereItsOriginAndFrameAreAtAnyResolution) {
       "octomap: {origin: {position: [1, 0, 0], orientation: [0, 0, 0.7071067811865476, "
       "0.7071067811865476]}, " +
       message_of(tree, true) + "}");
-  ASSERT_EQ(run.status, maps_alone) << run.log;
+  ASSERT_EQ(run.status, exit_done) << run.log;
   EXPECT_EQ(occupied(), expected);
   resolution_ = "0.05";
-  ASSERT_EQ(import_world("octomap: {" + message_of(tree, true) + "}").status, maps_alone);
+  ASSERT_EQ(import_world("octomap: {" + message_of(tree, true) + "}").status, exit_done);
   EXPECT_EQ(occupied(), finer);
 }
 
@@ -140,7 +140,7 @@ TEST_F(ImportOctomap, ThatIsNoTreeOrStandsInAnUnknownFrameIsRefused) {
   refused(of("binary: false, id: OcTree, resolution: 0.1, data: [1, 2]"), "tree of OctoMap");
   refused(of("binary: false, id: PointMap, resolution: 0.1, data: [0, 0, 0, 0, 0]"), "PointMap");
   refused(of("binary: true, id: OcTree, resolution: 0, data: [1, 0]"), "resolution");
-  EXPECT_EQ(import_world(of(head + "[]")).status, maps_alone);
+  EXPECT_EQ(import_world(of(head + "[]")).status, exit_done);
 }
 
 /// The floor lies below z = 0, or above where its normal points down; a wall at x = 0.35 is the voxels that
@@ -151,7 +151,7 @@ TEST_F(ImportOctomap, PlanesAreSquaresOnTheirBlockedSide) {
   };
   const auto expect_layer = [&](const std::string& world, int axis, int layer) {
     const CommandRun run = import_world(world, {"--json"});
-    ASSERT_EQ(run.status, maps_alone) << run.log;
+    ASSERT_EQ(run.status, exit_done) << run.log;
     EXPECT_EQ(Json::parse(run.out)["left_out"], Json::array());
     std::size_t near = 0;
     for (const auto& key : occupied()) {
@@ -175,7 +175,7 @@ TEST_F(ImportOctomap, PlanesAreSquaresOnTheirBlockedSide) {
   std::filesystem::remove_all(folder_ / "out");
   const std::string text =
       folder_.write("s.scene", "(noname)\n* floor\n1\nplane\n0 0 1 0\n0 0 0\n0 0 0 1\n0 0 0 0\n.\n");
-  ASSERT_EQ(import("scene", {text}).status, maps_alone);
+  ASSERT_EQ(import("scene", {text}).status, exit_done);
   const Keys keys = occupied();
   EXPECT_GE(keys.size(), 3600U);
   for (const auto& key : keys) EXPECT_EQ(key[2], -1);
