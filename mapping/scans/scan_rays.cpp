@@ -4,12 +4,12 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "mapping/voxels/rigid_pose.hpp"
 #include "mapping/scans/compare_hits.hpp"
 #include "mapping/scans/point_batch.hpp"
 #include "mapping/scans/safe_scan.hpp"
 #include "mapping/scans/scan_filter.hpp"
 #include "mapping/system/parallel.hpp"
+#include "mapping/voxels/rigid_pose.hpp"
 
 namespace clearway {
 namespace {

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "mapping/voxels/rigid_pose.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "mapping/voxels/rigid_pose.hpp"
 
 namespace clearway {
 namespace {

@@ -7,10 +7,10 @@
 #include <set>
 #include <stdexcept>
 
-#include "mapping/voxels/rigid_pose.hpp"
 #include "mapping/system/nearest_name.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "mapping/voxels/rigid_pose.hpp"
 #include "planning/robot/robot.hpp"
 
 namespace clearway {

@@ -5,8 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "mapping/voxels/rigid_pose.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "mapping/voxels/rigid_pose.hpp"
 #include "planning/space/collision_model.hpp"
 #include "planning/space/part_policies.hpp"
 #include "planning/space/robot_geometry.hpp"

@@ -94,6 +94,21 @@ inline UrdfRobot scissors() {
           urdf_joint("right_turn", "revolute", "base", "right", "0.5 0 0", "0 0 1", urdf_limit(-1.5, 1.5))};
 }
 
+/// Two balls on links of which the upper one's joint follows the lower one's endless joint: "a" at `a_at` on
+/// l1, "b" at `b_at` on l2, a metre higher.
+inline UrdfRobot geared(double multiplier, const std::string& radius, const std::string& a_at,
+                        const std::string& b_at) {
+  const std::string ball = "<sphere radius='" + radius + "'/>";
+  return {"geared", urdf_link("base", "0 0 -5", ball) + urdf_link("l1", "0 0 5", ball) +
+                        urdf_link("l2", "0 0 9", ball) + urdf_link("a", "0 0 0", ball) +
+                        urdf_link("b", "0 0 0", ball) +
+                        urdf_joint("j1", "continuous", "base", "l1", "0 0 0", "0 0 1", "") +
+                        urdf_joint("j2", "continuous", "l1", "l2", "0 0 1", "0 0 1",
+                                   "<mimic joint='j1' multiplier='" + std::to_string(multiplier) + "'/>") +
+                        urdf_joint("fa", "fixed", "l1", "a", a_at, "0 0 1", "") +
+                        urdf_joint("fb", "fixed", "l2", "b", b_at, "0 0 1", "")};
+}
+
 /// A gantry along x, y and z with a palm that turns about z and two fingers under it, the second of which
 /// follows the first: 0.02 m more than the joint `grip` from the middle. Its tip is the frame between them.
 inline UrdfRobot gripper() {

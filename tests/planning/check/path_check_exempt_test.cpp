@@ -108,16 +108,7 @@ TEST(PathCheckExempt, PairsStayApartOnlyWhereTheyDo) {
 TEST(PathCheckExempt, OfAnEndlessJointThatFollowsSlowlyAWholeTurnIsLookedAt) {
   for (const double multiplier : {0.25, -0.5, 1.0}) {
     for (const char* at : {"-0.3 0.05 1", "0.3 0 1"}) {
-      const std::string ball = "<sphere radius='0.13'/>";
-      const worlds::UrdfRobot geared(
-          "geared", urdf_link("base", "0 0 -5", ball) + urdf_link("l1", "0 0 5", ball) +
-                        urdf_link("l2", "0 0 9", ball) + urdf_link("a", "0 0 0", ball) +
-                        urdf_link("b", "0 0 0", ball) +
-                        urdf_joint("j1", "continuous", "base", "l1", "0 0 0", "0 0 1", "") +
-                        urdf_joint("j2", "continuous", "l1", "l2", "0 0 1", "0 0 1",
-                                   "<mimic joint='j1' multiplier='" + std::to_string(multiplier) + "'/>") +
-                        urdf_joint("fa", "fixed", "l1", "a", at, "0 0 1", "") +
-                        urdf_joint("fb", "fixed", "l2", "b", "0.3 0 0", "0 0 1", ""));
+      const worlds::UrdfRobot geared = worlds::geared(multiplier, "0.13", at, "0.3 0 0");
       Robot robot = geared.robot();
       exempt_all(robot);
       const Checked checked(robot);

@@ -132,17 +132,8 @@ TEST(AllowedCollisions, PairsAreProvedToStayApartOnlyWhereTheyDo) {
 /// Two balls about a joint that follows another at a part of its turns: they meet at one angle of it.
 TEST(AllowedCollisions, OfAnEndlessJointThatFollowsSlowlyAWholeTurnIsLookedAt) {
   for (const double multiplier : {0.5, -0.25, 1.0, 3.0}) {
-    const std::string mimic = "<mimic joint='j1' multiplier='" + std::to_string(multiplier) + "'/>";
-    const UrdfRobot geared("geared", urdf_link("base", "0 0 -5", "<sphere radius='0.05'/>") +
-                                         urdf_link("l1", "0 0 0", "<sphere radius='0.05'/>") +
-                                         urdf_link("l2", "0 0 5", "<sphere radius='0.05'/>") +
-                                         urdf_link("a", "0 0 0", "<sphere radius='0.05'/>") +
-                                         urdf_link("b", "0 0 0", "<sphere radius='0.05'/>") +
-                                         urdf_joint("j1", "continuous", "base", "l1", "0 0 0", "0 0 1", "") +
-                                         urdf_joint("j2", "continuous", "l1", "l2", "0 0 1", "0 0 1", mimic) +
-                                         urdf_joint("fa", "fixed", "l1", "a", "-0.3 0.05 1", "0 0 1",
-                                                    "") +  // met after almost half a turn
-                                         urdf_joint("fb", "fixed", "l2", "b", "0.3 0.05 0", "0 0 1", ""));
+    // Met after almost half a turn.
+    const UrdfRobot geared = worlds::geared(multiplier, "0.05", "-0.3 0.05 1", "0.3 0.05 0");
     const Robot& robot = geared.robot();
     const auto is_between = [&](const std::pair<int, int>& pair) {
       const std::string &first = robot.bodies[static_cast<std::size_t>(pair.first)].part,
@@ -155,15 +146,7 @@ TEST(AllowedCollisions, OfAnEndlessJointThatFollowsSlowlyAWholeTurnIsLookedAt) {
 
 /// Balls that touch in a quarter of a whole turn, which the joint that leads them is slow to make.
 TEST(AllowedCollisions, SamplesOfAnEndlessJointReachAllThatFollowsIt) {
-  const std::string ball = "<sphere radius='0.13'/>";
-  const UrdfRobot geared("geared", urdf_link("base", "0 0 -5", ball) + urdf_link("l1", "0 0 5", ball) +
-                                       urdf_link("l2", "0 0 9", ball) + urdf_link("a", "0 0 0", ball) +
-                                       urdf_link("b", "0 0 0", ball) +
-                                       urdf_joint("j1", "continuous", "base", "l1", "0 0 0", "0 0 1", "") +
-                                       urdf_joint("j2", "continuous", "l1", "l2", "0 0 1", "0 0 1",
-                                                  "<mimic joint='j1' multiplier='0.25'/>") +
-                                       urdf_joint("fa", "fixed", "l1", "a", "0.3 0 1", "0 0 1", "") +
-                                       urdf_joint("fb", "fixed", "l2", "b", "0.3 0 0", "0 0 1", ""));
+  const UrdfRobot geared = worlds::geared(0.25, "0.13", "0.3 0 1", "0.3 0 0");
   for (const auto& [a, b] : always_colliding_bodies(geared.robot()))
     EXPECT_FALSE(geared.robot().bodies[static_cast<std::size_t>(a)].part == "a" &&
                  geared.robot().bodies[static_cast<std::size_t>(b)].part == "b");
