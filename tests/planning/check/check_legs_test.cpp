@@ -6,6 +6,7 @@
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/random_world.hpp"
 #include "tests/worlds/trials.hpp"
+#include "tests/worlds/urdf_robots.hpp"
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
@@ -24,6 +25,35 @@ Policies anywhere() {
   Policies policies;
   policies.critical_by_default = false;
   return policies;
+}
+
+/// A load on a link without bodies, with none above it: what it touches says where it may be.
+TEST(CheckLegs, ALoadWithoutACarrierLiesInTheVolumeOfWhatItTouches) {
+  const TemporaryFolder folder;
+  const std::string sphere = "<sphere radius='0.05'/>", turn = worlds::urdf_limit(-2, 2);
+  const Robot arm = load_robot(folder.write(
+      "arm.urdf",
+      "<robot name='arm'><link name='base'/><link name='bare'/>" +
+          worlds::urdf_link("upper", "0.4 0 0", sphere) + worlds::urdf_link("finger", "0.4 0 0", sphere) +
+          worlds::urdf_joint("a", "revolute", "base", "bare", "0 0 0", "0 0 1", turn) +
+          worlds::urdf_joint("b", "revolute", "bare", "upper", "0.4 0 0", "0 0 1", turn) +
+          worlds::urdf_joint("c", "revolute", "upper", "finger", "0.8 0 0", "0 0 1", turn) + "</robot>"));
+  Load load;
+  load.name = "box";
+  load.link = "bare";
+  load.link_from_load.translation() = Eigen::Vector3d(-0.5, 0.0, 0.0);
+  load.shape = Shape::box({0.1, 0.1, 0.1});
+  load.touches = {"upper"};
+  const Robot robot = with_load(arm, load);
+  const auto is_valid = [&](const std::string& part) {
+    FreeSpaceMap builder({.resolution = 0.05});
+    const int other = builder.add_volume("other", {"finger"}), own = builder.add_volume("own", {"upper"});
+    builder.paint(part == "upper" ? own : other, {{-0.5, 0.0, 0.0}, 0.3});
+    const Configuration q = Configuration::Zero(static_cast<Eigen::Index>(robot.dof()));
+    return check_path(robot, builder.snapshot(), {{"box", Policy::painted}}, 0.0, {q}).valid;
+  };
+  EXPECT_TRUE(is_valid("upper"));
+  EXPECT_FALSE(is_valid("finger"));
 }
 
 /// Edges of a robot with a load among random voxels: what the planners prove the check does not refuse, and

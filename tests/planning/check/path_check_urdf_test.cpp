@@ -15,6 +15,7 @@ namespace path_check_urdf_test {
 
 using worlds::urdf_joint;
 using worlds::urdf_limit;
+using worlds::urdf_link;
 using worlds::UrdfRobot;
 
 /// Mimic joints about the master's axis, against it and across it, turning and sliding, with a body each; a
@@ -120,6 +121,31 @@ TEST(PathCheckUrdf, AMimicJointsLimitsBindItsMaster) {
   EXPECT_NE(contact(wide).find("joint 'copy' may move to 1.2, its limits there are -1 to 1"),
             std::string::npos)
       << contact(wide);
+}
+
+/// A group of links may name the root, above which there is no joint, and links behind fixed and mimic ones.
+TEST(PathCheckUrdf, AGroupMayNameTheRootAndLinksThatNoJointOfItsOwnMoves) {
+  const TemporaryFolder folder;
+  const std::string sphere = "<sphere radius='0.02'/>";
+  const auto file = folder.write(
+      "wrist.urdf",
+      "<robot name='wrist'>" + urdf_link("root", "0 0 0", sphere) + urdf_link("arm", "0.3 0 0", sphere) +
+          urdf_link("weld", "0 0 0", sphere) + urdf_link("geared", "0.3 0 0", sphere) +
+          urdf_link("left_out", "0.3 0 0", sphere) +
+          urdf_joint("turn", "revolute", "root", "arm", "0 0 0.2", "0 0 1", urdf_limit(-1, 1)) +
+          urdf_joint("fixed", "fixed", "arm", "weld", "0.6 0 0", "0 0 1", "") +
+          urdf_joint("follow", "revolute", "weld", "geared", "0 0 0.2", "0 0 1",
+                     urdf_limit(-3, 3) + "<mimic joint='turn' multiplier='2'/>") +
+          urdf_joint("free", "revolute", "geared", "left_out", "0.6 0 0", "0 0 1", urdf_limit(-1, 1)) +
+          "</robot>");
+  const auto srdf = folder.write("wrist.srdf",
+                                 "<robot name='wrist'><group name='all'><link name='root'/><link name='arm'/>"
+                                 "<link name='weld'/><link name='geared'/></group></robot>");
+  const Robot robot = load_robot({.robot = file, .srdf = srdf, .group = "all"});
+  ASSERT_EQ(robot.dof(), 1U);
+  const PathVerdict verdict = check_path(robot, Snapshot(), {}, 0.0,
+                                         {Configuration::Constant(1, -0.9), Configuration::Constant(1, 0.9)});
+  EXPECT_TRUE(verdict.valid) << verdict.first_contact;
 }
 
 TEST(PathCheckUrdf, SoftLimitsBind) {
