@@ -27,8 +27,9 @@ Policies anywhere() {
   return policies;
 }
 
-/// A load on a link without bodies, with none above it: what it touches says where it may be.
-TEST(CheckLegs, ALoadWithoutACarrierLiesInTheVolumeOfWhatItTouches) {
+/// A load lies in the painted volumes of the first link from its own towards the root that has bodies; where
+/// there is none, in those of what it touches.
+TEST(CheckLegs, ALoadLiesInTheVolumesOfItsCarrierElseOfWhatItTouches) {
   const TemporaryFolder folder;
   const std::string sphere = "<sphere radius='0.05'/>", turn = worlds::urdf_limit(-2, 2);
   const Robot arm = load_robot(folder.write(
@@ -38,22 +39,35 @@ TEST(CheckLegs, ALoadWithoutACarrierLiesInTheVolumeOfWhatItTouches) {
           worlds::urdf_joint("a", "revolute", "base", "bare", "0 0 0", "0 0 1", turn) +
           worlds::urdf_joint("b", "revolute", "bare", "upper", "0.4 0 0", "0 0 1", turn) +
           worlds::urdf_joint("c", "revolute", "upper", "finger", "0.8 0 0", "0 0 1", turn) + "</robot>"));
-  Load load;
-  load.name = "box";
-  load.link = "bare";
-  load.link_from_load.translation() = Eigen::Vector3d(-0.5, 0.0, 0.0);
-  load.shape = Shape::box({0.1, 0.1, 0.1});
-  load.touches = {"upper"};
-  const Robot robot = with_load(arm, load);
-  const auto is_valid = [&](const std::string& part) {
-    FreeSpaceMap builder({.resolution = 0.05});
-    const int other = builder.add_volume("other", {"finger"}), own = builder.add_volume("own", {"upper"});
-    builder.paint(part == "upper" ? own : other, {{-0.5, 0.0, 0.0}, 0.3});
+  const auto valid_in = [&](const std::string& link, const std::string& touched, double x) {
+    Load load;
+    load.name = "box";
+    load.link = link;
+    load.link_from_load.translation() = Eigen::Vector3d(x, 0.0, 0.0);
+    load.shape = Shape::box({0.1, 0.1, 0.1});
+    load.touches = {touched};
+    const Robot robot = with_load(arm, load);
     const Configuration q = Configuration::Zero(static_cast<Eigen::Index>(robot.dof()));
-    return check_path(robot, builder.snapshot(), {{"box", Policy::painted}}, 0.0, {q}).valid;
+    const Eigen::Vector3d place =
+        forward_kinematics(robot, q)[static_cast<std::size_t>(robot.bodies.back().link)] *
+        robot.bodies.back().link_from_shape.translation();
+    std::set<std::string> valid;
+    for (const std::string part : {"upper", "finger"}) {
+      FreeSpaceMap builder({.resolution = 0.05});
+      for (const std::string volume : {"upper", "finger"}) {
+        const int number = builder.add_volume("of " + volume, {volume});
+        if (volume == part) builder.paint(number, {place, 0.3});
+      }
+      if (check_path(robot, builder.snapshot(), {{"box", Policy::painted}}, 0.0, {q}).valid)
+        valid.insert(part);
+    }
+    return valid;
   };
-  EXPECT_TRUE(is_valid("upper"));
-  EXPECT_FALSE(is_valid("finger"));
+  using Parts = std::set<std::string>;
+  EXPECT_EQ(valid_in("bare", "upper", -0.5), Parts{"upper"});
+  EXPECT_EQ(valid_in("bare", "finger", -0.5), Parts{"finger"});
+  EXPECT_EQ(valid_in("finger", "upper", 1.0), Parts{"finger"});
+  EXPECT_EQ(valid_in("upper", "finger", 0.4), Parts{"upper"});
 }
 
 /// Edges of a robot with a load among random voxels: what the planners prove the check does not refuse, and
