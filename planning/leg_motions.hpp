@@ -12,8 +12,9 @@ namespace clearway {
 
 /// Smooth motions of single legs of a plan with loads or a pick: each is proved in the space that its path
 /// was planned in, of the robot with the loads that ride on the leg, and with torques that these add to.
-/// Straight legs of a pick keep all of their waypoints; where the load leaves what it stands on, a blend may
-/// lie in the space with the support's layer free and in that of the robot alone, or in that with the layer.
+/// Straight legs of a pick keep all of their waypoints, and rest before and after the hand closes or opens;
+/// where the load leaves what it stands on, a blend may lie in the space with the support's layer free and in
+/// that of the robot alone, or in that with the layer.
 class LegMotions {
  public:
   /// @param space of the robot without loads; outlives this one
@@ -25,7 +26,7 @@ class LegMotions {
 
  private:
   struct Leg {
-    std::vector<Configuration> path;
+    std::vector<std::vector<Configuration>> stretches;  ///< of its path; the robot rests between them
     const ConfigurationSpace* space = nullptr;
     std::shared_ptr<const TorqueTerms> torques{};
     bool is_straight = false;

@@ -77,9 +77,10 @@ class PickPlanner {
 
   /// Whether some grasp leads to a plan; else the legs that came farthest are kept.
   bool join_any(std::string& why) {
-    const std::vector<Hold> places = holds(pick_.map_from_place, query_.start);
+    const std::vector<Hold> places =
+        holds(pick_.map_from_place, with_grip(robot_, pick_, query_.start, true));
     std::size_t tried = 0;
-    for (const Hold& grasp : holds(pick_.map_from_object, query_.start)) {
+    for (const Hold& grasp : holds(pick_.map_from_object, with_grip(robot_, pick_, query_.start, false))) {
       if (tried == round_.most || is_out_of_time()) return false;
       const auto taking = straight_.take(grasp, why);
       if (!taking) continue;
@@ -304,6 +305,7 @@ Plan plan_pick(const PlanQuery& query, const Pick& pick) {
   const ConfigurationSpace& space = query.space;
   require_sound(pick, space.map().resolution(), space.options().padding);
   require_rigid_hold(space.robot(), pick);
+  require_grip(space.robot(), pick);
   Plan plan = empty_plan(query, *planner);
   const auto begin = Clock::now();
   {

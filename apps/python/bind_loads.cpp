@@ -1,4 +1,5 @@
 // What a robot carries: loads on its legs, objects that it picks, and the check of plans with them.
+#include <map>
 #include <stdexcept>
 
 #include "apps/python/bindings.hpp"
@@ -34,7 +35,7 @@ LegLoad make_load(const std::string& name, const std::string& link, const py::ob
 
 Pick make_pick(const LegLoad& object, const py::object& map_from_object, const py::object& map_from_place,
                const py::object& object_from_tip, const py::object& approach, double lift, double contact,
-               double margin) {
+               double margin, const std::map<std::string, std::pair<double, double>>& grip) {
   if (!object.legs.empty())
     throw std::invalid_argument("object: expected a load without legs, a pick has its own");
   Pick pick;
@@ -46,6 +47,7 @@ Pick make_pick(const LegLoad& object, const py::object& map_from_object, const p
   pick.lift = lift;
   pick.contact = contact;
   pick.margin = margin;
+  for (const auto& [joint, values] : grip) pick.grip[joint] = {values.first, values.second};
   return pick;
 }
 
@@ -158,10 +160,18 @@ void bind_pick(py::module_& module) {
       .field("lift", &Pick::lift)
       .field("contact", &Pick::contact)
       .field("margin", &Pick::margin)
+      .computed(
+          "grip",
+          [](const Pick& self) {
+            std::map<std::string, std::pair<double, double>> grip;
+            for (const auto& [joint, values] : self.grip) grip[joint] = {values.open, values.closed};
+            return grip;
+          },
+          "By joint of the hand: where it is open and closed, rad or m.")
       .def(py::init(&make_pick), py::arg("object"), py::arg("map_from_object"), py::arg("map_from_place"),
            py::kw_only(), py::arg("object_from_tip") = py::none(), py::arg("approach") = py::none(),
-           py::arg("lift") = usual.lift, py::arg("contact") = usual.contact,
-           py::arg("margin") = usual.margin);
+           py::arg("lift") = usual.lift, py::arg("contact") = usual.contact, py::arg("margin") = usual.margin,
+           py::arg("grip") = std::map<std::string, std::pair<double, double>>{});
 }
 
 }  // namespace

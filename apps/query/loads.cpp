@@ -57,6 +57,7 @@ Pick stated_pick(const PickSetup& setup, const Eigen::Isometry3d& map_from_place
   pick.lift = setup.lift;
   pick.contact = setup.contact;
   pick.margin = setup.margin;
+  for (const auto& [joint, values] : setup.grip) pick.grip[joint] = {values.first, values.second};
   pick.map_from_place = map_from_place;
   with_load(robot, pick.object);
   return pick;

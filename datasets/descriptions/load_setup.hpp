@@ -2,8 +2,10 @@
 
 #include <Eigen/Geometry>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -64,6 +66,8 @@ struct PickSetup {
   double lift = 0.1;                     ///< m
   double contact = 0;                    ///< m; 0: chosen
   double margin = 0;                     ///< m
+  /// By joint: open and closed, rad or m of the robot at its scale.
+  std::map<std::string, std::pair<double, double>> grip;
 };
 
 /// One of box, cylinder, capsule, sphere, mesh and hull. @param folder that a mesh's file is relative to

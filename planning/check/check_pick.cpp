@@ -49,6 +49,8 @@ class PickCheck {
       terms_.require_rigid_hold();
       terms_.require_legs();
       terms_.require_grasp();
+      for (std::size_t i = 0; i < terms_.plan.legs.size(); ++i)
+        terms_.require_grip(static_cast<Leg>(i), leg(static_cast<Leg>(i)));
       require_ways(terms_);
       check_all();
     } catch (const check::PickRefusal& refusal) {

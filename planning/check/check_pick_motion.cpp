@@ -47,6 +47,8 @@ class PickMotionCheck {
     const Snapshot &map = terms_.plan.map, freed = without_object(terms_);
     const Robot carrying = terms_.loaded();
     const std::size_t up = end_of_lift_contact(knots[lift]), down = begin_of_lower_contact(knots[lower]);
+    for (const Leg index : {reach, lift, carry, lower, retreat})
+      terms_.require_grip(index, positions(knots[index]));
     for (const auto& [index, way] : terms_.ways())
       require_no_bow(terms_, index, way, tubes_of(motion_.motion, knots[index], 1));
     prove(terms_.standing(pick.map_from_object, false), map, approach, knots[approach]);

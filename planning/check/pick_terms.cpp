@@ -126,6 +126,45 @@ void PickTerms::require_grasp() const {
     refuse("the object is put down " + lengths(put) + " from its place");
 }
 
+bool PickTerms::is_at(std::size_t joint, double value, const Configuration& q) const {
+  return std::abs(q[static_cast<Eigen::Index>(joint)] - value) <= same_joint;
+}
+
+void PickTerms::require_grip(Leg index, const std::vector<Configuration>& places) const {
+  std::vector<bool> is_of_hand(plan.robot.dof(), false);
+  for (const auto& [name, grip] : pick.grip) {
+    const auto& joints = plan.robot.joints;
+    const auto found =
+        std::find_if(joints.begin(), joints.end(), [&](const Joint& joint) { return joint.name == name; });
+    if (found == joints.end()) refuse("the robot has no joint " + quote(name) + " of its grip");
+    const auto joint = static_cast<std::size_t>(found - joints.begin());
+    is_of_hand[joint] = true;
+    const bool rides = index == lift || index == carry || index == lower;
+    if (index == reach && !is_at(joint, grip.open, places.front()))
+      refuse_on(index, " begins with joint " + quote(name) + " not open");
+    if ((index == reach || rides) && !is_at(joint, grip.closed, places.back()))
+      refuse_on(index, " ends with joint " + quote(name) + " not closed");
+    if ((index == retreat || rides) && !is_at(joint, grip.closed, places.front()))
+      refuse_on(index, " begins with joint " + quote(name) + " not closed");
+    if (index == retreat && !is_at(joint, grip.open, places.back()))
+      refuse_on(index, " ends with joint " + quote(name) + " not open");
+  }
+  if (index == approach || index == leave) return;
+  const Configuration& still = index == reach ? places.back() : places.front();  // where the hand may move
+  for (std::size_t i = 0; i + 1 < places.size(); ++i) {
+    bool moves = false, is_elsewhere = false;
+    for (std::size_t j = 0; j < is_of_hand.size(); ++j) {
+      const auto at = static_cast<Eigen::Index>(j);
+      const bool stands = is_at(j, still[at], places[i]) && is_at(j, still[at], places[i + 1]);
+      if (is_of_hand[j])
+        moves = moves || !is_at(j, places[i][at], places[i + 1]);
+      else
+        is_elsewhere = is_elsewhere || !stands;
+    }
+    if (moves && is_elsewhere) refuse_on(index, ": the hand closes or opens while something else moves");
+  }
+}
+
 Eigen::Isometry3d PickTerms::link_pose(const Configuration& q, const std::string& name) const {
   std::vector<Eigen::Isometry3d> links;
   BodyPoses bodies;

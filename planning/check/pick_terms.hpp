@@ -17,6 +17,8 @@ namespace clearway::check {
 
 constexpr double same_place = 1e-5;  ///< m, rad: of the load on its link and at its place
 constexpr double same_tip = 1e-3;    ///< m, rad: of the tip on its way
+constexpr double same_joint =
+    1e-6;  ///< rad, m: of joints of the hand, and of those that stand while it moves
 
 /// A reason to refuse a pick, with the leg that it is of.
 struct PickRefusal {
@@ -66,6 +68,11 @@ class PickTerms {
   /// @pre require_legs() @throws PickRefusal
   void require_grasp() const;
 
+  /// Places of a leg's path or motion one after another: the joints of `grip` are open, closed, or go from
+  /// one to the other where the tip is at the grasp or place and nothing else moves. @pre require_legs()
+  /// @throws PickRefusal
+  void require_grip(Leg index, const std::vector<Configuration>& places) const;
+
   Eigen::Isometry3d tip_at(const Configuration& q) const;
   Eigen::Isometry3d object_at(const Configuration& q) const;  ///< as it rides
 
@@ -85,6 +92,7 @@ class PickTerms {
  private:
   Eigen::Isometry3d link_pose(const Configuration& q, const std::string& name) const;
   Eigen::Vector3d back() const;
+  bool is_at(std::size_t joint, double value, const Configuration& q) const;
   double contact_height(const Eigen::Isometry3d& map_from_object) const;
   double height_at(const Configuration& q) const { return lowest(shape, object_at(q)); }
 

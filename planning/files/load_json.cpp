@@ -107,18 +107,20 @@ Json json_of(const std::vector<LegLoad>& loads) {
 }
 
 Json json_of(const Pick& pick) {
-  return {{"name", pick.object.name},
-          {"link", pick.object.link},
-          {"shape", json_of(pick.object.shape)},
-          {"mass_kg", pick.object.mass},
-          {"touches", pick.object.touches},
-          {"pose", json_of(pick.map_from_object)},
-          {"place", json_of(pick.map_from_place)},
-          {"grasp", json_of(pick.object_from_tip)},
-          {"approach", numbers_of(pick.approach)},
-          {"lift_m", pick.lift},
-          {"contact_m", pick.contact},
-          {"margin_m", pick.margin}};
+  Json json = {{"name", pick.object.name},
+               {"link", pick.object.link},
+               {"shape", json_of(pick.object.shape)},
+               {"mass_kg", pick.object.mass},
+               {"touches", pick.object.touches},
+               {"pose", json_of(pick.map_from_object)},
+               {"place", json_of(pick.map_from_place)},
+               {"grasp", json_of(pick.object_from_tip)},
+               {"approach", numbers_of(pick.approach)},
+               {"lift_m", pick.lift},
+               {"contact_m", pick.contact},
+               {"margin_m", pick.margin}};
+  for (const auto& [joint, grip] : pick.grip) json["grip"][joint] = {grip.open, grip.closed};
+  return json;
 }
 
 Pick pick_of(const JsonField& field) {
@@ -135,6 +137,11 @@ Pick pick_of(const JsonField& field) {
   pick.lift = field.at("lift_m").number();
   pick.contact = field.at("contact_m").number();
   pick.margin = field.at("margin_m").number();
+  if (field.has("grip"))
+    for (const auto& [joint, values] : field.at("grip").members()) {
+      const Eigen::VectorXd both = values.numbers(2);
+      pick.grip[joint] = {both[0], both[1]};
+    }
   return pick;
 }
 

@@ -28,20 +28,25 @@ StraightLegs::StraightLegs(PickScene& scene, const ConfigurationSpace& space, co
       step_(straight_step * robot_.scale) {}
 
 std::optional<Taking> StraightLegs::take(const Hold& grasp, std::string& why) {
-  why = "no grasp is free: " + scene_.grasping().check(grasp.q).sentence();
-  if (!scene_.grasping().is_free(grasp.q)) return std::nullopt;
-  const auto back = straight_motion(robot_, grasp.q, -pick_.approach, step_);
-  const auto up = upwards(grasp.q);
+  const Configuration open = with_grip(robot_, pick_, grasp.q, false),
+                      closed = with_grip(robot_, pick_, grasp.q, true);
+  for (const Configuration& q : {open, closed}) {
+    why = "no grasp is free: " + scene_.grasping().check(q).sentence();
+    if (!scene_.grasping().is_free(q)) return std::nullopt;
+  }
+  const auto back = straight_motion(robot_, open, -pick_.approach, step_);
+  const auto up = upwards(closed);
   why = "no arm configuration at the grasp can go the straight ways of approach and lift";
   if (!back || !up) return std::nullopt;
-  const Path reach(back->rbegin(), back->rend());
+  Path reach(back->rbegin(), back->rend());
+  if (closed != open) reach.push_back(closed);
   why = "no free configuration before the grasp: " + scene_.before().check(reach.front()).sentence();
   if (!scene_.before().is_free(reach.front())) return std::nullopt;
   why = "the straight ways at the grasp are not free";
   if (!is_path_free(scene_.grasping(), reach)) return std::nullopt;
   const Eigen::Isometry3d turned =
       pick_.map_from_object * Eigen::AngleAxisd(grasp.turn, Eigen::Vector3d::UnitZ());
-  scene_.hold(link_pose(grasp.q).inverse() * turned, grasp.q);
+  scene_.hold(link_pose(closed).inverse() * turned, closed);
   if (!is_contact_free(scene_.lifting(), pick_.map_from_object, up->first)) return std::nullopt;
   if (!is_path_free(scene_.carrying(), up->second)) return std::nullopt;
   return Taking{grasp, reach, joined(up->first, up->second)};
@@ -53,9 +58,11 @@ std::optional<Putting> StraightLegs::put(const Taking& taking, const Configurati
   const Eigen::Matrix3d turned =
       tip_pose(robot_, placed).linear() * tip_pose(robot_, taking.grasp.q).linear().transpose();
   const Eigen::Vector3d back = -(turned * pick_.approach);
-  const auto retreat = straight_motion(robot_, placed, back, step_);
+  const Configuration open = with_grip(robot_, pick_, placed, false);
+  auto retreat = straight_motion(robot_, open, back, step_);
   why = "no arm configuration at the place can go the straight ways of lowering and retreat";
   if (!up || !retreat) return std::nullopt;
+  if (open != placed) retreat->insert(retreat->begin(), placed);
   why = "the straight ways at the place are not free";
   if (!is_contact_free(scene_.lowering(), pick_.map_from_place, up->first)) return std::nullopt;
   if (!is_path_free(scene_.carrying(), up->second)) return std::nullopt;

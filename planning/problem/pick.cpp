@@ -1,11 +1,14 @@
 #include "planning/problem/pick.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "mapping/voxels/rigid_pose.hpp"
+#include "planning/robot/robot.hpp"
 
 namespace clearway {
 namespace {
@@ -18,6 +21,19 @@ bool is_pose(const Eigen::Isometry3d& pose) {
   return pose.matrix().allFinite() && is_rotation(pose.linear());
 }
 
+/// The joint's place among the robot's; none: it has no such joint.
+std::optional<std::size_t> joint_of(const Robot& robot, const std::string& name) {
+  for (std::size_t i = 0; i < robot.joints.size(); ++i)
+    if (robot.joints[i].name == name) return i;
+  return std::nullopt;
+}
+
+bool moves_tip(const Robot& robot, std::size_t joint) {
+  for (int i = robot.tip_link; i >= 0; i = robot.links[static_cast<std::size_t>(i)].parent)
+    if (robot.links[static_cast<std::size_t>(i)].joint == static_cast<int>(joint)) return true;
+  return false;
+}
+
 bool are_near(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
   return (a.matrix() - b.matrix()).cwiseAbs().maxCoeff() <= same_pick;
 }
@@ -28,6 +44,32 @@ std::vector<std::string> names_of_legs(bool has_goal) {
   std::vector<std::string> names = {"approach", "reach", "lift", "carry", "lower", "retreat"};
   if (has_goal) names.emplace_back("leave");
   return names;
+}
+
+Eigen::VectorXd with_grip(const Robot& robot, const Pick& pick, Eigen::VectorXd q, bool is_closed) {
+  for (const auto& [name, grip] : pick.grip)
+    if (const auto joint = joint_of(robot, name))
+      q[static_cast<Eigen::Index>(*joint)] = is_closed ? grip.closed : grip.open;
+  return q;
+}
+
+void require_grip(const Robot& robot, const Pick& pick) {
+  const auto refuse = [&](const std::string& name, const std::string& what) {
+    throw std::invalid_argument("pick " + quote(pick.object.name) + ", grip, joint " + quote(name) + ": " +
+                                what);
+  };
+  for (const auto& [name, grip] : pick.grip) {
+    const auto joint = joint_of(robot, name);
+    const bool is_held = std::any_of(robot.held.begin(), robot.held.end(),
+                                     [&](const HeldJoint& held) { return held.name == name; });
+    if (is_held) refuse(name, "it is held still, expected a planning group (--group) with arm and hand");
+    if (!joint) refuse(name, "expected a joint that robot " + quote(robot.name) + " plans for");
+    if (moves_tip(robot, *joint)) refuse(name, "expected a joint of the hand, this one moves the tip");
+    for (const double value : {grip.open, grip.closed})
+      if (!(value >= robot.joints[*joint].lower && value <= robot.joints[*joint].upper))
+        refuse(name, "expected values within its limits, " + short_text(robot.joints[*joint].lower) + " to " +
+                         short_text(robot.joints[*joint].upper) + ", got " + short_text(value));
+  }
 }
 
 std::vector<int> legs_that_carry() { return {2, 3, 4}; }
@@ -70,7 +112,12 @@ bool is_same(const Pick& a, const Pick& b) {
   return is_same(first, second) && are_near(a.map_from_object, b.map_from_object) &&
          are_near(a.map_from_place, b.map_from_place) && are_near(a.object_from_tip, b.object_from_tip) &&
          (a.approach - b.approach).norm() <= same_pick && near(a.lift, b.lift) &&
-         near(a.contact, b.contact) && near(a.margin, b.margin);
+         near(a.contact, b.contact) && near(a.margin, b.margin) &&
+         std::equal(a.grip.begin(), a.grip.end(), b.grip.begin(), b.grip.end(),
+                    [&](const auto& one, const auto& other) {
+                      return one.first == other.first && near(one.second.open, other.second.open) &&
+                             near(one.second.closed, other.second.closed);
+                    });
 }
 
 }  // namespace clearway

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -14,20 +15,27 @@ namespace clearway {
 ///
 /// Legs, and what holds on each beside the contract of check_path:
 ///   approach  from the start to the grasp less `approach`; the object is a body that nothing may touch
-///   reach     straight to the grasp; the object's voxels have left the map, its shape stands in their place,
+///   reach     straight to the grasp, where the joints of `grip` close; the object's voxels have left the
+///   map, its shape stands in their place,
 ///             and only the link that carries it and `touches` may touch it
 ///   lift      straight up; the object is the robot's load. On its first `contact` metres the load may touch
 ///             voxels of the support's layer, provided its lowest point never sinks below the plane that it
 ///             stood on by more than the padding (0.1 to 1 mm); the robot itself keeps clear of these
 ///   carry     to above the place
 ///   lower     straight down; the same on its last `contact` metres, with the layer at the place
-///   retreat   back along the approach, turned as the object was; as `reach`, the object at its place
-///   leave     to the goal, if there is one; the object, at its place, may not be touched
+///   retreat   the joints of `grip` open, then back along the approach, turned as the object was; as `reach`,
+///   the object at its place leave     to the goal, if there is one; the object, at its place, may not be
+///   touched
 ///
 /// The object's voxels: those wholly above the plane that it reaches into, or comes within `margin` of. The
 /// layer: voxels that lie wholly within the box about the object, layer_reach() wider and lower, and reach at
 /// most one voxel above the plane.
 struct Pick {
+  /// Where a joint of the hand stands, rad or m of the robot at its scale.
+  struct Grip {
+    double open = 0.0, closed = 0.0;
+  };
+
   Load object;  ///< its link_from_load is not used: it is where the grasp has it
   Eigen::Isometry3d map_from_object = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d map_from_place = Eigen::Isometry3d::Identity();  ///< of the object, afterwards
@@ -38,7 +46,18 @@ struct Pick {
   double lift = 0.1;                         ///< metres
   double contact = 0.0;                      ///< metres of the lift; 0: two voxels and twice the padding
   double margin = 0.0;                       ///< metres
+  /// By joint, of those that do not move the tip: open from the end of `approach` until the tip is at the
+  /// grasp, closed while the object rides, open from the beginning of `retreat` on. While they close and open
+  /// nothing else moves. Empty: the hand stays as it is at the start.
+  std::map<std::string, Grip> grip{};
 };
+
+/// The configuration with the joints of `grip` open or closed. @pre require_grip
+Eigen::VectorXd with_grip(const Robot& robot, const Pick& pick, Eigen::VectorXd q, bool is_closed);
+
+/// @throws std::invalid_argument in one sentence: a joint of `grip` that the robot does not plan for, that
+///         moves the tip, or a value outside of its limits.
+void require_grip(const Robot& robot, const Pick& pick);
 
 /// Names of the legs in order; with a goal `leave` is one more.
 std::vector<std::string> names_of_legs(bool has_goal);

@@ -11,7 +11,6 @@
 #include "planning/check/check_pick.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/can_on_table.hpp"
-#include "tests/worlds/urdf_robots.hpp"
 
 namespace clearway {
 namespace plan_pick_test {
@@ -235,48 +234,6 @@ TEST_F(PlanPick, IsRefusedInAnotherWorld) {
   EXPECT_NE(higher.first_contact.find("leg "), std::string::npos);
   // Above the can at its first place: lift and hand.
   EXPECT_FALSE(in(box_of(0.40, 0.12, 0.34, 0.44, 0.2, 0.38)).valid);
-}
-
-/// Fingers that no tip asks for stay as the start has them, and as they are while the can rides.
-TEST(PlanPickWithFingers, TheyStandStillAndWhoMovesThemIsRefused) {
-  const worlds::UrdfRobot gripper = worlds::gripper();
-  Robot robot = gripper.robot();
-  for (std::size_t i = 0; i < robot.links.size(); ++i)
-    if (robot.links[i].name == "tcp") robot.tip_link = static_cast<int>(i);
-  const VoxelScene scene{
-      edge,
-      {box_of(0.1, -0.5, top - edge, 0.6, 0.5, top - 0.001), box_of(0.28, 0.18, top, 0.32, 0.22, top + 0.099),
-       box_of(0.1, -0.02, top, 0.6, 0.02, top + 0.19)},
-      {},
-      {}};
-  const ConfigurationSpace space(robot, scene.snapshot(), anywhere(), {.padding = 0.001});
-  Pick pick;
-  pick.object.name = "can";
-  pick.object.link = "palm";
-  pick.object.touches = {"left", "right"};
-  pick.object.shape = Shape::cylinder(0.015, 0.1);
-  pick.map_from_object.translation() << 0.3, 0.2, top + 0.05;
-  pick.map_from_place.translation() << 0.4, -0.2, top + 0.05;
-  pick.margin = 0.01;
-  for (const std::uint64_t seed : {1, 2, 3}) {
-    const Configuration start = (Configuration(5) << -0.3, 0.0, 0.5, 0.4, 0.012).finished();
-    const Plan plan =
-        plan_pick({.space = space, .start = start, .goals = {}, .seed = seed, .survey = std::nullopt}, pick);
-    ASSERT_TRUE(plan.is_proved()) << plan.explanation() << plan.validation.first_contact;
-    for (const PlanResult& leg : plan.legs)
-      for (const Configuration& q : leg.waypoints) EXPECT_EQ(q[4], leg.waypoints.front()[4]) << seed;
-    EXPECT_EQ(plan.waypoints().back()[4], 0.012);
-    Plan opened = plan;
-    std::vector<Configuration>& carry = opened.legs[3].waypoints;
-    carry.insert(carry.begin() + 1, (carry[0] + carry[1]) / 2);
-    EXPECT_TRUE(check_pick(pick_of(opened, pick, robot, space.map()), plan.policies, plan.padding).valid);
-    carry[1][4] += 0.004;
-    const PathVerdict verdict =
-        check_pick(pick_of(opened, pick, robot, space.map()), plan.policies, plan.padding);
-    EXPECT_FALSE(verdict.valid) << seed;
-    EXPECT_NE(verdict.first_contact.find("leg carry, its joint 'grip' moves by"), std::string::npos)
-        << verdict.first_contact;
-  }
 }
 
 /// From bodies that joints move to the voxels of boxes, each asked; at most the check's cap.

@@ -1,6 +1,7 @@
 // `plan --pick`, and plans edited so that they pick otherwise, as `check` sees them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -8,6 +9,7 @@
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/apps/expect_words.hpp"
 #include "tests/apps/run_command.hpp"
+#include "tests/worlds/urdf_robots.hpp"
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
@@ -59,6 +61,54 @@ TEST_F(PickCommand, takes_a_can_and_puts_it_down) {
   expect_words(plan_->out, {"can: approach, reach, lift, carry, lower, retreat", "6 of 6", "valid"});
   EXPECT_EQ(written()["loads"][0]["legs"], Json({3, 4, 5}));
   EXPECT_TRUE(std::filesystem::exists(folder_->file("plan.html")));
+}
+
+/// The trajectory has the fingers open on the way, closed while the can rides, and open at the end; a pick
+/// that states other fingers is another one.
+TEST_F(PickCommand, closes_the_fingers_of_a_hand_and_opens_them) {
+  const worlds::UrdfRobot made = worlds::gripper();
+  const std::string robot = made.robot().source.string(), out = folder_->file("fingers.json");
+  const auto pick = [&](const std::string& grip) {
+    return folder_->write(
+        "fingers.yaml",
+        "{name: can, cylinder: [0.015, 0.12], link: palm, touches: [left, right], pose: [0.42, "
+        "0.16, 0.16, 0, 0, 0], place: [0.42, -0.2, 0.16], grasp: [0, 0, 0, 0, 0, 0]" +
+            grip + "}");
+  };
+  const std::vector<std::string> terms{"--map", folder_->file("map"), "--robot",      robot,   "--tip",
+                                       "tcp",   "--policy",           "not_occupied", "--pick"};
+  const auto run = [&](std::vector<std::string> arguments, const std::string& file) {
+    arguments.insert(arguments.begin() + 1, terms.begin(), terms.end());
+    arguments.insert(arguments.begin() + 1 + static_cast<std::ptrdiff_t>(terms.size()), file);
+    return run_command(arguments);
+  };
+  const std::string stated = ", grip: {grip: [0.03, 0.002]}", csv = folder_->file("fingers.csv");
+  const CommandRun planned =
+      run({"plan", "--start=-0.3,0,0.5,0.4,0.012", "--out", out, "--motion", "--trajectory", "csv", csv},
+          pick(stated));
+  ASSERT_EQ(planned.status, exit_done) << planned.out << planned.log;
+  std::vector<double> values;
+  std::istringstream lines(read_file(csv));
+  std::string line, head;
+  std::getline(lines, head);
+  ASSERT_TRUE(head.starts_with("time_s,jx,jy,jz,turn,grip,")) << head;
+  while (std::getline(lines, line)) {
+    std::istringstream cells(line);
+    for (int i = 0; i < 6; ++i) std::getline(cells, head, ',');
+    values.push_back(std::stod(head));
+  }
+  EXPECT_NEAR(values.front(), 0.012, 1e-6);
+  EXPECT_NEAR(values.back(), 0.03, 1e-6);
+  EXPECT_NEAR(*std::min_element(values.begin(), values.end()), 0.002, 1e-6);
+  EXPECT_NEAR(*std::max_element(values.begin(), values.end()), 0.03, 1e-6);
+  EXPECT_EQ(run({"check", out}, pick(stated)).status, exit_done) << run({"check", out}, pick(stated)).out;
+  EXPECT_EQ(run({"check", out}, pick("")).status, exit_no);
+  const CommandRun other = run({"check", out}, pick(", grip: {grip: [0.03, 0.001]}"));
+  EXPECT_EQ(other.status, exit_no);
+  expect_words(other.out, {"joint 'grip' not closed"});
+  const CommandRun wrong = run({"check", out}, pick(", grip: {grip: [0.03]}"));
+  EXPECT_EQ(wrong.status, exit_bad_input);
+  expect_words(wrong.log, {"fingers.yaml", "grip", "2 numbers"});
 }
 
 /// The robot's own tip is 0.13 m before the frame of link `hand`, which --tip names.

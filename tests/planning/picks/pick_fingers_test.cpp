@@ -1,0 +1,172 @@
+// Picks by a hand whose fingers stand still, or close and open.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <memory>
+
+#include "planning/check/check_pick.hpp"
+#include "planning/plan_pick.hpp"
+#include "planning/planned_motion.hpp"
+#include "tests/worlds/can_on_table.hpp"
+#include "tests/worlds/urdf_robots.hpp"
+
+namespace clearway {
+namespace pick_fingers_test {
+
+using can_on_table::anywhere, can_on_table::edge, can_on_table::top;
+
+/// A can on a table with a wall, and a gripper above it whose tip is the frame between its fingers.
+class PickFingers : public ::testing::Test {
+ protected:
+  PickFingers() {
+    for (std::size_t i = 0; i < robot_.links.size(); ++i)
+      if (robot_.links[i].name == "tcp") robot_.tip_link = static_cast<int>(i);
+    pick_.object.name = "can";
+    pick_.object.link = "palm";
+    pick_.object.touches = {"left", "right"};
+    pick_.object.shape = Shape::cylinder(0.015, 0.1);
+    pick_.map_from_object.translation() << 0.3, 0.2, top + 0.05;
+    pick_.map_from_place.translation() << 0.4, -0.2, top + 0.05;
+    pick_.margin = 0.01;
+  }
+
+  static Snapshot map() {
+    return VoxelScene{
+        edge,
+        {box_of(0.1, -0.5, top - edge, 0.6, 0.5, top - 0.001),
+         box_of(0.28, 0.18, top, 0.32, 0.22, top + 0.099), box_of(0.1, -0.02, top, 0.6, 0.02, top + 0.19)},
+        {},
+        {}}
+        .snapshot();
+  }
+  static Configuration start(double grip) {
+    return (Configuration(5) << -0.3, 0.0, 0.5, 0.4, grip).finished();
+  }
+  Plan plan_from(const Configuration& q, std::uint64_t seed) const {
+    return plan_pick({.space = space(), .start = q, .goals = {}, .seed = seed, .survey = std::nullopt},
+                     pick_);
+  }
+  const ConfigurationSpace& space() const {
+    if (!space_) space_ = std::make_unique<ConfigurationSpace>(robot_, map(), anywhere(), options_);
+    return *space_;
+  }
+  PathVerdict verdict(const Plan& plan) const {
+    return check_pick(pick_of(plan, pick_, robot_, space().map()), plan.policies, plan.padding);
+  }
+
+  const worlds::UrdfRobot made_ = worlds::gripper();
+  Robot robot_ = made_.robot();
+  Pick pick_;
+  SpaceOptions options_{.padding = 0.001};
+  mutable std::unique_ptr<ConfigurationSpace> space_;
+};
+
+/// Fingers that no tip asks for stay as the start has them, and as they are while the can rides.
+TEST_F(PickFingers, TheyStandStillAndWhoMovesThemIsRefused) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const Plan plan = plan_from(start(0.012), seed);
+    ASSERT_TRUE(plan.is_proved()) << plan.explanation() << plan.validation.first_contact;
+    for (const PlanResult& leg : plan.legs)
+      for (const Configuration& q : leg.waypoints) EXPECT_EQ(q[4], leg.waypoints.front()[4]) << seed;
+    EXPECT_EQ(plan.waypoints().back()[4], 0.012);
+    Plan opened = plan;
+    std::vector<Configuration>& carry = opened.legs[3].waypoints;
+    carry.insert(carry.begin() + 1, (carry[0] + carry[1]) / 2);
+    EXPECT_TRUE(verdict(opened).valid);
+    carry[1][4] += 0.004;
+    EXPECT_FALSE(verdict(opened).valid) << seed;
+    EXPECT_NE(verdict(opened).first_contact.find("leg carry, its joint 'grip' moves by"), std::string::npos)
+        << verdict(opened).first_contact;
+  }
+}
+
+/// Open on the way there and back, closed round the can while it rides; they close and open at rest.
+TEST_F(PickFingers, TheyCloseAtTheGraspAndOpenAtThePlace) {
+  pick_.grip["grip"] = {0.03, 0.0};
+  Plan plan = plan_from(start(0.012), 1);
+  ASSERT_TRUE(plan.is_proved()) << plan.explanation() << plan.validation.first_contact;
+  const auto tip_of = [&](const Configuration& q) { return tip_pose(robot_, q).translation(); };
+  const Eigen::Vector3d grasp = pick_.map_from_object.translation(),
+                        place = pick_.map_from_place.translation();
+  const auto has_grip = [&](std::size_t leg, double first, double last) {
+    const std::vector<Configuration>& path = plan.legs[leg].waypoints;
+    return path.front()[4] == first && path.back()[4] == last;
+  };
+  EXPECT_TRUE(has_grip(0, 0.012, 0.03) && has_grip(1, 0.03, 0.0) && has_grip(2, 0.0, 0.0));
+  EXPECT_TRUE(has_grip(3, 0.0, 0.0) && has_grip(4, 0.0, 0.0) && has_grip(5, 0.0, 0.03));
+  give_motion(space(), plan);
+  ASSERT_TRUE(plan.motion.has_value()) << plan.motion_caveat;
+  const Motion& motion = plan.motion->motion;
+  int closing = 0;
+  for (std::size_t k = plan.motion->leg_ends[0]; k + 1 < motion.positions.size(); ++k) {
+    const Configuration& q = motion.positions[k];
+    if (std::abs(motion.positions[k + 1][4] - q[4]) < 1e-9) continue;
+    ++closing;
+    EXPECT_LT(std::min((tip_of(q) - grasp).norm(), (tip_of(q) - place).norm()), 1e-6) << k;
+  }
+  EXPECT_GT(closing, 10);
+}
+
+TEST_F(PickFingers, WhoClosesThemTooEarlyOrNotAtAllIsRefused) {
+  pick_.grip["grip"] = {0.03, 0.0};
+  const Plan plan = plan_from(start(0.012), 1);
+  ASSERT_TRUE(plan.is_proved()) << plan.explanation() << plan.validation.first_contact;
+  const auto refusal = [&](const std::function<void(std::vector<PlanResult>&)>& change) {
+    Plan changed = plan;
+    change(changed.legs);
+    const PathVerdict found = verdict(changed);
+    return found.valid ? "valid" : found.first_contact;
+  };
+  EXPECT_EQ(refusal([](auto&) {}), "valid");
+  const auto all = [](std::vector<PlanResult>& legs, std::size_t from, std::size_t to, double grip) {
+    for (std::size_t leg = from; leg <= to; ++leg)
+      for (Configuration& q : legs[leg].waypoints) q[4] = grip;
+  };
+  EXPECT_NE(
+      refusal([&](auto& legs) { all(legs, 0, 5, 0.0); }).find("reach begins with joint 'grip' not open"),
+      std::string::npos);
+  EXPECT_NE(
+      refusal([&](auto& legs) { all(legs, 0, 5, 0.03); }).find("reach ends with joint 'grip' not closed"),
+      std::string::npos);
+  EXPECT_NE(
+      refusal([&](auto& legs) { all(legs, 5, 5, 0.0); }).find("retreat ends with joint 'grip' not open"),
+      std::string::npos);
+  const std::string moving = "the hand closes or opens while something else moves";
+  EXPECT_NE(refusal([&](auto& legs) { legs[1].waypoints.end()[-2][4] = 0.02; }).find("reach: " + moving),
+            std::string::npos);
+  EXPECT_NE(refusal([&](auto& legs) { legs[5].waypoints[1][4] = 0.02; }).find("retreat: " + moving),
+            std::string::npos);
+  // The tip is where it was; the palm turns while the fingers close.
+  EXPECT_NE(refusal([&](auto& legs) {
+              Configuration turned = legs[1].waypoints.end()[-2];
+              turned[3] += 0.01;
+              legs[1].waypoints.insert(legs[1].waypoints.end() - 1, turned);
+            }).find(moving),
+            std::string::npos);
+}
+
+TEST_F(PickFingers, AGripThatTheRobotDoesNotHaveIsRefused) {
+  const auto refusal = [&](const std::string& joint, const Pick::Grip& grip) -> std::string {
+    pick_.grip = {{joint, grip}};
+    try {
+      plan_from(start(0.012), 1);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(refusal("grasp", {0.03, 0.0}),
+            "pick 'can', grip, joint 'grasp': expected a joint that robot 'gripper' plans for");
+  Robot held = robot_;
+  held.held.push_back({.name = "thumb"});
+  pick_.grip = {{"thumb", {0.03, 0.0}}};
+  EXPECT_THROW(require_grip(held, pick_), std::invalid_argument);
+  EXPECT_EQ(refusal("turn", {0.03, 0.0}),
+            "pick 'can', grip, joint 'turn': expected a joint of the hand, this one moves the tip");
+  EXPECT_EQ(refusal("grip", {0.05, 0.0}),
+            "pick 'can', grip, joint 'grip': expected values within its limits, 0 to 0.04, got 0.05");
+}
+
+}  // namespace pick_fingers_test
+}  // namespace clearway
