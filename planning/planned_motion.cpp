@@ -132,7 +132,7 @@ void judge_torques(const MotionTerms& terms, const MotionToCheck& motion, const 
     TorqueFinding found =
         greatest_torques(robot, stretch_of(motion.motion, knots[leg].first, knots[last].last), torques);
     found.place += static_cast<double>(knots[leg].first);
-    const std::string fault = torque_fault(robot, motion.motion, torques, found);
+    const std::string fault = torque_fault(robot, motion.motion.period, torques, found);
     if (judged.verdict.fault.empty()) judged.verdict.fault = fault;
     std::set<std::string> overloaded(judged.torques->overloaded.begin(), judged.torques->overloaded.end());
     overloaded.insert(found.overloaded.begin(), found.overloaded.end());

@@ -291,7 +291,7 @@ std::string_view to_string(TermSource source) {
 
 Contract state_contract(const CheckOptions& options, const Plan& plan, const Robot& robot,
                         const Snapshot& map, const std::string& map_digest,
-                        const std::optional<QueryRecord>& record) {
+                        const std::optional<QueryRecord>& record, bool is_timed) {
   require_same_joints(robot, plan, options.plan);
   Contract contract;
   const RecordedTerms recorded =
@@ -318,7 +318,7 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
   const bool are_dynamics_stated =
       options.dynamics.payload || !options.dynamics.gravity.empty() ||
       (contract.payload.source == TermSource::map && contract.payload.value > 0.0);
-  if (!plan.motion && are_dynamics_stated)
+  if (!is_timed && are_dynamics_stated)
     contract.notes.push_back(
         "payload and gravity are only compared with what the plan says: torques belong to a motion, which it "
         "does not have");

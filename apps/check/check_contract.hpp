@@ -77,11 +77,11 @@ Robot robot_to_check(const CheckOptions& options, const Plan& plan);
 /// is less, and base and age limit have to be those of one of them. What a plan carries that neither flags
 /// nor record name counts, since it asks for more. A load whose policy they do not name keeps what its
 /// holders keep. A pick is never taken from the plan, because it frees voxels and lets things touch.
-/// @param robot robot_to_check()
+/// @param robot robot_to_check() @param is_timed whether there is a motion, whose torques are judged
 /// @throws std::invalid_argument for a flag or a plan that does not fit the robot.
 Contract state_contract(const CheckOptions& options, const Plan& plan, const Robot& robot,
                         const Snapshot& map, const std::string& map_digest,
-                        const std::optional<QueryRecord>& record);
+                        const std::optional<QueryRecord>& record, bool is_timed);
 
 /// All in which the plan loosens the contract: another robot, scale, base or map; a policy that is looser or
 /// missing, a smaller padding; a load that is missing or another, a smaller payload or another gravity;

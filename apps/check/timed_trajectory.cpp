@@ -7,6 +7,7 @@
 
 #include "apps/console/parse.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "planning/robot_files/torque_terms.hpp"
 
 namespace clearway {
 namespace {
@@ -15,6 +16,7 @@ constexpr double swings_within = 1e-4;      ///< rad or m
 constexpr double starts_within = 0.01;      ///< rad or m, MoveIt's default
 constexpr double rests_within = 1e-6;       ///< rad/s or m/s
 constexpr double same_place_within = 1e-9;  ///< rad or m
+constexpr double torque_rounding = 1e-3;    ///< of a limit, of velocities and accelerations in a file
 
 bool moves_by_plan(const Robot& robot, const std::string& name) {
   return std::any_of(robot.joints.begin(), robot.joints.end(),
@@ -159,6 +161,14 @@ SplineVerdict check_timed(const TimedTrajectory& trajectory, const Robot& robot,
   return verdict;
 }
 
+TorqueFinding torques_of(const TimedTrajectory& trajectory, const Robot& robot, const JointLoad& load,
+                         SplineVerdict& verdict) {
+  const TorqueTerms terms = torque_terms(robot, load);
+  const TorqueFinding found = greatest_torques(robot, spline_states(trajectory.points), terms);
+  verdict.fault = torque_fault(robot, 1.0, terms, found, torque_rounding);
+  return found;
+}
+
 std::vector<std::string> notes_of(const TimedTrajectory& trajectory, const SplineVerdict& verdict,
                                   const Robot& robot) {
   std::string edges;
@@ -175,6 +185,8 @@ std::vector<std::string> notes_of(const TimedTrajectory& trajectory, const Splin
   if (verdict.cubics + verdict.quintics > 0)
     if (const std::string names = joints_without(robot, &Joint::max_acceleration); !names.empty())
       notes.push_back("the robot states no acceleration limit of " + names + ", so none is compared");
+  if (verdict.lines > 0)
+    notes.emplace_back("torques on straight lines without velocities are those of level speed");
   notes.insert(notes.end(), trajectory.notes.begin(), trajectory.notes.end());
   return notes;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/check/trajectory_plan.hpp"
+#include "planning/check/motion_torques.hpp"
 #include "planning/check/spline_check.hpp"
 
 namespace clearway {
@@ -33,6 +34,12 @@ std::optional<TimedTrajectory> timed_trajectory(const ForeignTrajectory& traject
 /// @param robot with the loads that it carries
 SplineVerdict check_timed(const TimedTrajectory& trajectory, const Robot& robot, const Snapshot& map,
                           const std::map<std::string, Policy>& policies, double padding, double seen_within);
+
+/// Torques along it, by KDL, at least every 8 ms; at level speed on straight lines, at whose ends velocities
+/// jump. One beyond its limit by more than 0.1 %, which the rounding of a file may take, becomes the fault of
+/// `verdict`. @pre the verdict is valid
+TorqueFinding torques_of(const TimedTrajectory& trajectory, const Robot& robot, const JointLoad& load,
+                         SplineVerdict& verdict);
 
 /// "the trajectory is judged as ROS's joint_trajectory_controller runs it: 12 cubics, 1 straight line …", and
 /// one sentence more where the robot states no limits.

@@ -82,6 +82,11 @@ void note_tip_and_place(const Robot& robot, const Snapshot& map, const Plan& pla
   if (!note.empty()) contract.notes.push_back(note);
 }
 
+void note_missing_masses(const Robot& robot, CheckReport& report) {
+  if (const std::string missing = missing_masses(robot, report.contract.gravity.value); !missing.empty())
+    report.torque_caveat = missing + ", so torques are of the masses that are known";
+}
+
 /// A trajectory with times, as a controller runs it; its chords stand for the plan's waypoints in the survey.
 void check_timed_of(const TimedTrajectory& trajectory, const Snapshot& map, std::vector<LegsToCheck>& legs,
                     CheckReport& report) {
@@ -91,7 +96,12 @@ void check_timed_of(const TimedTrajectory& trajectory, const Snapshot& map, std:
   report.path = report.splines->path;
   report.motion_duration = trajectory.points.back().time;
   legs.front().waypoints = report.splines->chords;
-  for (std::string& note : notes_of(trajectory, *report.splines, legs.front().robot))
+  const Robot& robot = legs.front().robot;
+  if (report.splines->is_valid()) {
+    report.torques = torques_of(trajectory, robot, joint_load_of(contract), *report.splines);
+    note_missing_masses(robot, report);
+  }
+  for (std::string& note : notes_of(trajectory, *report.splines, robot))
     contract.notes.push_back(std::move(note));
 }
 
@@ -106,8 +116,7 @@ void check_motion_of(const Plan& plan, const Robot& robot, const Snapshot& map, 
                                               plan_under(contract, plan));
   report.motion = judged.verdict;
   report.torques = judged.torques;
-  if (const std::string missing = missing_masses(placed, contract.gravity.value); !missing.empty())
-    report.torque_caveat = missing + ", so torques are of the masses that are known";
+  note_missing_masses(placed, report);
 }
 
 }  // namespace
@@ -125,10 +134,10 @@ int run_check(const CheckOptions& options, Console& console) {
   const std::string cloud = cloud_remark(options.map, map, options.cloud_resolution.has_value());
   if (const std::string caveat = damage_caveat(map); !caveat.empty()) console.warn("warning: " + caveat);
   CheckReport report;
-  report.contract =
-      state_contract(options, plan, robot, map, map_sha256(options.map), load_query_record(options.map));
   const std::optional<TimedTrajectory> timed =
       trajectory ? timed_trajectory(*trajectory, robot, options.plan) : std::nullopt;
+  report.contract = state_contract(options, plan, robot, map, map_sha256(options.map),
+                                   load_query_record(options.map), plan.motion || timed);
   if (trajectory) adopt_terms(report.contract, plan, timed.has_value());
   report.deviations = deviations(report.contract, plan, robot, options.accepted);
   adopt_accepted(report.deviations, plan, robot, report.contract);

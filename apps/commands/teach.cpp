@@ -252,8 +252,9 @@ int run_teach(const TeachCommand& command, Console& console) {
   if (stills.are_asked())
     draw_replay(source, fusion, report.map, report.plans, stills, console.bar("drawing"));
 
-  const auto approved =
-      std::count_if(plans.begin(), plans.end(), [](const TaughtPlan& p) { return p.is_approved; });
+  const auto approved = std::count_if(
+      plans.begin(), plans.end(), [](const TaughtPlan& p) { return p.is_approved && p.void_reason.empty(); });
+  const std::size_t voided = taught.broken().size();
   const auto refused = std::count_if(session.events().begin(), session.events().end(),
                                      [](const TaughtEvent& reported) { return !reported.refusal.empty(); });
   for (const std::string& warning : fusion.warnings) console.warn("warning: " + warning);
@@ -264,7 +265,8 @@ int run_teach(const TeachCommand& command, Console& console) {
     auto rows = report_figures(report);
     rows.emplace_back("events",
                       std::to_string(session.events().size()) + ", refused " + std::to_string(refused));
-    rows.emplace_back("plans", std::to_string(plans.size()) + ", approved " + std::to_string(approved));
+    rows.emplace_back("plans", std::to_string(plans.size()) + ", approved " + std::to_string(approved) +
+                                   (voided > 0 ? ", approved but void " + std::to_string(voided) : ""));
     print_rows(console.out(), rows);
     for (const TaughtEvent& reported : session.events())
       if (!reported.refusal.empty()) console.out() << "  " << line_of(reported) << '\n';

@@ -31,7 +31,12 @@ void count_tags(const std::vector<TagDetection>& tags, FusionCounts& counts) {
 void warn_of_leftovers(Fusion& fusion) {
   const FusionCounts& counts = fusion.counts;
   if (fusion.setup.probe && counts.spheres == 0) {
-    fusion.warnings.push_back("nothing was painted: no sample was accepted (" + refusals_of(counts) + ")");
+    const auto accepted = counts.samples.find("accepted");
+    const bool is_any = accepted != counts.samples.end() && accepted->second > 0;
+    fusion.warnings.push_back(
+        std::string("nothing was painted: ") +
+        (is_any ? "painting was off while the ball was seen" : "no sample was accepted") + " (" +
+        refusals_of(counts) + ")");
   }
   if (counts.scans_without_pose > 0) {
     fusion.warnings.push_back(std::to_string(counts.scans_without_pose) +

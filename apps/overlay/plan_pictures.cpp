@@ -79,6 +79,20 @@ void show_goal(OverlayScene& scene, const ReplayPlan& entry, const Configuration
   add_loads(scene, entry, legs == 0 ? 0 : legs - 1, scene.goal_pose, OverlayLoad::Holder::goal);
 }
 
+/// Of a pick the check says where it is tightest: what touches what at the object is no distance to others.
+std::size_t tightest_of_pick(const Plan& plan, const std::vector<Configuration>& positions) {
+  const std::vector<Configuration> waypoints = plan.waypoints();
+  const std::vector<double>& clearance = plan.validation.clearance;
+  if (clearance.size() != waypoints.size() || waypoints.empty()) return 0;
+  const Configuration& q = waypoints[static_cast<std::size_t>(
+      std::min_element(clearance.begin(), clearance.end()) - clearance.begin())];
+  const auto nearest = std::min_element(positions.begin(), positions.end(),
+                                        [&](const Configuration& a, const Configuration& b) {
+                                          return (a - q).squaredNorm() < (b - q).squaredNorm();
+                                        });
+  return static_cast<std::size_t>(nearest - positions.begin());
+}
+
 }  // namespace
 
 DrawnMotion drawn_motion(const ReplayPlan& entry) {
@@ -107,6 +121,7 @@ DrawnMotion drawn_motion(const ReplayPlan& entry) {
     motion.least_clearance = clearance;
     motion.tightest = at;
   }
+  if (entry.plan.pick) motion.tightest = tightest_of_pick(entry.plan, motion.positions);
   return motion;
 }
 

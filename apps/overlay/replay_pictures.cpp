@@ -66,7 +66,8 @@ void save_stills(const std::filesystem::path& folder, const View& view, const Sn
     save("start", pictures.solved(entry, motion, 0, "start"));
     save("goal", pictures.solved(entry, motion, motion.positions.size() - 1, "goal"));
     save("tightest", pictures.solved(entry, motion, motion.tightest,
-                                     "tightest point, clearance " + millimetres(motion.least_clearance)));
+                                     "tightest point, clearance " +
+                                         millimetres(entry.plan.validation.min_clearance) + " at least"));
   }
   stills.publish();
 }

@@ -67,6 +67,16 @@ std::vector<Eigen::VectorXd> torques_of(const Robot& robot, const PlannedMotion&
   return torques;
 }
 
+/// "payload 0 kg", or "can 0.5 kg and payload 0.2 kg".
+std::string carried(const JointLoad& load, const std::vector<LegLoad>& loads) {
+  std::string text;
+  for (const LegLoad& one : loads)
+    text += (text.empty() ? "" : ", ") + one.load.name + " " + significant(one.load.mass) + " kg";
+  if (text.empty() || load.payload != 0.0)
+    text += (text.empty() ? "" : " and ") + ("payload " + significant(load.payload) + " kg");
+  return text;
+}
+
 void show_torques(PagePlan& plan, const Robot& robot, const PlannedMotion& planned,
                   const std::vector<std::size_t>& shown, const JointLoad& load,
                   const std::vector<LegLoad>& loads) {
@@ -84,8 +94,8 @@ void show_torques(PagePlan& plan, const Robot& robot, const PlannedMotion& plann
     plan.torques.push_back(greatest_of(torques, next, k));
     next = k + 1;
   }
-  plan.figures.emplace_back("top torque", percent(greatest) + ", with payload " + significant(load.payload) +
-                                              " kg and gravity (" + significant(load.gravity.x()) + ", " +
+  plan.figures.emplace_back("top torque", percent(greatest) + ", with " + carried(load, loads) +
+                                              " and gravity (" + significant(load.gravity.x()) + ", " +
                                               significant(load.gravity.y()) + ", " +
                                               significant(load.gravity.z()) + ") m/s^2");
 }

@@ -28,6 +28,14 @@ int steps(const Plan& plan) {
   return sum;
 }
 
+/// Of the ball, in the map as it is: without those that were undone or erased.
+std::size_t kept_balls(const ReplayReport& report) {
+  std::size_t kept = 0;
+  for (const PaintedVolume& volume : report.map.volumes()) kept += volume.spheres.size();
+  const FusionCounts& counts = report.fusion->counts;
+  return std::min(kept - std::min(kept, counts.body_spheres), counts.spheres);
+}
+
 Json recording_json(const ReplayReport& report) {
   const FusionCounts& counts = report.fusion->counts;
   return {{"file", report.recording.string()},
@@ -129,7 +137,8 @@ std::string report_json(const ReplayReport& report) {
                                {"taken_as", camera.is_rectified ? "rectified" : "raw"},
                                {"known_by", camera.known_by}});
   json["tracking"] = tracking_json(counts, report.fusion->setup);
-  json["balls"] = counts.spheres;
+  json["balls"] = kept_balls(report);
+  if (kept_balls(report) < counts.spheres) json["balls_taken_back"] = counts.spheres - kept_balls(report);
   if (counts.body_spheres > 0) json["balls_of_the_robot"] = counts.body_spheres;
   json["scans"] = {{"count", counts.scans},
                    {"refused", counts.scans_refused},
@@ -187,9 +196,13 @@ std::vector<std::pair<std::string, std::string>> report_figures(const ReplayRepo
     for (const auto& [reason, count] : counts.samples) {
       if (reason != "accepted" && count > 0) refused += ", " + reason + " " + std::to_string(count);
     }
-    rows.emplace_back("balls painted", grouped(counts.spheres) + " of mean r0 = " +
-                                           significant(counts.painted_radius * 1000.0, 3) + " mm" +
-                                           (refused.empty() ? "" : " (refused: " + refused.substr(2) + ")"));
+    const std::size_t kept = kept_balls(report);
+    rows.emplace_back(
+        "balls painted",
+        grouped(kept) +
+            (kept < counts.spheres ? " (" + grouped(counts.spheres - kept) + " taken back)" : "") +
+            " of mean r0 = " + significant(counts.painted_radius * 1000.0, 3) + " mm" +
+            (refused.empty() ? "" : " (refused: " + refused.substr(2) + ")"));
     rows.emplace_back("centre error", "worst sigma " + significant(counts.largest_center_sigma * 1000.0, 2) +
                                           " mm; bound " + significant(counts.mean_bound * 1000.0, 2) +
                                           " mm, at most " + significant(counts.largest_bound * 1000.0, 2) +

@@ -165,25 +165,37 @@ std::string noted(const CompareResults& results) {
   return text;
 }
 
+/// The flags that name planners of other programs, which a repeated run needs, too.
+std::string externals_of(const CompareResults& results) {
+  std::set<std::string> flags;
+  for (const CompareExperiment& experiment : results.experiments)
+    for (const ComparePlanner& who : experiment.planners)
+      if (who.planner == "external") flags.insert(" --external " + who.label + "=COMMAND");
+  std::string text;
+  for (const std::string& flag : flags) text += flag;
+  return text;
+}
+
 }  // namespace
 
 std::string to_html(const CompareResults& results) {
   const std::string title = results.title.empty() ? results.suite : results.title;
-  Json page{{"title", title},
-            {"subtitle",
-             "Suite " + results.suite + " (" + results.file + "), seed " + std::to_string(results.seed)},
-            {"about", "Clearway " + results.version + ", commit " + results.commit + ", " + results.date +
-                          ", on " + results.host + " (" + results.processor + "), " +
-                          counted(static_cast<std::size_t>(results.jobs), "problem") +
-                          " at a time. Times are of solved runs; cost, length and steps are medians "
-                          "of valid runs. " +
-                          interval_note +
-                          " Every path was judged by the independent check, whoever planned it. "
-                          "To repeat a run and see it in 3D: clearway compare " +
-                          results.file + " --rerun ID --out DIR." + noted(results)},
-            {"overview", overview_json(overview(results))},
-            {"resolutions", sweeps_json(results)},
-            {"experiments", Json::array()}};
+  Json page{
+      {"title", title},
+      {"subtitle",
+       "Suite " + results.suite + " (" + results.file + "), seed " + std::to_string(results.seed)},
+      {"about", "Clearway " + results.version + ", commit " + results.commit + ", " + results.date + ", on " +
+                    results.host + " (" + results.processor + "), " +
+                    counted(static_cast<std::size_t>(results.jobs), "problem") +
+                    " at a time. Times are of solved runs; cost, length and steps are medians "
+                    "of valid runs. " +
+                    interval_note +
+                    " Every path was judged by the independent check, whoever planned it. "
+                    "To repeat a run and see it in 3D: clearway compare " +
+                    results.file + " --rerun ID --out DIR" + externals_of(results) + "." + noted(results)},
+      {"overview", overview_json(overview(results))},
+      {"resolutions", sweeps_json(results)},
+      {"experiments", Json::array()}};
   Json& meanings = page["meanings"] = Json::object();
   for (const CompareExperiment& experiment : results.experiments)
     for (const ComparePlanner& who : experiment.planners)

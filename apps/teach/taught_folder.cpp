@@ -74,11 +74,12 @@ bool TaughtFolder::save_own_map(TaughtPlan& taught) {
   taught.plan.map_file = place.string();
   if (!taught.is_approved) return true;
   const PathVerdict verdict = check_taught(taught, map_);
-  if (!verdict.valid)
-    broken_.push_back(
-        "plan '" + taught.name +
-        "' was approved, but does not hold on the last map, and is not exported: " + verdict.first_contact);
-  return verdict.valid;
+  if (verdict.valid) return true;
+  taught.void_reason = verdict.first_contact;
+  broken_.push_back(
+      "plan '" + taught.name +
+      "' was approved, but does not hold on the last map, and is not exported: " + taught.void_reason);
+  return false;
 }
 
 void TaughtFolder::export_approved(const TaughtPlan& taught) const {
@@ -101,8 +102,10 @@ std::string teaching_json(const TeachSession& session, const std::vector<TaughtP
             {"plans", Json::array()}};
   for (const TaughtPlan& plan : plans)
     json["plans"].push_back({{"name", plan.name},
-                             {"approved", plan.is_approved},
+                             {"approved", plan.is_approved && plan.void_reason.empty()},
                              {"map", plan.map_digest == digest ? "map.ot" : "maps/" + plan.name}});
+  for (std::size_t i = 0; i < plans.size(); ++i)
+    if (!plans[i].void_reason.empty()) json["plans"][i]["void"] = plans[i].void_reason;
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -39,7 +39,7 @@ TeachView TeachViewer::view(const SeenImage& image, const ImageFrame& frame) {
   view.since_start = image.since_start;
   view.taken = image.read;
   view.state = session_.state();
-  view.balls = counts_.spheres;
+  for (const PaintedVolume& volume : map_.volumes()) view.balls += volume.spheres.size();
   view.is_led = image.map_from_gripper && session_.robot() != nullptr;
   view.resolution = map_.options().resolution;
   const Eigen::Isometry3d map_from_base = *fixed_board(setup_, "teaching").map_from_board;

@@ -53,6 +53,7 @@ struct TaughtPlan {
   RobotChoice robot;
   std::string map_digest;
   bool is_approved = false;
+  std::string void_reason{};              ///< why an approved plan does not hold on the last map; else empty
   std::vector<Eigen::Vector3d> tip_path;  ///< map frame, of a proved plan
   std::vector<double> tip_clearance;      ///< of the robot and its loads at each of its points, m
 };

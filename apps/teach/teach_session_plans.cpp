@@ -208,6 +208,8 @@ void TeachSession::approve(std::string& remark) {
                                     : choice_.outdated + " since it was planned; plan again");
   if (choice_.is_approved) refuse("the plan is approved already; undo takes that back");
   TaughtPlan& plan = plans_[*choice_.plan];
+  if (!plan.plan.motion)
+    refuse("its motion is not proved, and would not be exported: " + plan.plan.motion_caveat);
   if (map_sha256(present_map()) != plan.map_digest) {
     const PathVerdict verdict = check_taught(plan, present_map());
     if (!verdict.valid)

@@ -112,7 +112,7 @@ Path path_near_paint(const PlanProblem& strict, const PlanProblem& free) {
 }
 
 void write_sphere(std::ostream& text, const Sphere& sphere) {
-  text << std::lround(100.0 * sphere.radius) << " cm around (" << std::setprecision(2) << sphere.center.x()
+  text << std::lround(1000.0 * sphere.radius) << " mm around (" << std::setprecision(3) << sphere.center.x()
        << ", " << sphere.center.y() << ", " << sphere.center.z() << ')';
 }
 

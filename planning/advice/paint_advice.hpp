@@ -19,7 +19,7 @@ struct PaintAdvice {
   std::vector<PaintHint> spheres;  ///< in the order of the way; empty: nothing to advise
   bool way_exists = false;         ///< beam_guided found a path that needs no more paint
 
-  /// "Painting would connect start and goal: 14 cm around (0.31, -0.12, 0.42) for tool, ...". Empty when
+  /// "Painting would connect start and goal: 140 mm around (0.310, -0.120, 0.420) for tool, ...". Empty when
   /// there is nothing to say.
   std::string sentence() const;
 };

@@ -7,6 +7,7 @@
 #include <limits>
 #include <locale>
 #include <memory>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 
@@ -83,6 +84,48 @@ class MassTree {
   Eigen::Index dof_ = 0;
 };
 
+/// Keeps the greatest share of a limit among moments.
+class Greatest {
+ public:
+  Greatest(const Robot& robot, const TorqueTerms& terms)
+      : robot_(robot),
+        limits_(terms.limits),
+        rest_(Eigen::VectorXd::Zero(limits_.size())),
+        is_overloaded_(static_cast<std::size_t>(limits_.size()), false) {
+    if (limits_.size() > 0 && (limits_.array() < std::numeric_limits<double>::infinity()).any())
+      tree_.emplace(robot, terms);
+  }
+
+  void add(double place, const MotionState& state) {
+    if (!tree_) return;
+    const Eigen::VectorXd held = tree_->torques(state.position, rest_, rest_);
+    const Eigen::VectorXd torques = tree_->torques(state.position, state.velocity, state.acceleration);
+    for (Eigen::Index j = 0; j < limits_.size(); ++j) {
+      if (!(std::abs(held[j]) <= most_held * limits_[j])) is_overloaded_[static_cast<std::size_t>(j)] = true;
+      const double share = std::abs(torques[j]) / limits_[j];
+      if (share <= found_.share || std::isnan(found_.share)) continue;  // what is no number is kept
+      found_.share = share;
+      found_.torque = torques[j];
+      found_.place = place;
+      found_.joint = j;
+    }
+  }
+
+  TorqueFinding found() {
+    for (std::size_t j = 0; j < is_overloaded_.size(); ++j)
+      if (is_overloaded_[j]) found_.overloaded.push_back(robot_.joints[j].name);
+    return found_;
+  }
+
+ private:
+  const Robot& robot_;
+  const Eigen::VectorXd& limits_;
+  Eigen::VectorXd rest_;
+  std::vector<bool> is_overloaded_;
+  std::optional<MassTree> tree_;
+  TorqueFinding found_;
+};
+
 /// Moments of a motion: all knots, and so many between them that none is farther from the next than 8 ms.
 template <typename Visit>
 void visit_samples(const Motion& motion, const Visit& visit) {
@@ -105,36 +148,24 @@ Eigen::VectorXd kdl_torques(const Robot& robot, const Configuration& q, const Ei
 }
 
 TorqueFinding greatest_torques(const Robot& robot, const Motion& motion, const TorqueTerms& terms) {
-  TorqueFinding found;
-  const Eigen::VectorXd& limits = terms.limits;
-  if (limits.size() == 0 || (limits.array() == std::numeric_limits<double>::infinity()).all()) return found;
-  MassTree tree(robot, terms);
-  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(limits.size());
-  std::vector<bool> is_overloaded(static_cast<std::size_t>(limits.size()), false);
-  visit_samples(motion, [&](double place, const MotionState& state) {
-    const Eigen::VectorXd held = tree.torques(state.position, rest, rest);
-    const Eigen::VectorXd torques = tree.torques(state.position, state.velocity, state.acceleration);
-    for (Eigen::Index j = 0; j < limits.size(); ++j) {
-      if (!(std::abs(held[j]) <= most_held * limits[j])) is_overloaded[static_cast<std::size_t>(j)] = true;
-      const double share = std::abs(torques[j]) / limits[j];
-      if (share <= found.share || std::isnan(found.share)) continue;  // what is no number is kept
-      found.share = share;
-      found.torque = torques[j];
-      found.place = place;
-      found.joint = j;
-    }
-  });
-  for (std::size_t j = 0; j < is_overloaded.size(); ++j)
-    if (is_overloaded[j]) found.overloaded.push_back(robot.joints[j].name);
-  return found;
+  Greatest greatest(robot, terms);
+  visit_samples(motion, [&](double place, const MotionState& state) { greatest.add(place, state); });
+  return greatest.found();
 }
 
-std::string torque_fault(const Robot& robot, const Motion& motion, const TorqueTerms& terms,
-                         const TorqueFinding& found) {
-  if (found.share <= 1.0 + 1e-6) return {};
+TorqueFinding greatest_torques(const Robot& robot, const std::vector<std::pair<double, MotionState>>& moments,
+                               const TorqueTerms& terms) {
+  Greatest greatest(robot, terms);
+  for (const auto& [time, state] : moments) greatest.add(time, state);
+  return greatest.found();
+}
+
+std::string torque_fault(const Robot& robot, double period, const TorqueTerms& terms,
+                         const TorqueFinding& found, double excess) {
+  if (found.share <= 1.0 + excess) return {};
   std::ostringstream text;
   text.imbue(std::locale::classic());
-  text << "motion: after " << motion.period * found.place << " s the torque of joint "
+  text << "motion: after " << period * found.place << " s the torque of joint "
        << shortened(robot.joints[static_cast<std::size_t>(found.joint)].name) << " is " << found.torque
        << ", its limit " << terms.limits[found.joint];
   return text.str();

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "planning/path/motion.hpp"
@@ -22,9 +23,14 @@ struct TorqueFinding {
 /// @pre check_motion found the motion valid: its knots are finite and it is not too long
 TorqueFinding greatest_torques(const Robot& robot, const Motion& motion, const TorqueTerms& terms);
 
+/// The same at these moments, of times in seconds, which is what the finding's `place` is in.
+TorqueFinding greatest_torques(const Robot& robot, const std::vector<std::pair<double, MotionState>>& moments,
+                               const TorqueTerms& terms);
+
 /// One sentence when a torque exceeds its limit or is not a number, else empty.
-std::string torque_fault(const Robot& robot, const Motion& motion, const TorqueTerms& terms,
-                         const TorqueFinding& found);
+/// @param period of the finding's `place`, seconds @param excess share of a limit that rounding may take
+std::string torque_fault(const Robot& robot, double period, const TorqueTerms& terms,
+                         const TorqueFinding& found, double excess = 1e-6);
 
 /// KDL's torques at one moment.
 Eigen::VectorXd kdl_torques(const Robot& robot, const Configuration& q, const Eigen::VectorXd& velocity,

@@ -58,6 +58,16 @@ void require_points(const Robot& robot, const std::vector<SplinePoint>& points) 
   }
 }
 
+Bezier curve_between(const SplinePoint& from, const SplinePoint& to) {
+  const double h = to.time - from.time;
+  const BezierEnd begin{from.position, from.velocity, from.acceleration},
+      end{to.position, to.velocity, to.acceleration};
+  if (from.velocity.size() == 0 || to.velocity.size() == 0)
+    return linear_between(from.position, to.position, h);
+  const bool has_accelerations = from.acceleration.size() > 0 && to.acceleration.size() > 0;
+  return has_accelerations ? quintic_between(begin, end, h) : cubic_between(begin, end, h);
+}
+
 /// The share of its time at which a curve has first gone so far along a chord; none: it does not.
 std::optional<double> first_reach(const Bezier& curve, const Configuration& from, const Eigen::VectorXd& step,
                                   double parameter, double width = 1.0) {
@@ -128,18 +138,10 @@ class SplineChecker {
 
  private:
   Bezier curve_of(std::size_t edge) {
-    const SplinePoint &from = points_[edge], &to = points_[edge + 1];
-    const double h = to.time - from.time;
-    const BezierEnd begin{from.position, from.velocity, from.acceleration},
-        end{to.position, to.velocity, to.acceleration};
-    const bool has_velocities = from.velocity.size() > 0 && to.velocity.size() > 0;
-    const bool has_accelerations = from.acceleration.size() > 0 && to.acceleration.size() > 0;
-    if (!has_velocities) {
-      ++verdict_.lines;
-      return linear_between(from.position, to.position, h);
-    }
-    ++(has_accelerations ? verdict_.quintics : verdict_.cubics);
-    return has_accelerations ? quintic_between(begin, end, h) : cubic_between(begin, end, h);
+    Bezier curve = curve_between(points_[edge], points_[edge + 1]);
+    const std::size_t controls = curve.control.size();
+    ++(controls == 2 ? verdict_.lines : controls == 4 ? verdict_.cubics : verdict_.quintics);
+    return curve;
   }
 
   /// "edge 3, 1.25 s after the start: "
@@ -336,6 +338,27 @@ SplineVerdict check_splines(const Robot& robot, const Snapshot& map,
   checker.require_rates();
   if (checker.is_within_limits()) checker.prove(map, policies, padding, seen_within);
   return checker.verdict();
+}
+
+std::vector<std::pair<double, MotionState>> spline_states(const std::vector<SplinePoint>& points) {
+  constexpr double most = 1e6;
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(points.front().position.size());
+  std::vector<std::pair<double, MotionState>> states;
+  if (points.size() == 1)
+    states.emplace_back(points.front().time, MotionState{points[0].position, rest, rest, {}});
+  const double step = std::max(0.008, (points.back().time - points.front().time) / most);
+  for (std::size_t edge = 0; edge + 1 < points.size(); ++edge) {
+    const Bezier curve = curve_between(points[edge], points[edge + 1]);
+    const Bezier velocity = derivative(curve), acceleration = derivative(velocity);
+    const int pieces = std::max(1, static_cast<int>(std::ceil(curve.duration / step - 1e-9)));
+    for (int i = 0; i <= pieces; ++i) {
+      const double share = static_cast<double>(i) / pieces;
+      states.emplace_back(
+          points[edge].time + share * curve.duration,
+          MotionState{value_at(curve, share), value_at(velocity, share), value_at(acceleration, share), {}});
+    }
+  }
+  return states;
 }
 
 }  // namespace clearway

@@ -56,6 +56,13 @@ Part component(const Bezier& curve, Eigen::Index j, double sign) {
 
 }  // namespace
 
+Eigen::VectorXd value_at(const Bezier& curve, double share) {
+  std::vector<Eigen::VectorXd> points = curve.control;
+  for (std::size_t left = points.size() - 1; left > 0; --left)
+    for (std::size_t i = 0; i < left; ++i) points[i] += share * (points[i + 1] - points[i]);
+  return points.front();
+}
+
 Bezier linear_between(const Eigen::VectorXd& from, const Eigen::VectorXd& to, double duration) {
   return {{from, to}, duration};
 }

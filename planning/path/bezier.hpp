@@ -27,6 +27,9 @@ Bezier quintic_between(const BezierEnd& from, const BezierEnd& to, double durati
 /// The same polynomial on the first and the second half of its time (de Casteljau).
 std::pair<Bezier, Bezier> halves(const Bezier& curve);
 
+/// Its value after a share of the duration, 0 to 1 (de Casteljau).
+Eigen::VectorXd value_at(const Bezier& curve, double share);
+
 /// Its derivative by time; of a constant 0.
 Bezier derivative(const Bezier& curve);
 

@@ -13,6 +13,7 @@ export class FlatSlices {
   private readonly axis = el("select", { "aria-label": "Slice across" });
   private readonly slider = el("input", { type: "range", step: "1", "aria-label": "Slice position" });
   private readonly value = el("output", {});
+  private readonly caption = el("p", { class: "flat-caption" });
 
   constructor(private readonly page: Page, arrays: Arrays) {
     const all = unpackAll(page, arrays);
@@ -23,16 +24,31 @@ export class FlatSlices {
     this.axis.append(...["z", "y", "x"].map((name) => el("option", { value: String("xyz".indexOf(name)) }, `slice ${name}`)));
     this.axis.addEventListener("change", () => this.choose());
     this.slider.addEventListener("input", () => this.draw());
-    byId("view-message").append(el("div", { class: "flat-controls" }, this.axis, this.slider, this.value), this.canvas);
+    byId("view-message").append(el("div", { class: "flat-controls" }, this.axis, this.slider, this.value), this.canvas,
+      this.caption, this.legend());
     this.choose();
   }
 
+  private legend(): HTMLElement {
+    const states = [...new Set(this.sets.map((faces) => faces.state))];
+    return el("div", { class: "flat-legend" }, ...states.map((state) => el("span", {}, el("i", { class: `swatch swatch-${state}` }),
+      state.replace("_", " "))));
+  }
+
+  /// Through the middle of what is painted, where anything is.
   private choose(): void {
     const a = Number(this.axis.value);
+    const painted = this.sets.filter((faces) => faces.state === "painted");
+    const shown = painted.length > 0 ? painted : this.sets;
+    const low = Math.min(...shown.map((faces) => faces.low[a])), high = Math.max(...shown.map((faces) => faces.high[a]));
     this.slider.min = String(this.low[a]);
     this.slider.max = String(this.high[a] - 1);
-    this.slider.value = String(Math.floor((this.low[a] + this.high[a]) / 2));
+    this.slider.value = String(Math.floor((low + high) / 2));
     this.draw();
+  }
+
+  private metres(cell: number): string {
+    return `${((cell - this.page.origin) * this.page.resolution).toFixed(2)} m`;
   }
 
   /// Right and up are the map's axes that `inspect --slice` takes.
@@ -42,6 +58,7 @@ export class FlatSlices {
     const [width, height] = [this.high[u] - this.low[u], this.high[v] - this.low[v]];
     if (width > 4096 || height > 4096) {
       this.canvas.hidden = true;
+      this.caption.textContent = "";
       this.value.textContent = "too large for a picture here: `clearway inspect --slice` draws it";
       return;
     }
@@ -63,6 +80,9 @@ export class FlatSlices {
       }
     }
     this.canvas.getContext("2d")!.putImageData(image, 0, 0);
+    const [across, upwards] = turned ? [v, u] : [u, v];
+    this.caption.textContent = `${"xyz"[across]} from ${this.metres(this.low[across])} at the left to ${this.metres(this.high[across])}, `
+      + `${"xyz"[upwards]} from ${this.metres(this.low[upwards])} at the bottom to ${this.metres(this.high[upwards])}`;
     this.value.textContent = `${"xyz"[a]} = ${((layer + 0.5 - this.page.origin) * this.page.resolution).toFixed(3)} m`;
     document.body.dataset.slice = String(voxels);
   }

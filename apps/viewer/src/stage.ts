@@ -22,12 +22,13 @@ function roundUp(length: number): number {
   return power * ([1, 2, 5].find((factor) => factor * power >= length * 0.999) ?? 10);
 }
 
-/// Whether the browser draws without a graphics card; false where it does not say.
+/// Whether the browser draws without a graphics card; false where it does not say. Throws when it offers no WebGL 2.
 function drawsInSoftware(): boolean {
   const gl = document.createElement("canvas").getContext("webgl2");
-  const about = gl?.getExtension("WEBGL_debug_renderer_info");
-  const name = gl && about ? String(gl.getParameter(about.UNMASKED_RENDERER_WEBGL)) : "";
-  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  if (!gl) throw new Error("no WebGL 2 context");
+  const about = gl.getExtension("WEBGL_debug_renderer_info");
+  const name = about ? String(gl.getParameter(about.UNMASKED_RENDERER_WEBGL)) : "";
+  gl.getExtension("WEBGL_lose_context")?.loseContext();
   return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
 }
 

@@ -197,6 +197,56 @@ TEST_F(CheckTimed, TimesThatDoNotRiseAndRatesThatDoNotFitAreNamed) {
             std::string::npos);
 }
 
+/// A mass of 2 kg, 0.5 m from a joint about the y axis: torque m r (g cos q + r a), of the quintic from rest
+/// to rest, a brick beside it.
+TEST_F(CheckTimed, TorquesBeyondALimitAreRefused) {
+  const std::string robot = folder_.write(
+      "pendulum.urdf",
+      "<robot name='pendulum'><link name='base'/><link name='arm'><inertial><origin xyz='0.5 0 0'/><mass "
+      "value='2'/><inertia ixx='1e-9' ixy='0' ixz='0' iyy='1e-9' iyz='0' "
+      "izz='1e-9'/></inertial><collision><origin "
+      "xyz='0.3 0 0'/><geometry><sphere radius='0.02'/></geometry></collision></link><joint name='turn' "
+      "type='revolute'><parent link='base'/><child link='arm'/><axis xyz='0 1 0'/><limit lower='-2' "
+      "upper='2' "
+      "effort='12' velocity='9'/></joint></robot>");
+  const auto greatest = [](double seconds) {  // from 0 to -1 rad: up
+    double most = 0.0;
+    for (int i = 0; i <= 10000; ++i) {
+      const double s = i / 10000.0, q = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s),
+                   a = (60.0 * s - 180.0 * s * s + 120.0 * s * s * s) / (seconds * seconds);
+      most = std::max(most, std::abs(2.0 * 0.5 * (9.81 * std::cos(q) + 0.5 * a)));
+    }
+    return most;
+  };
+  const auto check = [&](double seconds, std::vector<std::string> more = {}) {
+    const auto nanoseconds = std::llround(seconds * 1e9);
+    const Json rest{0.0};
+    Json message{{"joint_names", {"turn"}}, {"points", Json::array()}};
+    for (const double q : {0.0, -1.0})
+      message["points"].push_back({{"positions", {q}},
+                                   {"velocities", rest},
+                                   {"accelerations", rest},
+                                   {"time_from_start",
+                                    {{"sec", q == 0.0 ? 0 : nanoseconds / 1'000'000'000},
+                                     {"nanosec", q == 0.0 ? 0 : nanoseconds % 1'000'000'000}}}});
+    more.insert(more.begin(), {"check", folder_.write("t.json", message.dump()), "--map", folder_.file("map"),
+                               "--robot", robot, "--json"});
+    return run_command(more);
+  };
+  ASSERT_LT(greatest(2.0), 11.9);
+  ASSERT_GT(greatest(0.7), 12.1);
+  const CommandRun slow = check(2.0), quick = check(0.7);
+  EXPECT_EQ(slow.status, exit_done) << slow.out << slow.log;
+  EXPECT_NEAR(Json::parse(slow.out)["motion"]["torque_share"].get<double>(), greatest(2.0) / 12.0, 1e-3);
+  EXPECT_EQ(quick.status, exit_no);
+  EXPECT_NE(quick.out.find("the torque of joint turn is "), std::string::npos) << quick.out;
+  EXPECT_NEAR(Json::parse(quick.out)["motion"]["torque_share"].get<double>(), greatest(0.7) / 12.0, 1e-3);
+  const std::string brick = folder_.write(
+      "brick.yaml",
+      "{name: brick, box: [0.02, 0.02, 0.02], link: arm, pose: [0.4, 0, 0, 0, 0, 0], mass: 0.5}");
+  EXPECT_EQ(check(2.0, {"--attach", brick}).status, exit_no);
+}
+
 TEST_F(CheckTimed, ALoadRidesOnTheCurve) {
   const std::string bar = folder_.write("bar.yaml", "{name: bar, box: [0.02, 1.8, 0.01], link: base}");
   const std::vector<Point> swing{{0, {0, 0}, {0.9, 0}}, {2.0, {0, 0}, {-0.9, 0}}};  // 0.45 m

@@ -51,12 +51,14 @@ class TeachPick : public TeachSessionOf {
     return session_.events().back().refusal;
   }
   using TeachSessionOf::act;
-  std::string mark(const std::string& name, const std::string& link = "", double x = 0.42) {
+  std::string mark(const std::string& name, const std::string& link = "", double x = 0.42,
+                   double mass = 0.0) {
     TeachEvent event;
     event.time = ++time_;
     event.action = TeachAction::object;
     event.name = name;
     event.link = link;
+    event.mass = mass;
     if (const std::string why = act(event); !why.empty()) return why;
     EXPECT_EQ(session_.state(), TeachState::marking);
     EXPECT_EQ(session_.brush().use, Brush::Use::none);
@@ -134,6 +136,22 @@ TEST_F(TeachPick, AMarkedObjectIsTakenAndPutDownAndOnlyWhatHoldsItTouchesIt) {
   EXPECT_NEAR((last - from).y(), -0.36, 1e-3);
   EXPECT_EQ(act(TeachAction::approve), "");
   EXPECT_EQ(map_sha256(map_.snapshot()), before);
+}
+
+/// The path is free, but no motor holds the can.
+TEST_F(TeachPick, AMotionThatNeedsMoreTorqueThanThereIsIsNotApproved) {
+  ASSERT_EQ(mark("can", "", 0.42, 90.0), "");
+  ASSERT_EQ(act(TeachAction::start, "0,-1.9,1.7,-1.4,-1.57,0"), "");
+  ASSERT_EQ(take(TeachAction::pick, {0.42, 0.16, 0.21}), "");
+  ASSERT_EQ(take(TeachAction::place, {0.42, -0.2, 0.212}), "");
+  ASSERT_EQ(act(TeachAction::plan, "heavy"), "");
+  ASSERT_EQ(act(TeachAction::play), "");
+  ASSERT_TRUE(session_.plans().back().plan.is_proved());
+  const std::string why = act(TeachAction::approve);
+  EXPECT_NE(why.find("approve: its motion is not proved, and would not be exported: "), std::string::npos)
+      << why;
+  EXPECT_NE(why.find("the torque of joint "), std::string::npos) << why;
+  EXPECT_FALSE(session_.plans().back().is_approved);
 }
 
 TEST_F(TeachPick, APickTakesNoVoxelOfAnotherMarkedObject) {

@@ -35,13 +35,13 @@ TEST(GreatestTorques, EachJointThatGravityAloneOverloadsIsNamedByItself) {
       EXPECT_EQ(found.overloaded, alone) << name;
       EXPECT_EQ(found.joint, j) << name;
       EXPECT_NEAR(found.share, 0.96, 1e-9) << name << ' ' << j;
-      EXPECT_EQ(torque_fault(robot, still, terms, found), "");
+      EXPECT_EQ(torque_fault(robot, still.period, terms, found), "");
       // A motion at its limit is one that may be.
       for (const double share : {1.0 - 2e-7, 1.0 + 8e-7})
-        EXPECT_EQ(torque_fault(robot, still, terms, found_at(share)), "") << name << ' ' << j;
-      EXPECT_NE(torque_fault(robot, still, terms, found_at(1.0 + 2e-6)), "") << name << ' ' << j;
+        EXPECT_EQ(torque_fault(robot, still.period, terms, found_at(share)), "") << name << ' ' << j;
+      EXPECT_NE(torque_fault(robot, still.period, terms, found_at(1.0 + 2e-6)), "") << name << ' ' << j;
       const TorqueFinding beyond = found_at(1.1);
-      EXPECT_NE(torque_fault(robot, still, terms, beyond), "") << name << ' ' << j;
+      EXPECT_NE(torque_fault(robot, still.period, terms, beyond), "") << name << ' ' << j;
     }
     EXPECT_GE(tried, 5) << name;
   }

@@ -183,7 +183,7 @@ TEST(SmoothMotion, TorquesStayWithinTheirLimitsByKdlToo) {
   EXPECT_EQ(found.overloaded, std::vector<std::string>{robot.joints[1].name});
   EXPECT_GT(found.share, 1.0);
   EXPECT_EQ(found.joint, 1);
-  EXPECT_NE(torque_fault(robot, weak.motion, terms, found), "");
+  EXPECT_NE(torque_fault(robot, weak.motion.period, terms, found), "");
 }
 
 TEST(SmoothMotion, LoadsThatTheArmCannotHoldAndTorquesThatAreNoNumbersAreRefused) {
@@ -196,7 +196,7 @@ TEST(SmoothMotion, LoadsThatTheArmCannotHoldAndTorquesThatAreNoNumbersAreRefused
     const auto terms = std::make_shared<const TorqueTerms>(torque_terms(robot, {.payload = payload}));
     const SmoothMotion made = smooth_motion(space, {{from, to}}, {.torques = terms});
     const TorqueFinding found = greatest_torques(robot, made.motion, *terms);
-    EXPECT_EQ(torque_fault(robot, made.motion, *terms, found).empty(), payload == 1.0) << payload;
+    EXPECT_EQ(torque_fault(robot, made.motion.period, *terms, found).empty(), payload == 1.0) << payload;
     EXPECT_EQ(found.overloaded.empty(), payload == 1.0) << payload;
   }
 }
@@ -226,7 +226,7 @@ TEST(SmoothMotion, TorquesAreJudgedBetweenKnotsThatAreFarApart) {
   EXPECT_GT(found.share, 1.1);
   EXPECT_NEAR(found.place, 0.5, 0.25);
   EXPECT_EQ(found.overloaded, std::vector<std::string>{robot.joints[1].name});
-  EXPECT_NE(torque_fault(robot, motion, terms, found), "");
+  EXPECT_NE(torque_fault(robot, motion.period, terms, found), "");
 }
 
 TEST(SmoothMotion, EdgesTooShortForTheirSquaresAreNone) {

@@ -86,7 +86,9 @@ TEST_F(PickFingers, TheyCloseAtTheGraspAndOpenAtThePlace) {
   pick_.grip["grip"] = {0.03, 0.0};
   Plan plan = plan_from(start(0.012), 1);
   ASSERT_TRUE(plan.is_proved()) << plan.explanation() << plan.validation.first_contact;
-  const auto tip_of = [&](const Configuration& q) { return tip_pose(robot_, q).translation(); };
+  const auto tip_of = [&](const Configuration& q) -> Eigen::Vector3d {
+    return tip_pose(robot_, q).translation();
+  };
   const Eigen::Vector3d grasp = pick_.map_from_object.translation(),
                         place = pick_.map_from_place.translation();
   const auto has_grip = [&](std::size_t leg, double first, double last) {
