@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "datasets/bags/bag_metadata.hpp"
+#include "datasets/descriptions/camera_file.hpp"
 #include "datasets/pictures/depth_folder.hpp"
 #include "datasets/pictures/image_folder.hpp"
 #include "datasets/pictures/picture_file.hpp"
@@ -91,6 +92,17 @@ std::vector<fs::path> files_in(const fs::path& folder, bool (*is_wanted)(const f
   return files;
 }
 
+/// Where the setup says nothing of a camera: that of a file in the folder.
+SourceOptions with_camera_beside(const DepthLayout& layout, SourceOptions options) {
+  DepthOptions& depth = options.depth;
+  if (depth.camera || options.camera || layout.camera.empty()) return options;
+  std::optional<ImageSize> size;
+  for (auto file = layout.depth.begin(); !size && file != layout.depth.end(); ++file) size = png_size(*file);
+  depth.camera = load_camera_file(layout.camera, "", depth.rectified, size);
+  depth.camera_file = layout.camera;
+  return options;
+}
+
 std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOptions& options) {
   std::error_code error;
   const std::string name = fs::weakly_canonical(folder, error).filename().string();
@@ -104,7 +116,7 @@ std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOpt
     throw std::invalid_argument("recording " + quote_path(folder.string()) +
                                 " cannot be read: " + failure.code().message());
   }
-  if (depth) return open_depth_folder(folder, *depth, options);
+  if (depth) return open_depth_folder(folder, *depth, with_camera_beside(*depth, options));
   if (!pictures.empty() && !clouds.empty())
     throw std::invalid_argument("recording " + quote_path(folder.string()) + " has " +
                                 std::to_string(pictures.size()) + " pictures and " +
