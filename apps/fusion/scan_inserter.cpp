@@ -102,7 +102,8 @@ ScanInserter::ScanInserter(const Setup& setup, FreeSpaceMap& map, FusionCounts& 
 void ScanInserter::take(const Frame& frame, const CloudFrame& cloud) {
   ++counts_.scans;
   Waiting waiting{{frame.time, frame.sensor, cloud.world_from_sensor, cloud.points},
-                  setup_.sensor(frame.sensor, cloud.kind)};
+                  setup_.sensor(frame.sensor, cloud.kind),
+                  cloud.unusable};
   waiting_.push_back(std::move(waiting));
   release();
 }
@@ -187,7 +188,7 @@ void ScanInserter::insert(Waiting& waiting) {
   counts_.scan_origin_sum += scan.map_from_sensor.translation();
   counts_.points.inserted += done.inserted;
   counts_.points.beyond_range += done.beyond_range;
-  counts_.points.dropped_invalid += done.dropped_invalid;
+  counts_.points.dropped_invalid += done.dropped_invalid + waiting.unusable;
   counts_.points.dropped_filter += done.dropped_filter;
   counts_.scans_refused += done.origin_invalid ? 1 : 0;
 }

@@ -231,7 +231,7 @@ CloudFrame points_cloud(const RosPointCloud& cloud) {
                 ? number_at<float>(cloud.data, at + field.offset, cloud.is_bigendian)
                 : static_cast<float>(number_at<double>(cloud.data, at + field.offset, cloud.is_bigendian));
       }
-      if (point.allFinite() && !point.isZero(0.0F)) out.points.push_back(point);
+      take_point(out, point);
     }
   }
   return out;

@@ -79,6 +79,7 @@ void write_content(ByteWriter& out, const CloudFrame& frame) {
   out.pose(frame.world_from_sensor);
   out.number(frame.max_range);
   out.block(frame.kind.data(), frame.kind.size());
+  out.number<std::uint64_t>(frame.unusable);
 }
 
 void write_content(ByteWriter& out, const OdometryFrame& frame) { out.pose(frame.world_from_robot); }
@@ -120,6 +121,7 @@ CloudFrame read_cloud(ByteReader& in) {
   frame.world_from_sensor = in.pose();
   frame.max_range = in.number<double>();
   frame.kind = in.block();
+  frame.unusable = in.number<std::uint64_t>();
   return frame;
 }
 
