@@ -104,6 +104,8 @@ void ScanInserter::take(const Frame& frame, const CloudFrame& cloud) {
   Waiting waiting{{frame.time, frame.sensor, cloud.world_from_sensor, cloud.points},
                   setup_.sensor(frame.sensor, cloud.kind),
                   cloud.unusable};
+  counts_.infinite_beams += cloud.infinite;
+  if (setup_.source.clear_infinite) waiting.scan.clear_to = cloud.clear_to;
   waiting_.push_back(std::move(waiting));
   release();
 }
@@ -190,6 +192,7 @@ void ScanInserter::insert(Waiting& waiting) {
   counts_.points.beyond_range += done.beyond_range;
   counts_.points.dropped_invalid += done.dropped_invalid + waiting.unusable;
   counts_.points.dropped_filter += done.dropped_filter;
+  counts_.points.cleared += done.cleared;
   counts_.scans_refused += done.origin_invalid ? 1 : 0;
 }
 

@@ -146,6 +146,11 @@ SourceOptions read_source(const YamlFields& fields, const std::filesystem::path&
       fields.fail("clouds", "expected map or sensor, got " + quote(frame));
     source.clouds = frame == "map" ? CloudFrameOf::map : CloudFrameOf::sensor;
   }
+  if (fields.has("scans")) {
+    const YamlFields scans = fields.map("scans");
+    if (scans.has("clear_infinite")) source.clear_infinite = scans.boolean("clear_infinite");
+    scans.finish();
+  }
   if (fields.has("depth")) source.depth = read_depth(fields.map("depth"), folder, source.bag);
   fields.finish();
   return source;

@@ -206,6 +206,7 @@ std::vector<Frame> BagFrames::frames_in(const BagMessage& message) {
     const RosLaserScan scan = read_laser_scan(in);
     if (scan.time_increment != 0.0F)
       return frames_of_sweep(scan, topic.name, time_of(scan.header, message.time), 0.25 * options_.resolution,
+                             options_.clear_infinite,
                              [&](double time) { return pose_of(scan.header.frame, time, message.time); });
   }
   return {frame_of(message)};
@@ -283,7 +284,7 @@ Frame BagFrames::frame_of(const BagMessage& message) {
   } else {
     const RosLaserScan scan = read_laser_scan(in);
     header = scan.header;
-    frame.content = laser_cloud(scan);
+    frame.content = laser_cloud(scan, options_.clear_infinite);
   }
   frame.time = time_of(header, message.time);
   if (bag.fixed_frame.empty()) return frame;

@@ -87,6 +87,7 @@ struct SourceOptions {
   BagTopics bag = {};
   DepthOptions depth;
   std::optional<CloudFrameOf> clouds = {};  ///< empty: the map's, with a warning where viewpoints are turned
+  bool clear_infinite = false;              ///< beams of 2D lasers that say +inf free space up to their range
   double resolution = 0.02;                 ///< m, of the map: what a sensor may move while it sweeps once
   double camera_seconds = 10.0;             ///< how long a live camera is watched
   std::vector<std::string> placed;          ///< sensors, or kinds of clouds, whose place the setup says

@@ -133,6 +133,12 @@ CloudFrame laser_scan(const mrpt::obs::CObservation2DRangeScan& scan,
   const double step = size > 1 ? (scan.rightToLeft ? 1 : -1) * scan.aperture / (size - 1.0) : 0;
   for (size_t i = 0; i < size; ++i) {
     const double range = scan.getScanRange(i), angle = first + step * static_cast<double>(i);
+    if (std::isinf(range) && range > 0.0) {
+      ++cloud.infinite;
+      if (scan.maxRange > 0.0F && std::isfinite(scan.maxRange))
+        cloud.clear_to.emplace_back(scan.maxRange * std::cos(angle), scan.maxRange * std::sin(angle), 0);
+      continue;
+    }
     if (!scan.getScanRangeValidity(i) || !(range > 0) || !(range < scan.maxRange)) continue;
     cloud.points.emplace_back(range * std::cos(angle), range * std::sin(angle), 0);
   }

@@ -60,6 +60,9 @@ struct CloudFrame {
   /// Points that are not among them: not finite, or at the sensor's origin, where drivers put what did not
   /// come back.
   std::size_t unusable = 0;
+  /// Beams of a 2D laser that said +inf: nothing within its range (REP 117), or, of some drivers, no answer.
+  std::size_t infinite = 0;
+  std::vector<Eigen::Vector3f> clear_to{};  ///< where these reach the laser's range, if it is known
 };
 
 /// Adds a point to the cloud, or counts it as not usable.

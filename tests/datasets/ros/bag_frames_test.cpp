@@ -32,9 +32,10 @@ class BagFramesTest : public ::testing::Test {
     std::vector<Frame> frames;
     std::string damage, warnings;
   };
-  Reading read(const ScanBag& bag, const std::string& name) {
+  Reading read(const ScanBag& bag, const std::string& name, bool clear_infinite = false) {
     bag.write();
     SourceOptions options;
+    options.clear_infinite = clear_infinite;
     (name.starts_with("sweep") ? options.bag.scans
                                : options.bag.clouds) = {name.starts_with("sweep") ? "/scan" : "/points"};
     options.bag.fixed_frame = "map";
@@ -269,6 +270,36 @@ TEST_F(BagFramesTest, EachRayOfASweepIsWhereTheLaserWasThen) {
       EXPECT_GT(reading.frames.size(), 20U) << "15 cm of way each, a third of it without a wall";
       EXPECT_GT(points, 500U);
     }
+  }
+}
+
+TEST_F(BagFramesTest, BeamsThatMetNothingReachTheRangeFromWhereTheLaserWasThen) {
+  for (const float direction : {1.0F, -1.0F}) {
+    ScanBag bag(folder_ / "sweep.mcap");
+    add_sweeps(bag, 12, {10.0, 10.5}, direction);
+    const Reading plain = read(bag, "sweep.mcap"), clear = read(bag, "sweep.mcap", true);
+    std::size_t beams = 0, points = 0, ends = 0, hits = 0, unclear = 0;
+    for (const Frame& frame : plain.frames) {
+      const auto& cloud = std::get<CloudFrame>(frame.content);
+      points += cloud.points.size();
+      beams += cloud.infinite;
+      unclear += cloud.clear_to.size();
+    }
+    EXPECT_EQ(unclear, 0U);
+    EXPECT_EQ(points + beams, 2U * rays);
+    EXPECT_GT(beams, 100U);
+    std::size_t counted = 0;
+    for (const Frame& frame : clear.frames) {
+      const auto& cloud = std::get<CloudFrame>(frame.content);
+      hits += cloud.points.size();
+      ends += cloud.clear_to.size();
+      counted += cloud.infinite;
+      for (const Eigen::Vector3f& end : cloud.clear_to)  // within a quarter voxel of that place
+        EXPECT_NEAR(double{end.norm()}, 30.0, 0.0126 + 1e-3);
+    }
+    EXPECT_EQ(hits, points);
+    EXPECT_EQ(ends, beams);
+    EXPECT_EQ(counted, beams);
   }
 }
 
