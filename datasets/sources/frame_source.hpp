@@ -42,6 +42,8 @@ struct BagTopics {
   std::optional<bool> rectified, depth_rectified;  ///< whether they are; empty: as the topics' names say
   std::vector<std::string> clouds, scans;          ///< PointCloud2, LaserScan
   std::vector<std::string> parts;  ///< files that the bag's folder should hold; none: not known
+  double from = 0.0;               ///< s after its first message was recorded: what was before is not read
+  std::optional<double> to = {};   ///< the same: what was recorded then and later; empty: to the end
   std::string fixed_frame;         ///< poses of sensors are in it, by tf; empty: sensors do not move
 
   bool empty() const { return images.empty() && depth.empty() && clouds.empty() && scans.empty(); }

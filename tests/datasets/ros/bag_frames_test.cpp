@@ -32,9 +32,11 @@ class BagFramesTest : public ::testing::Test {
     std::vector<Frame> frames;
     std::string damage, warnings;
   };
-  Reading read(const ScanBag& bag, const std::string& name, bool clear_infinite = false) {
+  Reading read(const ScanBag& bag, const std::string& name, bool clear_infinite = false,
+               const BagTopics& part = {}) {
     bag.write();
     SourceOptions options;
+    options.bag = part;
     options.clear_infinite = clear_infinite;
     (name.starts_with("sweep") ? options.bag.scans
                                : options.bag.clouds) = {name.starts_with("sweep") ? "/scan" : "/points"};
@@ -94,10 +96,37 @@ TEST_F(BagFramesTest, ARunAfterTheClockWasResetIsRefused) {
     const Reading reading = read(bag, name);
     EXPECT_TRUE(reading.frames.empty());
     EXPECT_NE(
-        reading.damage.find("holds more than one run of its clock: the stamps of '/points' jump back by "
-                            "1.88 s at message 5 of 8"),
+        reading.damage.find("holds more than one run of its clock: the stamps of '/tf', frame 'base', jump "
+                            "back by 3 s at message 62 of 122"),
         std::string::npos)
         << reading.damage;
+  }
+}
+
+TEST_F(BagFramesTest, TheTimeThatTheRefusalNamesPartsTheRuns) {
+  for (const char* name : {"runs.mcap", "runs.bag"}) {
+    ScanBag bag(folder_ / name);
+    add_run(bag, 0);
+    for (double time = 10; time < 13.001; time += 0.05)  // the mount is that of tf_static in the first run
+      bag.transform({20 + time, time}, "map", "base", elsewhere_at(time));
+    for (const double time : {10.51, 11.13, 12.33})
+      bag.cloud("/points", {20.01 + time, time}, "sensor", {{1, 2, 3}});
+    const std::string sentence = read(bag, name).damage;
+    const std::size_t at = sentence.find("`to: ");
+    ASSERT_NE(at, std::string::npos) << sentence;
+    BagTopics part;
+    part.to = std::stod(sentence.substr(at + 5));
+    EXPECT_NE(sentence.find("`from: " + sentence.substr(at + 5, sentence.find('`', at + 5) - at - 4)),
+              std::string::npos);
+    Reading reading = read(bag, name, false, part);
+    EXPECT_EQ(reading.damage + reading.warnings, "");
+    ASSERT_EQ(reading.frames.size(), 4U);
+    for (const Frame& frame : reading.frames) expect_pose(frame, base_at(frame.time) * mount());
+    part.from = std::exchange(part.to, std::nullopt).value();
+    reading = read(bag, name, false, part);
+    EXPECT_EQ(reading.damage + reading.warnings, "");
+    ASSERT_EQ(reading.frames.size(), 3U);
+    for (const Frame& frame : reading.frames) expect_pose(frame, elsewhere_at(frame.time) * mount());
   }
 }
 
