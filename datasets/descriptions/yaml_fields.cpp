@@ -349,7 +349,7 @@ Eigen::Vector3d YamlFields::vector(const std::string& key) const {
 }
 
 YamlFields YamlFields::map(const std::string& key) const {
-  return YamlFields(required(key), name_, path_ + (path_.empty() ? "" : ".") + key);
+  return YamlFields(required(key), name_, path_ + (path_.empty() ? "" : ".") + shortened(key));
 }
 
 std::vector<YamlFields> YamlFields::list_of_maps(const std::string& key) const {

@@ -178,6 +178,8 @@ TEST(ForeignCameras, OneOfSeveralStreamsIsNamed) {
   EXPECT_EQ(parse_camera_file(both, "c.json", "color"), parse_camera_file(color, "c.json", ""));
   EXPECT_NE(refusal_of(both).find("it has 'depth.intrinsics', 'color': expected"), std::string::npos);
   EXPECT_NE(refusal_of(both, "infrared").find("no camera 'infrared'"), std::string::npos);
+  const std::string hostile = refusal_of("{\"a\\e[2J\": {\"ppx\": 3}}");
+  EXPECT_NE(hostile.find("a\\x1b[2J.image_width"), std::string::npos) << hostile;
 }
 
 /// As open3d.io.write_pinhole_camera_intrinsic writes it, with tabs.
