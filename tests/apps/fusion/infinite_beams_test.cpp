@@ -64,5 +64,21 @@ TEST_F(InfiniteBeams, AreLeftOutAndToldUnlessTheSetupLetsThemFreeSpace) {
   EXPECT_NE(clear.warnings[0].find("free space up to range_max"), std::string::npos);
 }
 
+TEST_F(InfiniteBeams, OfARangeThatNoLaserHasFreeNothingWithoutAMaxRange) {
+  worlds::ScanBag bag(folder_ / "a.mcap");
+  bag.transform(9, "map", "laser", Eigen::Isometry3d(Eigen::Translation3d(0, 0, 0.5)), true);
+  bag.sweep("/scan", 10, "laser", {-0.1F, 0.1F, 0.0F, 1000.0F}, {INFINITY, 2.0F, INFINITY});
+  bag.write();
+  EXPECT_EQ(fused(", scans: {clear_infinite: true}").counts.points.cleared, 0U);
+  folder_.write("m.yaml",
+                "map: {resolution: 0.05, max_range: 5}\n"
+                "source: {bag: {scans: [/scan], fixed_frame: map}, scans: {clear_infinite: true}}\n");
+  const Fusion near = fuse(folder_ / "a.mcap", {.setup_file = folder_ / "m.yaml"}, [](double) {});
+  EXPECT_EQ(near.counts.points.cleared, 2U);
+  EXPECT_EQ(near.map.snapshot().state({4.5 * std::cos(0.1), 4.5 * std::sin(0.1), 0.51}),
+            VoxelState::seen_free);
+  EXPECT_EQ(near.map.snapshot().state({5.1 * std::cos(0.1), 5.1 * std::sin(0.1), 0.51}), VoxelState::unknown);
+}
+
 }  // namespace infinite_beams_test
 }  // namespace clearway
