@@ -67,7 +67,9 @@ std::string fate_of_scans(const FusionCounts& counts) {
                                        (counts.joint_gap.empty() ? "" : " (" + counts.joint_gap + ")"));
   add(counts.scans_refused, "scans start outside the map's range");
   add(counts.points.beyond_range, "points lie beyond max_range and only free the space before it");
-  add(counts.points.dropped_invalid, "points are not finite or outside the map's range");
+  add(counts.points.dropped_invalid,
+      "points are not finite, at the sensor's own origin or outside the map's range");
+  add(counts.infinite_beams, "beams of laser scans are +inf");
   add(counts.points.dropped_filter,
       "points were taken out by min_range, crop, thin_to, outliers, or as the robot or the probe");
   const std::string scans = "nothing of its " + grouped(counts.scans) + " scans got into the map: ";
@@ -106,7 +108,7 @@ void require_content(const Fusion& fusion, const std::filesystem::path& recordin
   const FusionCounts& counts = fusion.counts;
   require_tags(fusion, recording.string());
   if (counts.spheres > 0 || counts.body_spheres > 0) return;
-  if (counts.points.inserted > 0) return;
+  if (counts.points.inserted > 0 || counts.points.cleared > 0) return;
   throw std::invalid_argument(recording.string() + ": " + reason_for_nothing(fusion));
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "apps/console/parse.hpp"
 #include "apps/console/stopwatch.hpp"
 #include "apps/fusion/board_poses.hpp"
 #include "apps/fusion/body_painter.hpp"
@@ -52,6 +53,15 @@ void warn_of_leftovers(Fusion& fusion) {
         std::to_string(counts.scans_without_joints) +
         " scans were left out: at their time the robot's joints are not known; of the first, " +
         counts.joint_gap);
+  }
+  if (counts.infinite_beams > 0) {
+    const std::string beams = grouped(counts.infinite_beams) + " beams of laser scans are +inf";
+    fusion.warnings.push_back(
+        fusion.setup.source.clear_infinite
+            ? beams + ", of which " + grouped(counts.points.cleared) + " free space up to range_max"
+            : beams + " (REP 117: nothing within range_max; of some drivers no answer) and were left out; " +
+                  "`source: {scans: {clear_infinite: true}}` of the setup lets them free space up to "
+                  "range_max");
   }
   if (counts.scans_refused > 0) {
     fusion.warnings.push_back(std::to_string(counts.scans_refused) +

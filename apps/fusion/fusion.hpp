@@ -34,6 +34,7 @@ struct FusionCounts {
   std::size_t scans_inserted =
       0;              ///< of the scans: in the map by now; others wait for a pose, or were left out
   ScanCounts points;  ///< summed over the scans
+  std::size_t infinite_beams = 0;  ///< of 2D lasers: they said +inf
   Eigen::Vector3d scan_origin_sum =
       Eigen::Vector3d::Zero();           ///< of the scans, metres: from where they looked
   std::size_t scans_without_pose = 0;    ///< at their time nothing shows where their sensor was: left out

@@ -61,7 +61,7 @@ std::optional<JointStream> recorded_joints(const Setup& setup, const std::filesy
   if (!is_bag(recording))
     throw std::invalid_argument("setup, robot, field 'joint_topic': expected a bag as recording, got " +
                                 quote_path(recording.string()));
-  return read_joints(recording, setup.robot->joint_topic, max_gap);
+  return read_joints(recording, setup.robot->joint_topic, max_gap, setup.source.bag);
 }
 
 MovingRobot::MovingRobot(const RobotSetup& setup, JointStream joints)

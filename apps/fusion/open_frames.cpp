@@ -2,7 +2,9 @@
 
 #include <stdexcept>
 
+#include "apps/fusion/velodyne_folder.hpp"
 #include "datasets/bags/bag_metadata.hpp"
+#include "datasets/descriptions/camera_file.hpp"
 #include "datasets/pictures/depth_folder.hpp"
 #include "datasets/pictures/image_folder.hpp"
 #include "datasets/pictures/picture_file.hpp"
@@ -11,6 +13,7 @@
 #include "datasets/ros/bag_source.hpp"
 #include "datasets/sources/folder_damage.hpp"
 #include "mapping/files/cloud_file.hpp"
+#include "mapping/files/velodyne_scan.hpp"
 #include "mapping/system/damaged_file.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -47,6 +50,7 @@ class Clouds final : public FrameSource {
         frame.kind = "points";
         frame.world_from_sensor = cloud.file_from_viewpoint;
         frame.points = std::move(cloud.points);
+        frame.unusable = cloud.left_out;
         moved_ += !cloud.file_from_viewpoint.isApprox(Eigen::Isometry3d::Identity(), 1e-9);
         turned_ += !cloud.file_from_viewpoint.linear().isIdentity(1e-6);
         if (points_in_ != CloudFrameOf::sensor) {
@@ -82,6 +86,8 @@ class Clouds final : public FrameSource {
   FolderDamage damage_;
 };
 
+bool is_posed_cloud(const fs::path& file) { return is_cloud_file(file) && !is_velodyne_file(file); }
+
 /// What is called like a file that `is_wanted`. One that is no file, or a link to none, is reported as
 /// damage: what it should hold is missing.
 std::vector<fs::path> files_in(const fs::path& folder, bool (*is_wanted)(const fs::path&)) {
@@ -91,26 +97,40 @@ std::vector<fs::path> files_in(const fs::path& folder, bool (*is_wanted)(const f
   return files;
 }
 
+/// Where the setup says nothing of a camera: that of a file in the folder.
+SourceOptions with_camera_beside(const DepthLayout& layout, SourceOptions options) {
+  DepthOptions& depth = options.depth;
+  if (depth.camera || options.camera || layout.camera.empty()) return options;
+  std::optional<ImageSize> size;
+  for (auto file = layout.depth.begin(); !size && file != layout.depth.end(); ++file) size = png_size(*file);
+  depth.camera = load_camera_file(layout.camera, "", depth.rectified, size);
+  depth.camera_file = layout.camera;
+  return options;
+}
+
 std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOptions& options) {
   std::error_code error;
   const std::string name = fs::weakly_canonical(folder, error).filename().string();
   std::vector<fs::path> pictures, clouds;
   std::optional<DepthLayout> depth;
+  std::optional<VelodyneLayout> velodyne;
   try {
     depth = depth_layout(folder);
     pictures = files_in(folder, is_picture_file);
-    clouds = files_in(folder, is_cloud_file);
+    clouds = files_in(folder, is_posed_cloud);
+    velodyne = velodyne_layout(folder);
   } catch (const fs::filesystem_error& failure) {
     throw std::invalid_argument("recording " + quote_path(folder.string()) +
                                 " cannot be read: " + failure.code().message());
   }
-  if (depth) return open_depth_folder(folder, *depth, options);
+  if (depth) return open_depth_folder(folder, *depth, with_camera_beside(*depth, options));
   if (!pictures.empty() && !clouds.empty())
     throw std::invalid_argument("recording " + quote_path(folder.string()) + " has " +
                                 std::to_string(pictures.size()) + " pictures and " +
                                 std::to_string(clouds.size()) + " clouds; expected a folder of one kind");
   if (!pictures.empty()) return open_pictures(pictures, name, options);
   if (!clouds.empty()) return std::make_unique<Clouds>(clouds, name, options.clouds);
+  if (velodyne) return open_velodyne(*velodyne, name, options);
   throw std::invalid_argument("recording " + quote_path(folder.string()) +
                               " is a folder without pictures and clouds; expected " + kinds_of_recordings);
 }
@@ -143,6 +163,8 @@ std::unique_ptr<FrameSource> open_frames(const fs::path& recording, const Source
   const bool is_file = fs::is_regular_file(recording, error);
   if (is_file && is_cloud_file(recording)) {
     require_input(recording, "recording");
+    if (is_velodyne_file(recording))
+      return open_velodyne({{recording}, {}, {}, {}}, recording.stem().string(), options);
     return std::make_unique<Clouds>(std::vector<fs::path>{recording}, recording.stem().string(),
                                     options.clouds);
   }

@@ -10,8 +10,8 @@ namespace clearway {
 
 /// What a recording may be, for sentences that refuse something else.
 inline constexpr const char* kinds_of_recordings =
-    "an MRPT rawlog, a ROS bag (.bag, .mcap), a video, a .pcd, .ply, .png or .jpg file, or a folder of such "
-    "files or of depth pictures";
+    "an MRPT rawlog, a ROS bag (.bag, .mcap), a video, a .pcd, .ply, .bin, .png or .jpg file, or a folder of "
+    "such files or of depth pictures";
 
 /// Whatever holds frames, recognized by what it is:
 /// - a folder of depth pictures as RGB-D data sets have it (datasets/pictures/depth_folder.hpp);
@@ -20,6 +20,9 @@ inline constexpr const char* kinds_of_recordings =
 /// - a folder of .pcd and .ply files, or one of them: scans of kind "points", each seen from the file's
 ///   viewpoint, which is in the same frame as its points. Their time is the number that is their name (as the
 ///   TUM benchmark names them), else 0, 1, 2, ... s;
+/// - a folder of .bin files, or one of them: scans of kind "velodyne" (apps/fusion/velodyne_folder.hpp),
+/// where
+///   there is nothing of the above;
 /// - a .bag or .mcap file, or the folder that `ros2 bag record` makes: topics that the setup names
 /// (datasets/ros/bag_source.hpp);
 /// - else an MRPT rawlog.

@@ -13,6 +13,7 @@ namespace clearway {
 namespace {
 
 constexpr std::size_t most_waiting = 128;  ///< some seconds of a camera's
+constexpr double farthest = 300.0;         ///< m, of what is cast without a max_range
 
 /// The robot's bodies at its setup's joints, as the spheres that cover them, grown by the margin.
 std::vector<Capsule> robot_capsules(const RobotSetup& setup) {
@@ -68,7 +69,6 @@ int link_of(const SensorSetup& sensor, const Robot& robot) {
 
 /// Points in millimetres would be cast through kilometres of voxels.
 void require_metres(const Scan& scan, const MapSetup& map) {
-  constexpr double farthest = 300.0;  ///< m
   if (map.max_range) return;
   std::size_t finite = 0, far = 0;
   for (const Eigen::Vector3f& point : scan.points) {
@@ -102,7 +102,12 @@ ScanInserter::ScanInserter(const Setup& setup, FreeSpaceMap& map, FusionCounts& 
 void ScanInserter::take(const Frame& frame, const CloudFrame& cloud) {
   ++counts_.scans;
   Waiting waiting{{frame.time, frame.sensor, cloud.world_from_sensor, cloud.points},
-                  setup_.sensor(frame.sensor, cloud.kind)};
+                  setup_.sensor(frame.sensor, cloud.kind),
+                  cloud.unusable};
+  counts_.infinite_beams += cloud.infinite;
+  if (setup_.source.clear_infinite)
+    for (const Eigen::Vector3f& end : cloud.clear_to)
+      if (setup_.map.max_range || end.norm() <= farthest) waiting.scan.clear_to.push_back(end);
   waiting_.push_back(std::move(waiting));
   release();
 }
@@ -187,8 +192,9 @@ void ScanInserter::insert(Waiting& waiting) {
   counts_.scan_origin_sum += scan.map_from_sensor.translation();
   counts_.points.inserted += done.inserted;
   counts_.points.beyond_range += done.beyond_range;
-  counts_.points.dropped_invalid += done.dropped_invalid;
+  counts_.points.dropped_invalid += done.dropped_invalid + waiting.unusable;
   counts_.points.dropped_filter += done.dropped_filter;
+  counts_.points.cleared += done.cleared;
   counts_.scans_refused += done.origin_invalid ? 1 : 0;
 }
 

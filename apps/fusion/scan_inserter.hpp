@@ -34,6 +34,7 @@ class ScanInserter {
   struct Waiting {
     Scan scan;
     const SensorSetup* sensor = nullptr;
+    std::size_t unusable = 0;  ///< CloudFrame::unusable
   };
   bool is_ready(const Waiting& waiting) const;
   std::optional<Eigen::Isometry3d> place(const Waiting& waiting) const;

@@ -149,6 +149,10 @@ std::string report_json(const ReplayReport& report) {
                    {"points_beyond_range", counts.points.beyond_range},
                    {"points_invalid", counts.points.dropped_invalid},
                    {"points_filtered", counts.points.dropped_filter}};
+  if (counts.infinite_beams > 0) {
+    json["scans"]["beams_infinite"] = counts.infinite_beams;
+    json["scans"]["beams_cleared"] = counts.points.cleared;
+  }
   const MapOptions& options = report.fusion->map.options();
   const bool safe = options.integration == Integration::safe;
   json["map"] = {{"file", "map.ot"},

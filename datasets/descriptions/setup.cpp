@@ -130,6 +130,9 @@ BagTopics read_bag(const YamlFields& fields) {
   if (bag.fixed_frame.starts_with('/')) bag.fixed_frame.erase(0, 1);  // as of frames in messages
   if (fields.has("rectified")) bag.rectified = fields.boolean("rectified");
   if (fields.has("depth_rectified")) bag.depth_rectified = fields.boolean("depth_rectified");
+  bag.from = fields.number("from", not_negative, bag.from);
+  bag.to = fields.optional_number("to", not_negative);
+  if (bag.to && *bag.to <= bag.from) fields.fail("to", "expected a time after 'from'");
   bag.clouds = fields.texts("clouds");
   bag.scans = fields.texts("scans");
   fields.finish();
@@ -145,6 +148,11 @@ SourceOptions read_source(const YamlFields& fields, const std::filesystem::path&
     if (frame != "map" && frame != "sensor")
       fields.fail("clouds", "expected map or sensor, got " + quote(frame));
     source.clouds = frame == "map" ? CloudFrameOf::map : CloudFrameOf::sensor;
+  }
+  if (fields.has("scans")) {
+    const YamlFields scans = fields.map("scans");
+    if (scans.has("clear_infinite")) source.clear_infinite = scans.boolean("clear_infinite");
+    scans.finish();
   }
   if (fields.has("depth")) source.depth = read_depth(fields.map("depth"), folder, source.bag);
   fields.finish();

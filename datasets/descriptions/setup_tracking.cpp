@@ -72,8 +72,11 @@ CameraIntrinsics read_camera_of_setup(const YamlFields& fields, const std::files
                                       bool is_rectified) {
   if (!fields.has("file")) return read_camera(fields);
   if (fields.has("rectified")) is_rectified = fields.boolean("rectified");
+  std::optional<ImageSize> size;
+  if (fields.has("width") || fields.has("height"))
+    size = {fields.integer("width", {1, 20000}), fields.integer("height", {1, 20000})};
   const CameraIntrinsics camera = load_camera_file(
-      folder / fields.file("file"), fields.has("name") ? fields.text("name") : "", is_rectified);
+      folder / fields.file("file"), fields.has("name") ? fields.text("name") : "", is_rectified, size);
   fields.finish();
   return camera;
 }

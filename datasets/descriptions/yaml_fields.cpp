@@ -108,6 +108,11 @@ bool YamlFields::is_list(const std::string& key) const {
   return node.IsDefined() && node.IsSequence();
 }
 
+bool YamlFields::is_map(const std::string& key) const {
+  const YAML::Node node = find(key);
+  return node.IsDefined() && node.IsMap();
+}
+
 bool YamlFields::is_word(const std::string& key) const {
   const YAML::Node node = find(key);
   return node.IsDefined() && node.IsScalar() && !parsed_number(node);
@@ -344,7 +349,7 @@ Eigen::Vector3d YamlFields::vector(const std::string& key) const {
 }
 
 YamlFields YamlFields::map(const std::string& key) const {
-  return YamlFields(required(key), name_, path_ + (path_.empty() ? "" : ".") + key);
+  return YamlFields(required(key), name_, path_ + (path_.empty() ? "" : ".") + shortened(key));
 }
 
 std::vector<YamlFields> YamlFields::list_of_maps(const std::string& key) const {

@@ -38,6 +38,7 @@ class YamlFields {
 
   bool has(const std::string& key) const;
   bool is_list(const std::string& key) const;  ///< false for what is absent, too
+  bool is_map(const std::string& key) const;   ///< the same
   bool is_word(const std::string& key) const;  ///< a scalar that is no number
   double number(const std::string& key, Bounds bounds) const;
   double number(const std::string& key, Bounds bounds, double otherwise) const;

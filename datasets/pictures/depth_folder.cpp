@@ -160,6 +160,10 @@ class DepthFolder final : public FrameSource {
                in_order_of_names(layout.depth), options.depth.tolerance),
         timed_(times_of_files(layout.depth, options.rate)),
         depth_(names_of(timed_), "depth picture", depth_decoder(camera, options_.depth)) {
+    if (!options.depth.camera_file.empty())
+      camera_note_ = "the depth pictures' camera is that of " +
+                     quote_path(options.depth.camera_file.string()) +
+                     ", which lies beside them; `source: {depth: {camera: …}}` states another.";
     if (!layout.colour.empty()) colour_ = open_pictures(layout.colour, "colour", options);
   }
   bool has_poses() const { return poses_.are_there(); }
@@ -177,6 +181,7 @@ class DepthFolder final : public FrameSource {
   }
   std::vector<std::string> warnings() const override {
     std::vector<std::string> sentences = timed_.warnings;
+    if (!camera_note_.empty()) sentences.push_back(camera_note_);
     if (!is_scale_stated_ && options_.depth.scale == scale_of_tum)
       sentences.push_back(
           "steps of depth are 0.0002 m, as the files are TUM's; `source: {depth: {scale: …}}` states "
@@ -251,6 +256,7 @@ class DepthFolder final : public FrameSource {
   std::unique_ptr<FrameSource> colour_;
   std::optional<Frame> next_depth_, next_colour_;
   std::size_t at_ = 0, unposed_ = 0;
+  std::string camera_note_;
   FolderDamage damage_;
 };
 
@@ -275,6 +281,11 @@ std::optional<DepthLayout> depth_layout(const fs::path& folder) {
     }
   }
   if (layout.depth.empty()) return std::nullopt;
+  layout.camera =
+      first_there(folder, {"intrinsic/intrinsic_depth.txt", "intrinsic_depth.txt", "camera_intrinsic.json",
+                           "intrinsic.json", "intrinsics.json", "camera.json", "camera-intrinsics.txt",
+                           "camera_intrinsics.txt", "intrinsic.txt", "intrinsics.txt", "camera.yaml",
+                           "camera.yml", "camera.xml", "camera_info.yaml"});
   layout.poses =
       first_there(folder, {"groundtruth.txt", "poses.txt", "trajectory.txt", "trajectory.log", "traj.txt"});
   for (const char* kind : {".log", ".freiburg"})
@@ -289,7 +300,8 @@ std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const Dep
   if (!camera)
     throw std::invalid_argument(name +
                                 " has depth pictures, which do not hold their camera: expected `camera`, or "
-                                "`camera` of `source: {depth: …}`, in the setup");
+                                "`camera` of `source: {depth: …}`, in the setup, or a file of it beside them "
+                                "(intrinsic/intrinsic_depth.txt, camera_intrinsic.json, camera.yaml, …)");
   if (options.depth.rectified && has_distortion(*camera))
     throw std::invalid_argument(
         name +

@@ -70,6 +70,23 @@ bool is_picture_file(const std::filesystem::path& file) {
   return end == ".png" || end == ".jpg" || end == ".jpeg";
 }
 
+std::optional<ImageSize> png_size(const std::filesystem::path& file) {
+  std::string head;
+  try {
+    InputFile(file, "picture").read_at(0, 24, head);
+  } catch (const std::invalid_argument&) {
+    return std::nullopt;
+  }
+  if (head.size() < 24 || !head.starts_with("\x89PNG\r\n\x1a\n")) return std::nullopt;
+  const auto number = [&](std::size_t at) {
+    std::uint32_t value = 0;
+    for (std::size_t i = at; i < at + 4; ++i) value = value << 8U | static_cast<unsigned char>(head[i]);
+    return value;
+  };
+  if (number(16) > longest_side || number(20) > longest_side) return std::nullopt;
+  return ImageSize{static_cast<int>(number(16)), static_cast<int>(number(20))};
+}
+
 bool is_whole(const std::string& bytes) {
   const auto byte = [&](std::size_t at) { return static_cast<unsigned char>(bytes[at]); };
   if (bytes.size() < 4 || byte(0) != 0xff || byte(1) != 0xd8) return true;  // no JPEG

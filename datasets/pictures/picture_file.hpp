@@ -1,8 +1,10 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
+#include "datasets/cameras/image_size.hpp"
 #include "datasets/sources/recording.hpp"
 
 namespace clearway {
@@ -15,6 +17,9 @@ bool is_picture_file(const std::filesystem::path& file);
 /// child process alone. @throws std::runtime_error a clause that says why there is no picture: not one, cut
 /// off, sides beyond 20,000 or 64 million pixels.
 GrayImage decode_picture(const std::string& bytes);
+
+/// What the head of a PNG file says; nothing for another file, or one that cannot be read.
+std::optional<ImageSize> png_size(const std::filesystem::path& file);
 
 /// False for a JPEG without an end of its pixels, which OpenCV would fill up with grey; true for all else.
 bool is_whole(const std::string& bytes);

@@ -27,10 +27,13 @@ constexpr std::size_t exif_reach = 256U << 10U;  ///< bytes of a file within whi
 
 constexpr double clock_begins = 1e9;  ///< s since 1970, which no number of a picture reaches
 
-constexpr char no_times[] =
-    "the pictures have no times: they are taken as one a second, or by the numbers in their names; a table, "
-    "or "
-    "`rate` of `source` in the setup, gives true ones";
+constexpr char no_times[] = "the pictures have no times";
+constexpr char shared_times[] =
+    "EXIF states one time for several of the pictures, as of a burst without SubSecTimeOriginal";
+constexpr char taken_times[] =
+    ": they are taken as one a second, or by the numbers in their names; a table, or `rate` of `source` in "
+    "the "
+    "setup, gives true ones";
 
 /// The first fields of a line, apart by commas, semicolons or blanks.
 std::vector<std::string> fields_of(const std::string& line, std::size_t most) {
@@ -336,7 +339,8 @@ TimedFiles times_of_files(const std::vector<fs::path>& given, std::optional<doub
     result = std::move(*associated);
   } else {
     result.files = times_of_names(files);
-    if (!is_clock && files.size() > 1) result.time_caveat = no_times;
+    if (!is_clock && files.size() > 1)
+      result.time_caveat = std::string(exif ? shared_times : no_times) + taken_times;
   }
   std::stable_sort(result.files.begin(), result.files.end(),
                    [](const TimedFile& a, const TimedFile& b) { return a.time < b.time; });

@@ -6,6 +6,7 @@
 
 #include "datasets/ros/clock_restart.hpp"
 #include "datasets/ros/compressed_depth.hpp"
+#include "datasets/ros/cut_bag.hpp"
 #include "datasets/ros/laser_sweep.hpp"
 #include "datasets/ros/sensor_frames.hpp"
 #include "datasets/ros/stamp_order.hpp"
@@ -51,18 +52,6 @@ RosHeader header_of(const BagTopic& topic, const BagMessage& message) {
   }
   header.time = time_of(header, message.time);
   return header;
-}
-
-/// Why a stream of messages is not of one run of its clock; "": it is.
-std::string restart_in(const std::string& name, std::span<const double> times, const char* what) {
-  const auto at = find_restart(times);
-  if (!at) return "";
-  const double reached = *std::max_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(*at));
-  return "holds more than one run of its clock: " + std::string(what) + " of " + name + " jump back by " +
-         short_text(reached - times[*at]) + " s at message " + std::to_string(*at + 1) + " of " +
-         std::to_string(times.size()) +
-         ", and pass the same times again, so that nothing says which poses belong to which scans; expected "
-         "one run, to which `ros2 bag convert` or `rosbag filter` cuts it";
 }
 
 constexpr std::size_t most_held_bytes = std::size_t{64} << 20U;  ///< of messages that wait for their turn
@@ -141,7 +130,8 @@ void BagFrames::learn() {
     }
     return true;
   });
-  refuse_contradictions(streams);
+  refuse_restarts(streams);
+  refuse_contradictions();
 }
 
 std::set<std::string> BagFrames::used_frames() const {
@@ -152,19 +142,32 @@ std::set<std::string> BagFrames::used_frames() const {
   return frames;
 }
 
-void BagFrames::refuse_contradictions(const std::map<std::string, Stream>& streams) const {
+/// Names the stream that starts again first.
+void BagFrames::refuse_restarts(const std::map<std::string, Stream>& streams) const {
+  std::string clause;
+  double first = HUGE_VAL;
   for (const auto& [name, stream] : streams) {
-    std::string restart = restart_in(name, stream.stamps, "the stamps");
-    if (restart.empty()) {
-      std::vector<std::pair<BagPlace, double>> recorded = stream.recorded;
-      std::stable_sort(recorded.begin(), recorded.end(),
-                       [](const auto& a, const auto& b) { return a.first < b.first; });
-      std::vector<double> times;
-      for (const auto& [place, time] : recorded) times.push_back(time);
-      restart = restart_in(name, times, "the times of recording");
-    }
-    if (!restart.empty()) throw ContradictoryBag(restart);
+    std::vector<double> recorded;
+    for (const auto& [place, time] : stream.recorded) recorded.push_back(time);
+    const auto restart = find_restart(stream.stamps);
+    if (!restart || recorded[*restart] >= first) continue;
+    first = recorded[*restart];
+    clause = restart_clause(name, stream.stamps, "the stamps", *restart,
+                            cut_before(recorded, *restart, bag_.first_time().value_or(0.0)));
   }
+  if (!clause.empty()) throw ContradictoryBag(clause);
+  for (const auto& [name, stream] : streams) {
+    auto recorded = stream.recorded;
+    std::stable_sort(recorded.begin(), recorded.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::vector<double> times;
+    for (const auto& [place, time] : recorded) times.push_back(time);
+    if (const auto restart = find_restart(times))
+      throw ContradictoryBag(restart_clause(name, times, "the times of recording", *restart, {}));
+  }
+}
+
+void BagFrames::refuse_contradictions() const {
   if (options_.bag.fixed_frame.empty()) return;
   for (const std::string& frame : used_frames()) {
     if (const std::vector<std::string> loop = transforms_.loop_above(frame); !loop.empty()) {
@@ -206,6 +209,7 @@ std::vector<Frame> BagFrames::frames_in(const BagMessage& message) {
     const RosLaserScan scan = read_laser_scan(in);
     if (scan.time_increment != 0.0F)
       return frames_of_sweep(scan, topic.name, time_of(scan.header, message.time), 0.25 * options_.resolution,
+                             options_.clear_infinite,
                              [&](double time) { return pose_of(scan.header.frame, time, message.time); });
   }
   return {frame_of(message)};
@@ -283,7 +287,7 @@ Frame BagFrames::frame_of(const BagMessage& message) {
   } else {
     const RosLaserScan scan = read_laser_scan(in);
     header = scan.header;
-    frame.content = laser_cloud(scan);
+    frame.content = laser_cloud(scan, options_.clear_infinite);
   }
   frame.time = time_of(header, message.time);
   if (bag.fixed_frame.empty()) return frame;

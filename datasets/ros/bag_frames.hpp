@@ -48,7 +48,8 @@ class BagFrames {
   };
   /// Frames that lead to the sensors.
   std::set<std::string> used_frames() const;
-  void refuse_contradictions(const std::map<std::string, Stream>& streams) const;
+  void refuse_restarts(const std::map<std::string, Stream>& streams) const;
+  void refuse_contradictions() const;
   bool is_sensor(const BagTopic& topic) const;
   void learn();
   void leave_out(const BagTopic& topic, const std::runtime_error& error);

@@ -9,6 +9,7 @@
 #include "datasets/pictures/picture_times.hpp"
 #include "datasets/ros/bag_frames.hpp"
 #include "datasets/ros/clock_restart.hpp"
+#include "datasets/ros/cut_bag.hpp"
 #include "datasets/ros/wire_writer.hpp"
 #include "datasets/sources/decoding_child.hpp"
 #include "datasets/sources/frame_bytes.hpp"
@@ -234,7 +235,7 @@ class BagSource final : public FrameSource {
                    int descriptor) {
     std::unique_ptr<MessageBag> bag;
     try {
-      bag = files.open(descriptor);
+      bag = cut_bag(files.open(descriptor), options.bag);
       BagFrames frames(*bag, options);
       frames.visit([&](const Frame& frame) {
         report.send(ChildMessage::frame, bag->offset(), frame_to_bytes({frame, true}));
@@ -414,13 +415,14 @@ std::unique_ptr<FrameSource> open_bag(const std::filesystem::path& file, const S
   return std::make_unique<BagSource>(file, options);
 }
 
-JointStream read_joints(const std::filesystem::path& file, const std::string& topic, double max_gap) {
+JointStream read_joints(const std::filesystem::path& file, const std::string& topic, double max_gap,
+                        const BagTopics& part) {
   require_topic(file, list_bag(file), topic, "robot: joint_topic", {"sensor_msgs/JointState"});
   const BagFiles input(file);
   DecodingChild child(limits_of(input.size()), input.descriptor(),
                       [&](const ChildReport& report, int descriptor) {
                         try {
-                          const std::unique_ptr<MessageBag> bag = input.open(descriptor);
+                          const auto bag = cut_bag(input.open(descriptor), part);
                           visit_joints(*bag, topic, [&](double time, const RosJointState& state) {
                             WireWriter out;
                             out.number(time);
@@ -456,7 +458,8 @@ JointStream read_joints(const std::filesystem::path& file, const std::string& to
   if (find_restart(times))
     throw std::invalid_argument(
         sentence(file, "holds more than one run of its clock: the stamps of topic " + quote(topic) +
-                           " jump back and pass the same times again; expected one run"));
+                           " jump back and pass the same times again; expected one run: `from` or `to` in "
+                           "`source: {bag: …}` of the setup takes a part of it"));
   return stream;
 }
 

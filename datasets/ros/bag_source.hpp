@@ -56,6 +56,8 @@ std::unique_ptr<FrameSource> open_bag(const std::filesystem::path& file, const S
 /// The joint positions of a JointState topic, as the stream takes them: the header's times, where there are
 /// some. Readings that are damaged or not finite are left out. @throws std::invalid_argument as open_bag,
 /// when none is left, and where their clock starts again (find_restart).
-JointStream read_joints(const std::filesystem::path& file, const std::string& topic, double max_gap = 0.5);
+/// @param part of the bag, by `from` and `to`
+JointStream read_joints(const std::filesystem::path& file, const std::string& topic, double max_gap = 0.5,
+                        const BagTopics& part = {});
 
 }  // namespace clearway

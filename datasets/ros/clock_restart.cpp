@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "mapping/system/number_text.hpp"
+
 namespace clearway {
 namespace {
 
@@ -48,6 +50,23 @@ std::optional<std::size_t> find_restart(std::span<const double> times) {
     if (repeated >= least_repeated) return begins[run];
   }
   return std::nullopt;
+}
+
+std::string restart_clause(const std::string& name, std::span<const double> times, const char* what,
+                           std::size_t restart, std::optional<double> cut) {
+  const auto at = times.begin() + static_cast<std::ptrdiff_t>(restart);
+  const std::string seconds = cut ? short_text(*cut, 12) : "";
+  const std::string way_out =
+      cut ? "`to: " + seconds +
+                "` in `source: {bag: …}` of the setup takes what was before, `from: " + seconds +
+                "` what came after"
+          : "`ros2 bag convert` or `rosbag filter` cuts it to one";
+  return "holds more than one run of its clock: " + std::string(what) + " of " + name + " jump back by " +
+         short_text(*std::max_element(times.begin(), at) - *at) + " s at message " +
+         std::to_string(restart + 1) + " of " + std::to_string(times.size()) +
+         ", and pass the same times again, so that nothing says which poses belong to which scans; expected "
+         "one run: " +
+         way_out;
 }
 
 }  // namespace clearway

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <string>
 
 namespace clearway {
 
@@ -14,5 +15,11 @@ namespace clearway {
 /// none.
 /// @param times s, in the order of the messages
 std::optional<std::size_t> find_restart(std::span<const double> times);
+
+/// That a stream is not of one run of its clock, as a clause that says what to do.
+/// @param name of the stream @param what its times are: "the stamps" @param restart of find_restart
+/// @param cut s, with which `to` and `from` of the setup part the runs; nothing: they do not
+std::string restart_clause(const std::string& name, std::span<const double> times, const char* what,
+                           std::size_t restart, std::optional<double> cut);
 
 }  // namespace clearway

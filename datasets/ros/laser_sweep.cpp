@@ -36,7 +36,7 @@ Eigen::Vector3f moved(const PlacedReturn& one, const Eigen::Isometry3d& world_fr
 }  // namespace
 
 std::vector<Frame> frames_of_sweep(const RosLaserScan& scan, const std::string& sensor, double time,
-                                   double most_way,
+                                   double most_way, bool with_clear,
                                    const std::function<Eigen::Isometry3d(double time)>& world_from_laser) {
   const double increment = double{scan.time_increment};
   const std::size_t rays = scan.ranges.size();
@@ -44,7 +44,7 @@ std::vector<Frame> frames_of_sweep(const RosLaserScan& scan, const std::string& 
     throw std::runtime_error("its time increment is not sound: expected a sweep of 60 s at most");
   const auto time_of = [&](std::size_t ray) { return time + increment * static_cast<double>(ray); };
   std::vector<PlacedReturn> returns;
-  for (const LaserReturn& one : laser_returns(scan))
+  for (const LaserReturn& one : laser_returns(scan, with_clear))
     returns.push_back({one, world_from_laser(time_of(one.ray))});
   const auto parts =
       static_cast<std::size_t>(std::clamp(std::ceil(way_of(returns) / most_way), 1.0, most_parts));
@@ -57,9 +57,10 @@ std::vector<Frame> frames_of_sweep(const RosLaserScan& scan, const std::string& 
                                      }));
     if (first == next && parts > 1) continue;
     CloudFrame cloud = empty_laser_cloud(scan);
+    if (!frames.empty()) cloud.infinite = 0;  // counted once
     cloud.world_from_sensor = world_from_laser(time_of((begin + end) / 2));
     for (const PlacedReturn& one : std::span(first, next))
-      cloud.points.push_back(moved(one, cloud.world_from_sensor));
+      (one.seen.is_clear ? cloud.clear_to : cloud.points).push_back(moved(one, cloud.world_from_sensor));
     frames.push_back({time_of(increment < 0.0 && end > begin ? end - 1 : begin), sensor, std::move(cloud)});
   }
   if (increment < 0.0) std::reverse(frames.begin(), frames.end());

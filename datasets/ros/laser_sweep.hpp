@@ -14,11 +14,11 @@ namespace clearway {
 /// transformLaserScanToPointCloud), in parts during which the laser moves by `most_way` at most, as far as 32
 /// parts do. A part has the pose at its middle ray and the time of its first one; one without returns is left
 /// out, unless it is the only one.
-/// @param time s, of the first ray @param most_way m
+/// @param time s, of the first ray @param most_way m @param with_clear as of laser_returns
 /// @param world_from_laser at a time; what it throws goes on to the caller
 /// @throws std::runtime_error a clause: the sweep would take more than 60 s.
 std::vector<Frame> frames_of_sweep(const RosLaserScan& scan, const std::string& sensor, double time,
-                                   double most_way,
+                                   double most_way, bool with_clear,
                                    const std::function<Eigen::Isometry3d(double time)>& world_from_laser);
 
 }  // namespace clearway

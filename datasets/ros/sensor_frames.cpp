@@ -231,25 +231,34 @@ CloudFrame points_cloud(const RosPointCloud& cloud) {
                 ? number_at<float>(cloud.data, at + field.offset, cloud.is_bigendian)
                 : static_cast<float>(number_at<double>(cloud.data, at + field.offset, cloud.is_bigendian));
       }
-      if (point.allFinite() && !point.isZero(0.0F)) out.points.push_back(point);
+      take_point(out, point);
     }
   }
   return out;
 }
 
-std::vector<LaserReturn> laser_returns(const RosLaserScan& scan) {
+namespace {
+
+bool met_nothing(float range) { return std::isinf(range) && range > 0.0F; }
+
+}  // namespace
+
+std::vector<LaserReturn> laser_returns(const RosLaserScan& scan, bool with_clear) {
   if (!std::isfinite(scan.angle_min) || !std::isfinite(scan.angle_increment))
     throw std::runtime_error("its angles are not finite");
   std::vector<LaserReturn> returns;
+  const bool has_range = std::isfinite(scan.range_max) && scan.range_max > 0.0F;
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
-    const double range = double{scan.ranges[i]};
+    const bool is_clear = with_clear && has_range && met_nothing(scan.ranges[i]);
+    const double range = is_clear ? double{scan.range_max} : double{scan.ranges[i]};
     const double angle = double{scan.angle_min} + static_cast<double>(i) * double{scan.angle_increment};
     const bool is_return = std::isfinite(range) && range > 0.0 && range >= double{scan.range_min} &&
                            range <= double{scan.range_max};
     if (is_return)
       returns.push_back(
           {i,
-           {static_cast<float>(range * std::cos(angle)), static_cast<float>(range * std::sin(angle)), 0.0F}});
+           {static_cast<float>(range * std::cos(angle)), static_cast<float>(range * std::sin(angle)), 0.0F},
+           is_clear});
   }
   return returns;
 }
@@ -258,12 +267,15 @@ CloudFrame empty_laser_cloud(const RosLaserScan& scan) {
   CloudFrame cloud;
   cloud.kind = "laser2d";
   if (std::isfinite(scan.range_max) && scan.range_max > 0.0F) cloud.max_range = double{scan.range_max};
+  cloud.infinite =
+      static_cast<std::size_t>(std::count_if(scan.ranges.begin(), scan.ranges.end(), met_nothing));
   return cloud;
 }
 
-CloudFrame laser_cloud(const RosLaserScan& scan) {
+CloudFrame laser_cloud(const RosLaserScan& scan, bool with_clear) {
   CloudFrame cloud = empty_laser_cloud(scan);
-  for (const LaserReturn& one : laser_returns(scan)) cloud.points.push_back(one.point);
+  for (const LaserReturn& one : laser_returns(scan, with_clear))
+    (one.is_clear ? cloud.clear_to : cloud.points).push_back(one.point);
   return cloud;
 }
 

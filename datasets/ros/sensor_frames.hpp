@@ -41,11 +41,13 @@ std::optional<TimeSpan> time_span(const RosPointCloud& cloud);
 struct LaserReturn {
   std::size_t ray = 0;    ///< its number in the scan
   Eigen::Vector3f point;  ///< m, in the laser's axes while this ray was out
+  bool is_clear = false;  ///< no return: where a ray that met nothing (+inf, REP 117) reaches range_max
 };
-std::vector<LaserReturn> laser_returns(const RosLaserScan& scan);
+/// @param with_clear whether rays that met nothing are among them
+std::vector<LaserReturn> laser_returns(const RosLaserScan& scan, bool with_clear);
 /// These returns as if all were measured at once.
-CloudFrame laser_cloud(const RosLaserScan& scan);
-/// Such a cloud without points.
+CloudFrame laser_cloud(const RosLaserScan& scan, bool with_clear);
+/// Such a cloud without points, which knows how many rays met nothing.
 CloudFrame empty_laser_cloud(const RosLaserScan& scan);
 
 }  // namespace clearway

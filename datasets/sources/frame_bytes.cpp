@@ -79,6 +79,9 @@ void write_content(ByteWriter& out, const CloudFrame& frame) {
   out.pose(frame.world_from_sensor);
   out.number(frame.max_range);
   out.block(frame.kind.data(), frame.kind.size());
+  out.number<std::uint64_t>(frame.unusable);
+  out.number<std::uint64_t>(frame.infinite);
+  out.block(frame.clear_to.data(), frame.clear_to.size() * sizeof(Eigen::Vector3f));
 }
 
 void write_content(ByteWriter& out, const OdometryFrame& frame) { out.pose(frame.world_from_robot); }
@@ -110,16 +113,24 @@ ImageFrame read_image(ByteReader& in) {
   return frame;
 }
 
+std::vector<Eigen::Vector3f> read_points(ByteReader& in) {
+  const auto bytes = in.block();
+  in.require(bytes.size() % sizeof(Eigen::Vector3f) == 0);
+  std::vector<Eigen::Vector3f> points(bytes.size() / sizeof(Eigen::Vector3f));
+  if (!bytes.empty()) std::memcpy(points.data()->data(), bytes.data(), bytes.size());
+  for (const auto& point : points) in.require(point.allFinite());
+  return points;
+}
+
 CloudFrame read_cloud(ByteReader& in) {
   CloudFrame frame;
-  const auto points = in.block();
-  in.require(points.size() % sizeof(Eigen::Vector3f) == 0);
-  frame.points.resize(points.size() / sizeof(Eigen::Vector3f));
-  if (!points.empty()) std::memcpy(frame.points.data()->data(), points.data(), points.size());
-  for (const auto& point : frame.points) in.require(point.allFinite());
+  frame.points = read_points(in);
   frame.world_from_sensor = in.pose();
   frame.max_range = in.number<double>();
   frame.kind = in.block();
+  frame.unusable = in.number<std::uint64_t>();
+  frame.infinite = in.number<std::uint64_t>();
+  frame.clear_to = read_points(in);
   return frame;
 }
 

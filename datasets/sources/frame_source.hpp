@@ -42,6 +42,8 @@ struct BagTopics {
   std::optional<bool> rectified, depth_rectified;  ///< whether they are; empty: as the topics' names say
   std::vector<std::string> clouds, scans;          ///< PointCloud2, LaserScan
   std::vector<std::string> parts;  ///< files that the bag's folder should hold; none: not known
+  double from = 0.0;               ///< s after its first message was recorded: what was before is not read
+  std::optional<double> to = {};   ///< the same: what was recorded then and later; empty: to the end
   std::string fixed_frame;         ///< poses of sensors are in it, by tf; empty: sensors do not move
 
   bool empty() const { return images.empty() && depth.empty() && clouds.empty() && scans.empty(); }
@@ -71,6 +73,7 @@ struct DepthOptions {
   std::optional<double> scale = {};  ///< m per step of the stored number; empty: 0.001, or TUM's of its files
   double max_range = 0;              ///< m, of the sensor; 0: not known
   std::optional<CameraIntrinsics> camera;  ///< of the depth pictures; empty: the setup's camera
+  std::filesystem::path camera_file;       ///< where `camera` is from, if it was found in the folder
   bool rectified = false;                  ///< pictures of a folder were freed of the lens's distortion
   std::filesystem::path poses;             ///< TUM text, world_from_camera; empty: what lies in the folder
   double tolerance = 0.02;                 ///< s between a picture and a pose
@@ -86,6 +89,7 @@ struct SourceOptions {
   BagTopics bag = {};
   DepthOptions depth;
   std::optional<CloudFrameOf> clouds = {};  ///< empty: the map's, with a warning where viewpoints are turned
+  bool clear_infinite = false;              ///< beams of 2D lasers that say +inf free space up to their range
   double resolution = 0.02;                 ///< m, of the map: what a sensor may move while it sweeps once
   double camera_seconds = 10.0;             ///< how long a live camera is watched
   std::vector<std::string> placed;          ///< sensors, or kinds of clouds, whose place the setup says

@@ -109,7 +109,7 @@ void decode_range_camera(const mrpt::obs::CObservation3DRangeScan& scan,
       cloud.kind = "points";
       for (size_t i = 0; i < scan.points3D_x.size(); ++i) {
         const Eigen::Vector3f point(scan.points3D_x[i], scan.points3D_y.at(i), scan.points3D_z.at(i));
-        if (point.allFinite() && !point.isZero(0)) cloud.points.push_back(point);
+        take_point(cloud, point);
       }
       content(std::move(cloud));
     }
@@ -133,6 +133,12 @@ CloudFrame laser_scan(const mrpt::obs::CObservation2DRangeScan& scan,
   const double step = size > 1 ? (scan.rightToLeft ? 1 : -1) * scan.aperture / (size - 1.0) : 0;
   for (size_t i = 0; i < size; ++i) {
     const double range = scan.getScanRange(i), angle = first + step * static_cast<double>(i);
+    if (std::isinf(range) && range > 0.0) {
+      ++cloud.infinite;
+      if (scan.maxRange > 0.0F && std::isfinite(scan.maxRange))
+        cloud.clear_to.emplace_back(scan.maxRange * std::cos(angle), scan.maxRange * std::sin(angle), 0);
+      continue;
+    }
     if (!scan.getScanRangeValidity(i) || !(range > 0) || !(range < scan.maxRange)) continue;
     cloud.points.emplace_back(range * std::cos(angle), range * std::sin(angle), 0);
   }
@@ -148,7 +154,7 @@ CloudFrame velodyne_scan(mrpt::obs::CObservationVelodyneScan scan,
   if (scan.point_cloud.size() == 0) scan.generatePointCloud();
   for (size_t i = 0; i < scan.point_cloud.x.size(); ++i) {
     const Eigen::Vector3f point(scan.point_cloud.x[i], scan.point_cloud.y.at(i), scan.point_cloud.z.at(i));
-    if (point.allFinite() && !point.isZero(0)) cloud.points.push_back(point);
+    take_point(cloud, point);
   }
   return cloud;
 }
@@ -164,7 +170,10 @@ void decode_point_cloud(const mrpt::obs::CObservationPointCloud& observed,
   for (size_t i = 0; observed.pointcloud && i < observed.pointcloud->size(); ++i) {
     Eigen::Vector3f point;
     observed.pointcloud->getPointFast(i, point.x(), point.y(), point.z());
-    if (point.allFinite()) cloud.points.push_back(point);
+    if (point.allFinite())
+      cloud.points.push_back(point);
+    else
+      ++cloud.unusable;
   }
   content(std::move(cloud));
 }

@@ -41,6 +41,7 @@ std::optional<Frame> OrderedFrames::next() {
     Frame frame = std::move(waiting_.extract(waiting_.begin()).mapped());
     waiting_bytes_ -= bytes_of(frame);
     if (!std::holds_alternative<CloudFrame>(frame.content)) return frame;
+    ++clouds_;
     if (!newest_ || frame.time >= *newest_) {
       newest_ = frame.time;
       return frame;
@@ -56,7 +57,8 @@ std::optional<std::string> OrderedFrames::damage() const {
   const std::string late =
       "recording " + quote_path(name_) + " is not in the order of its times: " + std::to_string(late_) +
       (late_ == 1 ? " scan that is" : " scans that are") + " older than scans before, by up to " +
-      short_text(latest_, 4) + " s, " + (late_ == 1 ? "is" : "are") + " not used.";
+      short_text(latest_, 4) + " s, " + (late_ == 1 ? "is" : "are") + " not used" +
+      (4 * late_ > clouds_ ? ", as of several runs in one recording: expected one for each run." : ".");
   return damage ? *damage + " " + late : late;
 }
 

@@ -35,7 +35,7 @@ class OrderedFrames final : public FrameSource {
   std::unique_ptr<FrameSource> frames_;
   std::string name_;
   std::multimap<double, Frame> waiting_;  ///< by time
-  std::size_t waiting_bytes_ = 0, late_ = 0;
+  std::size_t waiting_bytes_ = 0, clouds_ = 0, late_ = 0;
   bool is_at_end_ = false;
   std::optional<double> newest_;  ///< s, of the scans given
   double latest_ = 0.0;           ///< s, by how much a scan was late at most

@@ -57,7 +57,21 @@ struct CloudFrame {
   Eigen::Isometry3d world_from_sensor = Eigen::Isometry3d::Identity();
   double max_range = 0;  ///< m, 0 when the recording does not say
   std::string kind;      ///< "depth", "laser2d", "velodyne" or "points"
+  /// Points that are not among them: not finite, or at the sensor's origin, where drivers put what did not
+  /// come back.
+  std::size_t unusable = 0;
+  /// Beams of a 2D laser that said +inf: nothing within its range (REP 117), or, of some drivers, no answer.
+  std::size_t infinite = 0;
+  std::vector<Eigen::Vector3f> clear_to{};  ///< where these reach the laser's range, if it is known
 };
+
+/// Adds a point to the cloud, or counts it as not usable.
+inline void take_point(CloudFrame& cloud, const Eigen::Vector3f& point) {
+  if (point.allFinite() && !point.isZero(0.0F))
+    cloud.points.push_back(point);
+  else
+    ++cloud.unusable;
+}
 
 /// Where the robot that carries the sensors is, by its odometry.
 struct OdometryFrame {

@@ -14,6 +14,7 @@
 #include "mapping/files/cloud_parser.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/files/number_words.hpp"
+#include "mapping/files/velodyne_scan.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/voxels/fused_tree.hpp"
@@ -122,10 +123,11 @@ CloudVoxels voxels_of_cloud(const std::filesystem::path& file, const std::vector
 
 bool is_cloud_file(const std::filesystem::path& file) {
   const std::string kind = extension_of(file);
-  return kind == ".pcd" || kind == ".ply";
+  return kind == ".pcd" || kind == ".ply" || is_velodyne_file(file);
 }
 
 std::vector<Eigen::Vector3f> read_cloud(const std::filesystem::path& file) {
+  if (is_velodyne_file(file)) return read_velodyne_scan(file).points;
   ParsedCloud cloud = parse_cloud(file);
   return finite_points(cloud);
 }
@@ -163,6 +165,7 @@ double points_over(const std::array<Eigen::Vector3f, 3>& corners, double step) {
 }  // namespace
 
 std::vector<Eigen::Vector3f> read_surface(const std::filesystem::path& file, double edge) {
+  if (is_velodyne_file(file)) return read_velodyne_scan(file).points;
   ParsedCloud cloud = parse_cloud(file);
   if (cloud.has_lost_faces)
     throw std::invalid_argument(
@@ -188,6 +191,10 @@ std::vector<Eigen::Vector3f> read_surface(const std::filesystem::path& file, dou
 }
 
 ViewedCloud read_viewed_cloud(const std::filesystem::path& file) {
+  if (is_velodyne_file(file)) {
+    VelodyneScan scan = read_velodyne_scan(file);
+    return {std::move(scan.points), Eigen::Isometry3d::Identity(), scan.left_out()};
+  }
   ParsedCloud parsed = parse_cloud(file);
   const auto& [x, y, z, qw, qx, qy, qz] = parsed.viewpoint;
   const Eigen::Vector3f origin(x, y, z);
@@ -196,7 +203,9 @@ ViewedCloud read_viewed_cloud(const std::filesystem::path& file) {
     throw DamagedFile("'" + file.string() +
                       "' is damaged: its viewpoint is not a finite place and a unit quaternion");
   }
+  const std::size_t all = parsed.points.size();
   ViewedCloud cloud{finite_points(parsed), Eigen::Isometry3d(turn.normalized().cast<double>())};
+  cloud.left_out = all - cloud.points.size();
   cloud.file_from_viewpoint.translation() = origin.cast<double>();
   return cloud;
 }

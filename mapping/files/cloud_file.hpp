@@ -16,10 +16,11 @@ class FusedTree;
 
 constexpr double usual_cloud_resolution = 0.02;  ///< m
 
-/// True for a name that ends in .pcd or .ply, in small or capital letters.
+/// True for a name that ends in .pcd, .ply or .bin (velodyne_scan.hpp), in small or capital letters.
 bool is_cloud_file(const std::filesystem::path& file);
 
-/// Reads the finite points of a .pcd or .ply file with PCL, in a child process: PCL crashes on damaged files.
+/// Reads the finite points of a .pcd or .ply file with PCL, in a child process: PCL crashes on damaged files;
+/// and those of a .bin file that can be used.
 /// @throws DamagedFile when the file is cut off or corrupt, or holds no x, y, z.
 std::vector<Eigen::Vector3f> read_cloud(const std::filesystem::path& file);
 
@@ -32,6 +33,7 @@ std::vector<Eigen::Vector3f> read_surface(const std::filesystem::path& file, dou
 struct ViewedCloud {
   std::vector<Eigen::Vector3f> points;  ///< finite ones
   Eigen::Isometry3d file_from_viewpoint = Eigen::Isometry3d::Identity();
+  std::size_t left_out = 0;  ///< points that are not finite
 };
 
 /// The same with the file's viewpoint (VIEWPOINT of a .pcd, the camera of a .ply; the origin without one).

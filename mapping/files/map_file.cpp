@@ -10,6 +10,7 @@
 #include "mapping/files/octree_file.hpp"
 #include "mapping/files/octree_stream.hpp"
 #include "mapping/files/painted_csv.hpp"
+#include "mapping/files/velodyne_scan.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/number_text.hpp"
@@ -133,7 +134,7 @@ Snapshot load_map(const fs::path& path, std::optional<double> cloud_resolution) 
   }
   throw std::invalid_argument("map '" + path.string() +
                               "' is of an unknown kind: expected a directory or a .ot, " +
-                              ".bt, .pcd or .ply file");
+                              ".bt, .pcd, .ply or .bin file");
 }
 
 MapLeaves MapLeaves::in_file(const fs::path& path, std::optional<double> cloud_resolution) {
@@ -191,9 +192,13 @@ std::string cloud_remark(const fs::path& path, const Snapshot& map, bool is_chos
     add(short_text(std::floor(100.0 * sparse)) + " % of the cloud's voxels of " + millimetres(edge) +
         " touch fewer than four others, so that surfaces may have holes that a path leads through");
   if (!remark.empty()) remark += "; --cloud-resolution chooses others";
-  if (has_turned_viewpoint(path))
+  if (is_velodyne_file(path)) {
+    const VelodyneScan scan = read_velodyne_scan(path);
+    if (scan.left_out() > 0) add(std::to_string(scan.left_out()) + " points are left out: " + scan.reasons());
+  } else if (has_turned_viewpoint(path)) {
     add("the cloud's VIEWPOINT is turned and its points are taken as in the map's frame: where they are in "
         "the sensor's, `clearway replay` with `source: {clouds: sensor}` places them");
+  }
   return remark;
 }
 

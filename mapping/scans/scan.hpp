@@ -16,6 +16,9 @@ struct Scan {
   std::string sensor;  ///< label, for reports
   Eigen::Isometry3d map_from_sensor = Eigen::Isometry3d::Identity();  ///< the rays start at its origin
   std::vector<Eigen::Vector3f> points;                                ///< sensor frame, metres
+  /// Where rays end that met nothing up to there: they free space as hits do, less the same margin (see
+  /// SafeMargins::trim), and set no hit. Sensor frame, metres; most scans say nothing of such rays.
+  std::vector<Eigen::Vector3f> clear_to{};
 };
 
 /// A capsule of space, map frame; radius around the segment from `a` to `b`.
@@ -43,7 +46,8 @@ struct ScanCounts {
   std::size_t beyond_range = 0;     ///< cleared up to max_range, no hit
   std::size_t dropped_invalid = 0;  ///< NaN, infinite, or outside the key range of the tree
   std::size_t dropped_filter = 0;   ///< by min_range, crop, thinning, as an outlier or in a body
-  bool origin_invalid = false;      ///< the sensor origin is not finite or outside the tree: nothing inserted
+  std::size_t cleared = 0;  ///< rays of Scan::clear_to that were cast; min_range, crop and bodies drop others
+  bool origin_invalid = false;  ///< the sensor origin is not finite or outside the tree: nothing inserted
 };
 
 }  // namespace clearway

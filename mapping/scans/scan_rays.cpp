@@ -134,6 +134,28 @@ void join(const ScanInsertion& insertion, double max_range, ChosenEnds& other, C
   first.counts.dropped_invalid += other.counts.dropped_invalid;
 }
 
+/// The rays that met nothing: to where they end, or to max_range.
+void add_clear_rays(const FusedTree& tree, const Scan& scan, const ScanFilter& filter,
+                    const ScanInsertion& insertion, ScanRays& rays, ScanCounts& counts) {
+  if (scan.clear_to.empty()) return;
+  ScanFilter ends = filter;
+  ends.thin_to = 0.0;
+  ends.outlier_neighbours = 0;
+  const FilteredPoints kept =
+      filter_points({scan.time, scan.sensor, scan.map_from_sensor, scan.clear_to}, ends);
+  for (const Eigen::Vector3f& point : kept.points) {
+    const Eigen::Vector3d way = point.cast<double>() - kept.origin;
+    const double length = way.norm();
+    const double used = filter.max_range > 0.0 ? std::min(filter.max_range, length) : length;
+    const Eigen::Vector3f end = (kept.origin + (length > 0.0 ? used / length : 0.0) * way).cast<float>();
+    if (!tree.cell(end.cast<double>())) continue;
+    const bool is_safe = insertion.integration == Integration::safe;
+    const double reach = is_safe ? std::max(0.0, used - insertion.margins.trim(used)) : used;
+    rays.ends.push_back({end, static_cast<float>(reach)});
+    ++counts.cleared;
+  }
+}
+
 /// True when the filter keeps every point, so that scans need not go through filter_points.
 bool keeps_all(const ScanFilter& filter) {
   return filter.min_range == 0.0 && filter.thin_to == 0.0 && filter.crop.isEmpty() && filter.bodies.empty() &&
@@ -185,6 +207,7 @@ ScanRays& choose_rays(const FusedTree& tree, const Scan& scan, const ScanFilter&
   counts.dropped_filter = kept.dropped_filter;
   std::swap(shares[0].hits, workspace.grid);
   std::swap(shares[0].ends, workspace.chosen.ends);
+  add_clear_rays(tree, scan, filter, insertion, workspace.chosen, counts);
   return workspace.chosen;
 }
 

@@ -12,10 +12,13 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <functional>
 
 #include "apps/console/failure.hpp"
+#include "apps/fusion/open_frames.hpp"
 #include "apps/problem_sets/planning_scene.hpp"
+#include "datasets/descriptions/camera_file.hpp"
 #include "datasets/descriptions/scene.hpp"
 #include "datasets/descriptions/setup.hpp"
 #include "datasets/descriptions/suite.hpp"
@@ -339,6 +342,51 @@ TEST_F(MutatedReaders, clouds) {
       "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 3\nHEIGHT 1\n"
       "VIEWPOINT 0 0 1 1 0 0 0\nPOINTS 3\nDATA ascii\n0 0 0\n1 0 0\n0 1 0.5\n";
   expect_read_or_refused("text.pcd", pcd, read);
+  std::string scan(30 * 16, '\0');
+  for (std::size_t i = 0; i < 30; ++i) std::memcpy(&scan[16 * i], points[i].data(), 12);
+  expect_read_or_refused("scan.bin", scan, read);
+}
+
+TEST_F(MutatedReaders, what_lies_beside_kittis_scans) {
+  const std::filesystem::path folder = folder_ / "kitti";
+  std::filesystem::create_directories(folder / "velodyne");
+  for (const char* name : {"velodyne/0.bin", "velodyne/1.bin"}) {
+    const float point[] = {1, 2, 3, 0.5F};
+    folder_.write(std::string("kitti/") + name,
+                  std::string(reinterpret_cast<const char*>(point), sizeof point));
+  }
+  const std::pair<const char*, std::string> files[] = {
+      {"poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n"},
+      {"calib.txt", "P0: 7e2 0 6e2 0 0 7e2 1.8e2 0 0 0 1 0\nTr: 0 -1 0 0 0 0 -1 -0.08 1 0 0 -0.27\n"},
+      {"times.txt", "0.000000e+00\n1.036224e-01\n"}};
+  for (const auto& [name, text] : files) folder_.write(std::string("kitti/") + name, text);
+  for (const auto& [name, text] : files) {
+    expect_read_or_refused(std::string("kitti/") + name, text, [](const auto& file) {
+      const auto source = open_frames(file.parent_path(), {});
+      while (source->next()) continue;
+    });
+    folder_.write(std::string("kitti/") + name, text);
+  }
+}
+
+TEST_F(MutatedReaders, cameras) {
+  const auto read = [](const auto& file) { load_camera_file(file, "", false, ImageSize{640, 480}); };
+  expect_read_or_refused("camera.xml",
+                         "<?xml version=\"1.0\"?>\n<opencv_storage>\n<image_width>640</image_width>\n"
+                         "<image_height>480</image_height>\n<camera_matrix type_id=\"opencv-matrix\">\n"
+                         "<rows>3</rows><cols>3</cols><dt>d</dt><data>\n600. 0. 320. 0. 601. 240. 0. 0. 1."
+                         "</data></camera_matrix>\n<dist_coeffs type_id=\"opencv-matrix\"><rows>1</rows>"
+                         "<cols>5</cols><dt>d</dt><data>\n0.1 0. 0. 0. 0.</data></dist_coeffs>\n"
+                         "<x><_>\"a b\"</_><_>1</_></x></opencv_storage>\n",
+                         read);
+  expect_read_or_refused("realsense.json",
+                         R"({"color": {"width": 640, "height": 480, "ppx": 320.5, "ppy": 240, "fx": 600, )"
+                         R"("fy": 600, "model": "distortion.brown_conrady", "coeffs": [0.1, 0, 0, 0, 0]}})",
+                         read);
+  expect_read_or_refused(
+      "open3d.json",
+      R"({"width": 640, "height": 480, "intrinsic_matrix": [600, 0, 0, 0, 600, 0, 320, 240, 1]})", read);
+  expect_read_or_refused("matrix.txt", "600 0 320 0\n0 600 240 0\n0 0 1 0\n0 0 0 1\n", read);
 }
 
 }  // namespace mutated_readers_test

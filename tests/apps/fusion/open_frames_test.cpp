@@ -206,5 +206,45 @@ TEST_F(Scans, NumbersInTheirNamesCountByValueAndClocksOfFineUnitsBecomeSeconds) 
   }
 }
 
+/// A wall 2 m ahead whose camera lies beside the pictures in one of the forms that data sets have.
+TEST(DepthFolderCameras, AreFoundBesideThePictures) {
+  const std::string matrix = "50 0 24\n0 52 18\n0 0 1\n", wide = "50 0 24 0\n0 52 18 0\n0 0 1 0\n0 0 0 1\n";
+  const std::string json =
+      R"({"width": 48, "height": 36, "intrinsic_matrix": [50, 0, 0, 0, 52, 0, 24, 18, 1]})";
+  for (const auto& [name, text] : std::vector<std::pair<std::string, std::string>>{
+           {"intrinsic/intrinsic_depth.txt", wide},
+           {"camera-intrinsics.txt", matrix},
+           {"camera_intrinsic.json", json},
+           {"intrinsic.json", json},
+           {"camera.json", json},
+           {"camera.yaml",
+            "image_width: 48\nimage_height: 36\ncamera_matrix: [50, 0, 24, 0, 52, 18, 0, 0, 1]\n"}}) {
+    const TemporaryFolder folder;
+    std::filesystem::create_directories(folder / "depth");
+    std::filesystem::create_directories(folder / "intrinsic");
+    folder.write("depth/0.png", picture_bytes(cv::Mat(36, 48, CV_16UC1, cv::Scalar(2000)), ".png"));
+    folder.write("poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n");
+    EXPECT_NE(refusal(folder.path()).find("a file of it beside them"), std::string::npos);
+    folder.write(name, text);
+    const auto source = open_frames(folder.path(), {});
+    const auto frame = source->next();
+    ASSERT_TRUE(frame) << name;
+    const auto& cloud = std::get<CloudFrame>(frame->content);
+    // the pixel (34, 10): 10 to the right by 50, 8 up by 52
+    const Eigen::Vector3f expected(2.0F, -2.0F * 10 / 50, 2.0F * 8 / 52);
+    EXPECT_LT((cloud.points.at(10 * 48 + 34) - expected).norm(), 1e-6F) << name;
+    EXPECT_NE(source->warnings().at(0).find(name), std::string::npos) << source->warnings().at(0);
+    SourceOptions stated;  // the setup comes first
+    stated.camera = CameraIntrinsics{48, 36, 100, 52, 24, 18, {}};
+    const auto other = open_frames(folder.path(), stated)->next();
+    EXPECT_NEAR(std::get<CloudFrame>(other.value().content).points.at(10 * 48 + 34).y(), -0.2F, 1e-6F);
+    folder.write("depth/0.png", picture_bytes(cv::Mat(36, 40, CV_16UC1, cv::Scalar(2000)), ".png"));
+    if (text == matrix || text == wide)
+      EXPECT_EQ(refusal(folder.path()), "");
+    else
+      EXPECT_NE(refusal(folder.path()).find("48 x 36 pixels, expected 40 x 36"), std::string::npos);
+  }
+}
+
 }  // namespace open_frames_test
 }  // namespace clearway

@@ -338,5 +338,25 @@ TEST(SetupDetector, SaysHowImagesAreSearchedAndRefusesWhatTheDetectorDoesNotDo) 
     EXPECT_NE(complaint([&] { parse_setup(wrong, "s"); }), "") << wrong;
 }
 
+TEST(Setup, SaysWhichPartOfABagIsReadAndWhatInfiniteBeamsDo) {
+  const SourceOptions source =
+      parse_setup("source: {bag: {from: 2.5, to: 60}, scans: {clear_infinite: true}}\n", "s").source;
+  EXPECT_EQ(source.bag.from, 2.5);
+  EXPECT_EQ(source.bag.to, 60.0);
+  EXPECT_TRUE(source.clear_infinite);
+  const SourceOptions plain = parse_setup("source: {bag: {}, scans: {}}\n", "s").source;
+  EXPECT_EQ(plain.bag.from, 0.0);
+  EXPECT_FALSE(plain.bag.to);
+  EXPECT_FALSE(plain.clear_infinite);
+  for (const auto& [text, words] : std::vector<std::pair<std::string, std::string>>{
+           {"source: {bag: {from: 3, to: 3}}", "to: expected a time after 'from'"},
+           {"source: {bag: {from: -1}}", "source.bag.from"},
+           {"source: {scans: {clear_infinite: 1}}", "expected true or false"},
+           {"source: {scans: {clear: true}}", "unknown key"}}) {
+    const std::string sentence = complaint([&text = text] { parse_setup(text, "s"); });
+    EXPECT_NE(sentence.find(words), std::string::npos) << sentence;
+  }
+}
+
 }  // namespace setup_test
 }  // namespace clearway

@@ -32,9 +32,12 @@ class BagFramesTest : public ::testing::Test {
     std::vector<Frame> frames;
     std::string damage, warnings;
   };
-  Reading read(const ScanBag& bag, const std::string& name) {
+  Reading read(const ScanBag& bag, const std::string& name, bool clear_infinite = false,
+               const BagTopics& part = {}) {
     bag.write();
     SourceOptions options;
+    options.bag = part;
+    options.clear_infinite = clear_infinite;
     (name.starts_with("sweep") ? options.bag.scans
                                : options.bag.clouds) = {name.starts_with("sweep") ? "/scan" : "/points"};
     options.bag.fixed_frame = "map";
@@ -93,10 +96,37 @@ TEST_F(BagFramesTest, ARunAfterTheClockWasResetIsRefused) {
     const Reading reading = read(bag, name);
     EXPECT_TRUE(reading.frames.empty());
     EXPECT_NE(
-        reading.damage.find("holds more than one run of its clock: the stamps of '/points' jump back by "
-                            "1.88 s at message 5 of 8"),
+        reading.damage.find("holds more than one run of its clock: the stamps of '/tf', frame 'base', jump "
+                            "back by 3 s at message 62 of 122"),
         std::string::npos)
         << reading.damage;
+  }
+}
+
+TEST_F(BagFramesTest, TheTimeThatTheRefusalNamesPartsTheRuns) {
+  for (const char* name : {"runs.mcap", "runs.bag"}) {
+    ScanBag bag(folder_ / name);
+    add_run(bag, 0);
+    for (double time = 10; time < 13.001; time += 0.05)  // the mount is that of tf_static in the first run
+      bag.transform({20 + time, time}, "map", "base", elsewhere_at(time));
+    for (const double time : {10.51, 11.13, 12.33})
+      bag.cloud("/points", {20.01 + time, time}, "sensor", {{1, 2, 3}});
+    const std::string sentence = read(bag, name).damage;
+    const std::size_t at = sentence.find("`to: ");
+    ASSERT_NE(at, std::string::npos) << sentence;
+    BagTopics part;
+    part.to = std::stod(sentence.substr(at + 5));
+    EXPECT_NE(sentence.find("`from: " + sentence.substr(at + 5, sentence.find('`', at + 5) - at - 4)),
+              std::string::npos);
+    Reading reading = read(bag, name, false, part);
+    EXPECT_EQ(reading.damage + reading.warnings, "");
+    ASSERT_EQ(reading.frames.size(), 4U);
+    for (const Frame& frame : reading.frames) expect_pose(frame, base_at(frame.time) * mount());
+    part.from = std::exchange(part.to, std::nullopt).value();
+    reading = read(bag, name, false, part);
+    EXPECT_EQ(reading.damage + reading.warnings, "");
+    ASSERT_EQ(reading.frames.size(), 3U);
+    for (const Frame& frame : reading.frames) expect_pose(frame, elsewhere_at(frame.time) * mount());
   }
 }
 
@@ -269,6 +299,36 @@ TEST_F(BagFramesTest, EachRayOfASweepIsWhereTheLaserWasThen) {
       EXPECT_GT(reading.frames.size(), 20U) << "15 cm of way each, a third of it without a wall";
       EXPECT_GT(points, 500U);
     }
+  }
+}
+
+TEST_F(BagFramesTest, BeamsThatMetNothingReachTheRangeFromWhereTheLaserWasThen) {
+  for (const float direction : {1.0F, -1.0F}) {
+    ScanBag bag(folder_ / "sweep.mcap");
+    add_sweeps(bag, 12, {10.0, 10.5}, direction);
+    const Reading plain = read(bag, "sweep.mcap"), clear = read(bag, "sweep.mcap", true);
+    std::size_t beams = 0, points = 0, ends = 0, hits = 0, unclear = 0;
+    for (const Frame& frame : plain.frames) {
+      const auto& cloud = std::get<CloudFrame>(frame.content);
+      points += cloud.points.size();
+      beams += cloud.infinite;
+      unclear += cloud.clear_to.size();
+    }
+    EXPECT_EQ(unclear, 0U);
+    EXPECT_EQ(points + beams, 2U * rays);
+    EXPECT_GT(beams, 100U);
+    std::size_t counted = 0;
+    for (const Frame& frame : clear.frames) {
+      const auto& cloud = std::get<CloudFrame>(frame.content);
+      hits += cloud.points.size();
+      ends += cloud.clear_to.size();
+      counted += cloud.infinite;
+      for (const Eigen::Vector3f& end : cloud.clear_to)  // within a quarter voxel of that place
+        EXPECT_NEAR(double{end.norm()}, 30.0, 0.0126 + 1e-3);
+    }
+    EXPECT_EQ(hits, points);
+    EXPECT_EQ(ends, beams);
+    EXPECT_EQ(counted, beams);
   }
 }
 

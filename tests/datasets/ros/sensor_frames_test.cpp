@@ -44,5 +44,31 @@ TEST(SensorFrames, DepthImagesOfAFisheyeLieOnTheRaysThatOpenCvFinds) {
   }
 }
 
+TEST(SensorFrames, OfALasersBeamsInfinityMetNothingAndNanSaysNothing) {
+  const std::vector<float> ranges{1.0F, INFINITY, NAN, -INFINITY, 0.0F, 9.0F, 0.05F, INFINITY};
+  RosLaserScan scan;
+  scan.angle_min = 0.0F;
+  scan.angle_increment = 0.5F;
+  scan.range_min = 0.1F;
+  scan.range_max = 8.0F;
+  scan.ranges.assign(ranges.begin(), ranges.end());
+  const CloudFrame plain = laser_cloud(scan, false), clear = laser_cloud(scan, true);
+  EXPECT_EQ(plain.points, (std::vector<Eigen::Vector3f>{{1, 0, 0}}));
+  EXPECT_EQ(clear.points, plain.points);
+  EXPECT_TRUE(plain.clear_to.empty());
+  EXPECT_EQ(plain.infinite, 2U);
+  EXPECT_EQ(clear.infinite, 2U);
+  ASSERT_EQ(clear.clear_to.size(), 2U);
+  for (const auto& [i, beam] : {std::pair{0, 1}, {1, 7}}) {
+    const Eigen::Vector3d expected(8.0 * std::cos(0.5 * beam), 8.0 * std::sin(0.5 * beam), 0);
+    EXPECT_LT((clear.clear_to[static_cast<std::size_t>(i)].cast<double>() - expected).norm(), 1e-6);
+  }
+  for (const float unknown : {0.0F, INFINITY, NAN, -1.0F}) {
+    scan.range_max = unknown;
+    EXPECT_TRUE(laser_cloud(scan, true).clear_to.empty()) << unknown;
+    EXPECT_EQ(laser_cloud(scan, true).infinite, 2U);
+  }
+}
+
 }  // namespace sensor_frames_test
 }  // namespace clearway

@@ -28,6 +28,21 @@ TEST(FrameBytes, EveryLensComesBackAndNoOtherDoes) {
   }
 }
 
+TEST(FrameBytes, WhatACloudLeftOutComesBackToo) {
+  Frame frame = sample_frames()[2];
+  auto& cloud = std::get<CloudFrame>(frame.content);
+  cloud.unusable = 7;
+  cloud.infinite = 3;
+  cloud.clear_to = {{1, 2, 3}, {4, 5, 6}};
+  const auto read = std::get<CloudFrame>(frame_from_bytes(bytes_of(frame)).frame.content);
+  EXPECT_EQ(read.points, cloud.points);
+  EXPECT_EQ(read.unusable, 7u);
+  EXPECT_EQ(read.infinite, 3u);
+  EXPECT_EQ(read.clear_to, cloud.clear_to);
+  cloud.clear_to[1].y() = NAN;
+  EXPECT_THROW(frame_from_bytes(bytes_of(frame)), std::runtime_error);
+}
+
 TEST(FrameBytes, NothingCutOrLengthenedIsTakenForAFrame) {
   for (const auto& frame : sample_frames()) {
     const std::string bytes = bytes_of(frame);

@@ -192,6 +192,25 @@ TEST(ObservationDecoder, InvalidAndOutOfRangeBeamsAreLeftOut) {
   EXPECT_TRUE(std::get<CloudFrame>(decoded(scan).at(0)).points[0].isApprox(Eigen::Vector3f(0, 1, 0), 1e-5f));
 }
 
+TEST(ObservationDecoder, BeamsThatMetNothingAreCountedAndReachTheRange) {
+  mrpt::obs::CObservation2DRangeScan scan;
+  scan.aperture = static_cast<float>(M_PI);
+  scan.maxRange = 10;
+  const float ranges[] = {INFINITY, 2, NAN, -INFINITY, INFINITY};
+  const char valid[] = {0, 1, 0, 0, 1};
+  scan.loadFromVectors(5, ranges, valid);
+  auto cloud = std::get<CloudFrame>(decoded(scan).at(0));
+  EXPECT_EQ(cloud.points.size(), 1u);
+  EXPECT_EQ(cloud.infinite, 2u);
+  ASSERT_EQ(cloud.clear_to.size(), 2u);
+  EXPECT_TRUE(cloud.clear_to[0].isApprox(Eigen::Vector3f(0, -10, 0), 1e-5f));
+  EXPECT_TRUE(cloud.clear_to[1].isApprox(Eigen::Vector3f(0, 10, 0), 1e-5f));
+  scan.maxRange = 0;
+  cloud = std::get<CloudFrame>(decoded(scan).at(0));
+  EXPECT_EQ(cloud.infinite, 2u);
+  EXPECT_TRUE(cloud.clear_to.empty());
+}
+
 mrpt::poses::CPose3D tilted() { return mrpt::poses::CPose3D(0.5, -1.0, 2.0, 0.3, -0.2, 0.1); }
 
 /// The point in the world, as MRPT composes it.

@@ -55,6 +55,17 @@ TEST(OrderedFrames, ScansThatComeTooLateAreLeftOutAndReportedAndImagesAreNot) {
                                   "scans before, by up to "),
             std::string::npos)
       << *frames.damage();
+  EXPECT_TRUE(frames.damage()->ends_with("are not used."));
+}
+
+TEST(OrderedFrames, RunsThatPassTheSameTimesAreNamedAsSuch) {
+  std::vector<Frame> runs;
+  for (int i = 0; i < 400; ++i) runs.push_back(scan(100 + i % 200));
+  OrderedFrames frames = ordered(runs);
+  EXPECT_LT(times_of(frames).size(), 300U);
+  ASSERT_TRUE(frames.damage());
+  EXPECT_TRUE(frames.damage()->ends_with("as of several runs in one recording: expected one for each run."))
+      << *frames.damage();
 }
 
 TEST(OrderedFrames, ACommentAtTheBeginningIsGivenBeforeAnythingElseIsRead) {

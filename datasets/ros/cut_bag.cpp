@@ -1,0 +1,54 @@
+#include "datasets/ros/cut_bag.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace clearway {
+namespace {
+
+class CutBag final : public MessageBag {
+ public:
+  CutBag(std::unique_ptr<MessageBag> bag, double from, std::optional<double> to)
+      : bag_(std::move(bag)), from_(from), to_(to) {
+    topics_ = bag_->topics();
+    damage_ = bag_->damage();
+  }
+
+  void visit(const std::vector<bool>& topics, const std::function<bool(const BagMessage&)>& take) override {
+    const double first = bag_->first_time().value_or(0.0);
+    bag_->visit(topics, [&](const BagMessage& message) {
+      const double since = message.time - first;
+      const bool is_in = since >= from_ && (!to_ || since < *to_);
+      return is_in || topics_[message.topic].name.ends_with("tf_static") ? take(message) : true;
+    });
+    damage_ = bag_->damage();
+  }
+  std::optional<double> first_time() const override { return bag_->first_time(); }
+  std::uint64_t offset() const override { return bag_->offset(); }
+
+ private:
+  std::unique_ptr<MessageBag> bag_;
+  double from_;
+  std::optional<double> to_;
+};
+
+}  // namespace
+
+std::unique_ptr<MessageBag> cut_bag(std::unique_ptr<MessageBag> bag, const BagTopics& topics) {
+  if (topics.from == 0.0 && !topics.to) return bag;
+  return std::make_unique<CutBag>(std::move(bag), topics.from, topics.to);
+}
+
+std::optional<double> cut_before(std::span<const double> recorded, std::size_t restart, double first) {
+  const auto at = recorded.begin() + static_cast<std::ptrdiff_t>(restart);
+  const double last = *std::max_element(recorded.begin(), at), next = *std::min_element(at, recorded.end());
+  if (!(last < next)) return std::nullopt;
+  for (const double step : {0.1, 0.01, 0.001, 1e-4}) {
+    const double cut = step * std::floor((next - first) / step);
+    if (cut > last - first && cut > 0.0) return cut;
+  }
+  return std::nullopt;
+}
+
+}  // namespace clearway

@@ -1,0 +1,84 @@
+// Beams of a 2D laser that met nothing, from a bag to the map.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "apps/fusion/fusion.hpp"
+#include "tests/worlds/bags/scan_bag.hpp"
+#include "tests/worlds/temporary_folder.hpp"
+
+namespace clearway {
+namespace infinite_beams_test {
+
+/// A laser of 4 m that sees one post at 2 m, 8 cm wide, and nothing else; every 20th beam says nothing at
+/// all.
+class InfiniteBeams : public testing::Test {
+ protected:
+  InfiniteBeams() {
+    worlds::ScanBag bag(folder_ / "a.mcap");
+    bag.transform(9, "map", "laser", Eigen::Isometry3d(Eigen::Translation3d(0, 0, 0.5)), true);
+    std::vector<float> ranges;
+    for (int i = 0; i < beams; ++i) {
+      const double angle = -1.0 + step * i;
+      ranges.push_back(std::abs(angle) < 0.02 ? 2.0F : INFINITY);
+      if (i % 20 == 0) ranges.back() = NAN;
+    }
+    for (int i = 0; i < 3; ++i)
+      bag.sweep("/scan", 10.0 + 0.1 * i, "laser", {-1.0F, static_cast<float>(step), 0.0F, 4.0F}, ranges);
+    bag.sort();
+    bag.write();
+    infinite_ = static_cast<std::size_t>(3 * std::count(ranges.begin(), ranges.end(), INFINITY));
+  }
+  Fusion fused(const std::string& more) {
+    folder_.write("s.yaml",
+                  "map: {resolution: 0.05}\nsource: {bag: {scans: [/scan], fixed_frame: map}" + more + "}\n");
+    return fuse(folder_ / "a.mcap", {.setup_file = folder_ / "s.yaml"}, [](double) {});
+  }
+  static constexpr int beams = 1001;
+  static constexpr double step = 0.002;
+  TemporaryFolder folder_;
+  std::size_t infinite_ = 0;
+};
+
+TEST_F(InfiniteBeams, AreLeftOutAndToldUnlessTheSetupLetsThemFreeSpace) {
+  const Fusion plain = fused(""), clear = fused(", scans: {clear_infinite: true}");
+  const Snapshot without = plain.map.snapshot(), with = clear.map.snapshot();
+  const Eigen::Vector3d aside(2.0 * std::cos(0.6), 2.0 * std::sin(0.6), 0.51), post(1.99, 0.01, 0.51),
+      behind(2.6, 0.01, 0.51), before(1.0, 0.01, 0.51), far(4.06 * std::cos(0.6), 4.06 * std::sin(0.6), 0.51);
+  EXPECT_EQ(without.state(aside), VoxelState::unknown);
+  EXPECT_EQ(with.state(aside), VoxelState::seen_free);
+  for (const Snapshot& map : {without, with}) {
+    EXPECT_EQ(map.state(post), VoxelState::occupied);
+    EXPECT_EQ(map.state(before), VoxelState::seen_free);
+    EXPECT_EQ(map.state(behind), VoxelState::unknown);
+    EXPECT_EQ(map.state(far), VoxelState::unknown);
+  }
+  EXPECT_EQ(plain.counts.infinite_beams, infinite_);
+  EXPECT_EQ(clear.counts.infinite_beams, infinite_);
+  EXPECT_EQ(plain.counts.points.cleared, 0U);
+  EXPECT_EQ(clear.counts.points.cleared, infinite_);
+  EXPECT_EQ(plain.counts.points.inserted, clear.counts.points.inserted);
+  ASSERT_EQ(plain.warnings.size(), 1U);
+  EXPECT_NE(plain.warnings[0].find("`source: {scans: {clear_infinite: true}}`"), std::string::npos);
+  ASSERT_EQ(clear.warnings.size(), 1U);
+  EXPECT_NE(clear.warnings[0].find("free space up to range_max"), std::string::npos);
+}
+
+TEST_F(InfiniteBeams, OfARangeThatNoLaserHasFreeNothingWithoutAMaxRange) {
+  worlds::ScanBag bag(folder_ / "a.mcap");
+  bag.transform(9, "map", "laser", Eigen::Isometry3d(Eigen::Translation3d(0, 0, 0.5)), true);
+  bag.sweep("/scan", 10, "laser", {-0.1F, 0.1F, 0.0F, 1000.0F}, {INFINITY, 2.0F, INFINITY});
+  bag.write();
+  EXPECT_EQ(fused(", scans: {clear_infinite: true}").counts.points.cleared, 0U);
+  folder_.write("m.yaml",
+                "map: {resolution: 0.05, max_range: 5}\n"
+                "source: {bag: {scans: [/scan], fixed_frame: map}, scans: {clear_infinite: true}}\n");
+  const Fusion near = fuse(folder_ / "a.mcap", {.setup_file = folder_ / "m.yaml"}, [](double) {});
+  EXPECT_EQ(near.counts.points.cleared, 2U);
+  EXPECT_EQ(near.map.snapshot().state({4.5 * std::cos(0.1), 4.5 * std::sin(0.1), 0.51}),
+            VoxelState::seen_free);
+  EXPECT_EQ(near.map.snapshot().state({5.1 * std::cos(0.1), 5.1 * std::sin(0.1), 0.51}), VoxelState::unknown);
+}
+
+}  // namespace infinite_beams_test
+}  // namespace clearway

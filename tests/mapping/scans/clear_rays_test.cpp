@@ -1,0 +1,129 @@
+// Rays that met nothing, against a dense walk along each of them.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "mapping/free_space_map.hpp"
+#include "tests/worlds/random_map.hpp"
+
+namespace clearway {
+namespace clear_rays_test {
+
+constexpr double resolution = 0.05, range = 2.0;
+using Cell = std::array<int, 3>;
+
+Cell cell_of(const Eigen::Vector3d& point) {
+  const Eigen::Vector3i cell = (point / resolution).array().floor().cast<int>();
+  return {cell.x(), cell.y(), cell.z()};
+}
+
+/// Cells that a ray passes up to `reach`, by steps of a hundredth of a voxel: nearly all of them.
+void walk(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double reach, std::set<Cell>& cells) {
+  const Eigen::Vector3d way = (to - from).normalized();
+  for (double at = 0.0; at <= reach; at += 0.01 * resolution) cells.insert(cell_of(from + at * way));
+}
+
+/// Voxels of the map by state, all leaves at the finest level.
+std::set<Cell> cells_in(const Snapshot& map, VoxelState state) {
+  std::set<Cell> cells;
+  map.visit_leaves([&](const Voxel& leaf) {
+    if (leaf.state != state) return;
+    const int edge = static_cast<int>(std::lround(leaf.size / resolution));
+    const Cell low = cell_of(leaf.center - Eigen::Vector3d::Constant(0.5 * (leaf.size - resolution)));
+    for (int x = 0; x < edge; ++x)
+      for (int y = 0; y < edge; ++y)
+        for (int z = 0; z < edge; ++z) cells.insert({low[0] + x, low[1] + y, low[2] + z});
+  });
+  return cells;
+}
+
+/// A laser's sweep from an odd place: a part of its rays hit something, others met nothing within `range`.
+Scan sweep(worlds::Dice& dice, bool with_clear) {
+  Scan scan;
+  scan.map_from_sensor = Eigen::Translation3d(0.013, -0.207, 0.331) *
+                         Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized());
+  for (int i = 0; i < 400; ++i) {
+    const double angle = i * 2.0 * 3.14159265358979 / 400;
+    const Eigen::Vector3d ray(std::cos(angle), std::sin(angle), 0.0);
+    const double drawn = dice.uniform(0.0, 2.0);
+    if (drawn > 1.0)
+      scan.points.emplace_back((dice.uniform(0.3, range) * ray).cast<float>());
+    else if (with_clear)
+      scan.clear_to.emplace_back((range * ray).cast<float>());
+  }
+  return scan;
+}
+
+TEST(ClearRays, FreeNothingBeyondTheirRangeNorWhatAnotherRayHit) {
+  for (const Integration integration : {Integration::safe, Integration::compatible}) {
+    for (unsigned seed = 0; seed < 6; ++seed) {
+      worlds::Dice dice(seed), same(seed);
+      const Scan scan = sweep(dice, true), hits_alone = sweep(same, false);
+      ASSERT_GT(scan.clear_to.size(), 100U);
+      ASSERT_EQ(scan.points, hits_alone.points);
+      MapOptions options{.resolution = resolution, .discretize = seed % 2 == 1, .threads = 1 + int(seed % 3)};
+      options.integration = integration;
+      const bool is_safe = integration == Integration::safe;
+      const double trim = is_safe ? options.margins.trim(range) : 0.0;
+      FreeSpaceMap map(options), without(options);
+      const ScanCounts counts = map.insert(scan);
+      EXPECT_EQ(counts.cleared, scan.clear_to.size());
+      EXPECT_EQ(counts.inserted, scan.points.size());
+      without.insert(hits_alone);
+      const std::set<Cell> free = cells_in(map.snapshot(), VoxelState::seen_free),
+                           free_by_hits = cells_in(without.snapshot(), VoxelState::seen_free);
+      EXPECT_EQ(cells_in(map.snapshot(), VoxelState::occupied),
+                cells_in(without.snapshot(), VoxelState::occupied));
+      const Eigen::Vector3d origin = scan.map_from_sensor.translation();
+      std::set<Cell> passed;
+      for (const Eigen::Vector3f& end : scan.clear_to)
+        walk(origin, scan.map_from_sensor * end.cast<double>(), range - trim + 1e-4, passed);
+      for (const Eigen::Vector3f& hit : scan.points)
+        EXPECT_FALSE(free.contains(cell_of(scan.map_from_sensor * hit.cast<double>())));
+      std::size_t by_clear_rays = 0, stray = 0;
+      for (const Cell& cell : free) {
+        if (free_by_hits.contains(cell)) continue;
+        ++by_clear_rays;
+        stray += !passed.contains(cell);  // corners that the walk stepped over
+      }
+      EXPECT_GT(by_clear_rays, 2000U);
+      EXPECT_LT(stray, by_clear_rays / 50);
+      for (const Cell& cell : free) {
+        const Eigen::Vector3d centre =
+            resolution * (Eigen::Vector3d(cell[0], cell[1], cell[2]).array() + 0.5);
+        ASSERT_LT((centre - origin).norm(), range - trim + 0.87 * resolution);
+      }
+      for (const Cell& cell : free_by_hits) ASSERT_TRUE(free.contains(cell));
+    }
+  }
+}
+
+TEST(ClearRays, ReachAsFarAsTheyMayAndMaxRangeMinRangeCropAndBodiesHoldForThem) {
+  const Eigen::Vector3d probe(1.0, 0.025, 0.025);
+  const auto state = [&](const Eigen::Vector3d& at, const ScanFilter& filter, std::size_t cleared) {
+    FreeSpaceMap map({.resolution = resolution});
+    Scan scan;
+    scan.map_from_sensor.translation() = Eigen::Vector3d(0.025, 0.025, 0.025);
+    scan.clear_to = {{2.0F, 0, 0}, {NAN, 0, 0}};
+    EXPECT_EQ(map.insert(scan, filter).cleared, cleared);
+    return map.snapshot().state(at);
+  };
+  EXPECT_EQ(state(probe, {}, 1), VoxelState::seen_free);
+  const double trim = SafeMargins{}.trim(2.0);  // 17.6 mm
+  EXPECT_EQ(state({2.025 - trim - 0.06, 0.025, 0.025}, {}, 1), VoxelState::seen_free);
+  EXPECT_EQ(state({2.026, 0.025, 0.025}, {}, 1), VoxelState::unknown);
+  EXPECT_EQ(state(probe, {.max_range = 0.8}, 1), VoxelState::unknown);
+  EXPECT_EQ(state({0.7, 0.025, 0.025}, {.max_range = 0.8}, 1), VoxelState::seen_free);
+  EXPECT_EQ(state(probe, {.min_range = 2.1}, 0), VoxelState::unknown);
+  ScanFilter crop;
+  crop.crop = {Eigen::Vector3d::Constant(-1.0), Eigen::Vector3d::Constant(1.5)};
+  EXPECT_EQ(state(probe, crop, 0), VoxelState::unknown);
+  ScanFilter body;
+  body.bodies = {{{2.0, 0, 0}, {2.1, 0, 0}, 0.2}};
+  EXPECT_EQ(state(probe, body, 0), VoxelState::unknown);
+}
+
+}  // namespace clear_rays_test
+}  // namespace clearway
