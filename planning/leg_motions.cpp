@@ -8,24 +8,6 @@
 
 namespace clearway {
 
-namespace {
-
-/// The path in stretches: the robot rests before the joints of the pick's hand move, and after.
-std::vector<std::vector<Configuration>> stretches_of(const std::vector<Configuration>& path,
-                                                     const Configuration& of_hand) {
-  std::vector<std::vector<Configuration>> stretches(1);
-  const auto moves = [&](std::size_t edge) {
-    return (path[edge + 1] - path[edge]).cwiseProduct(of_hand).lpNorm<Eigen::Infinity>() > 0.0;
-  };
-  for (std::size_t i = 0; i < path.size(); ++i) {
-    stretches.back().push_back(path[i]);
-    if (i > 0 && i + 1 < path.size() && moves(i - 1) != moves(i)) stretches.push_back({path[i]});
-  }
-  return stretches;
-}
-
-}  // namespace
-
 LegMotions::LegMotions(const ConfigurationSpace& space, const Plan& plan) {
   if (plan.pick) {
     const std::string& object = plan.pick->object.name;
@@ -54,7 +36,10 @@ SmoothMotion LegMotions::make(std::size_t leg, SmoothMotionOptions options) cons
   options.torques = of.torques;
   options.is_tube_free = of.is_tube_free;
   if (of.is_straight) options.straighten = 0.0;
-  return smooth_motion(*of.space, of.stretches, options);
+  SmoothMotion made = smooth_motion(*of.space, of.stretches, options);
+  made.leg_ends = {made.leg_ends.back()};
+  made.stops += of.stretches.size() - 1;
+  return made;
 }
 
 void LegMotions::list_legs_of_pick(const Plan& plan) {
@@ -65,16 +50,12 @@ void LegMotions::list_legs_of_pick(const Plan& plan) {
              (bare.is_edge_free(from, to, aside) && on_layer.is_edge_free(from, to, aside));
     };
   };
-  const Robot& robot = bare.robot();
-  Configuration of_hand = Configuration::Zero(static_cast<Eigen::Index>(robot.dof()));
-  for (std::size_t i = 0; i < robot.dof(); ++i)
-    of_hand[static_cast<Eigen::Index>(i)] = plan.pick->grip.contains(robot.joints[i].name) ? 1.0 : 0.0;
   const auto add = [&](const ConfigurationSpace& space, bool is_straight) -> Leg& {
     const std::vector<Configuration>& path = plan.legs[legs_.size()].waypoints;
-    return legs_.emplace_back(Leg{.stretches = is_straight ? stretches_of(path, of_hand)
-                                                           : std::vector<std::vector<Configuration>>{path},
-                                  .space = &space,
-                                  .is_straight = is_straight});
+    std::vector<std::vector<Configuration>> stretches{path};
+    if (is_straight) stretches = stretches_of(bare.robot(), *plan.pick, path);
+    return legs_.emplace_back(
+        Leg{.stretches = std::move(stretches), .space = &space, .is_straight = is_straight});
   };
   add(scene_->before(), false);
   add(scene_->grasping(), true);

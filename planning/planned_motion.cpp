@@ -69,16 +69,30 @@ void rest(Trajectory& trajectory, std::size_t periods) {
   }
 }
 
+/// Adds what begins where `joined` ends.
+void join(const Trajectory& own, Trajectory& joined) {
+  const double begin = joined.points.empty() ? 0.0 : joined.points.back().time;
+  joined.sampling_period = own.sampling_period;
+  for (std::size_t k = joined.points.empty() ? 0 : 1; k < own.points.size(); ++k) {
+    joined.points.push_back(own.points[k]);
+    joined.points.back().time += begin;
+  }
+}
+
+/// A leg's edges in time; of a pick the robot rests before its hand moves, and after.
+Trajectory timed_leg(const Robot& robot, const Plan& plan, std::size_t leg) {
+  const std::vector<Configuration>& path = plan.legs[leg].waypoints;
+  if (!plan.pick || path.empty()) return time_parameterize(robot, path);
+  Trajectory joined;
+  for (const auto& stretch : stretches_of(robot, *plan.pick, path))
+    join(time_parameterize(robot, stretch), joined);
+  return joined;
+}
+
 Trajectory timed_legs(const Robot& robot, const Plan& plan, double grip_time) {
   Trajectory joined;
   for (std::size_t leg = 0; leg < plan.legs.size(); ++leg) {
-    const Trajectory own = time_parameterize(robot, plan.legs[leg].waypoints);
-    const double begin = joined.points.empty() ? 0.0 : joined.points.back().time;
-    joined.sampling_period = own.sampling_period;
-    for (std::size_t k = joined.points.empty() ? 0 : 1; k < own.points.size(); ++k) {
-      joined.points.push_back(own.points[k]);
-      joined.points.back().time += begin;
-    }
+    join(timed_leg(robot, plan, leg), joined);
     if (leg + 1 == plan.legs.size()) break;
     for (TrajectoryEvent& event : events_after(plan, static_cast<int>(leg))) {
       event.time = joined.points.back().time;
@@ -305,7 +319,7 @@ std::vector<Trajectory> leg_trajectories(const Robot& robot, const Plan& plan) {
   std::size_t first = 0;
   for (std::size_t leg = 0; leg < plan.legs.size(); ++leg) {
     if (!plan.motion) {
-      legs.push_back(time_parameterize(robot, plan.legs[leg].waypoints));
+      legs.push_back(timed_leg(robot, plan, leg));
       continue;
     }
     const std::size_t last = plan.motion->leg_ends[leg];

@@ -165,7 +165,8 @@ class Comparison {
         "pick: expected that " + quote(pick->object.name) + " is picked" + by(source);
     if (!plan_.pick) return add(AcceptedTerm::load, expected + ", the plan says nothing of it");
     if (!is_same(*pick, *plan_.pick))
-      add(AcceptedTerm::load, expected + ", the plan says another shape, pose, grasp, place or way of it");
+      add(AcceptedTerm::load,
+          expected + ", the plan says another shape, pose, grasp, place, way or grip of it");
   }
 
   /// With more than is stated at the tip, costs are higher and motions slower.

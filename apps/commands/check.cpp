@@ -77,6 +77,7 @@ void note_tip_and_place(const Robot& robot, const Snapshot& map, const Plan& pla
                              quote(tip));
   if (!contract.pick.value) return;
   const Robot placed = tipped_robot_of(contract, robot);
+  require_grip(placed, *contract.pick.value);
   const std::string note =
       place_note(pick_of(plan, *contract.pick.value, placed, map), contract.padding.value);
   if (!note.empty()) contract.notes.push_back(note);

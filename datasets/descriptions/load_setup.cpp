@@ -126,8 +126,9 @@ PickSetup read_pick(const YamlFields& fields, const std::filesystem::path& folde
   pick.lift = fields.number("lift", positive, pick.lift);
   pick.contact = fields.number("contact", not_negative, pick.contact);
   pick.margin = fields.number("margin", not_negative, pick.margin);
-  if (fields.has("grip")) {
+  if (fields.names("grip")) {
     const YamlFields grip = fields.map("grip");
+    if (grip.keys().empty()) fields.fail("grip", "expected {joint: [open, closed]}, or no such key");
     for (const std::string& joint : grip.keys()) {
       const std::vector<double> values = grip.numbers(joint, {-1e6, 1e6}, 2);
       pick.grip[joint] = {values[0], values[1]};

@@ -134,6 +134,8 @@ bool YamlFields::has(const std::string& key) const {
   return node.IsDefined() && !node.IsNull();
 }
 
+bool YamlFields::names(const std::string& key) const { return find(key).IsDefined(); }
+
 double YamlFields::number_of(const YAML::Node& node, const std::string& key, Bounds bounds) const {
   const std::optional<double> value = parsed_number(node);
   if (!value || *value < bounds.low || *value > bounds.high)

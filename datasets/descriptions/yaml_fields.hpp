@@ -37,6 +37,7 @@ class YamlFields {
   YamlFields(const std::string& text, const std::string& name);
 
   bool has(const std::string& key) const;
+  bool names(const std::string& key) const;    ///< has it, if with nothing after it
   bool is_list(const std::string& key) const;  ///< false for what is absent, too
   bool is_map(const std::string& key) const;   ///< the same
   bool is_word(const std::string& key) const;  ///< a scalar that is no number

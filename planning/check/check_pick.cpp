@@ -34,6 +34,12 @@ void require_straight(const PickTerms& terms, PickTerms::Leg index, const Eigen:
   if (!((whole - way).norm() <= same_tip)) terms.refuse(name + " is not of the length that is stated");
 }
 
+std::vector<std::vector<Configuration>> edges_of(const std::vector<Configuration>& path) {
+  std::vector<std::vector<Configuration>> edges{{path.front()}};
+  for (std::size_t i = 0; i + 1 < path.size(); ++i) edges.push_back({path[i], path[i + 1]});
+  return edges;
+}
+
 void require_ways(const PickTerms& terms) {
   for (const auto& [index, way] : terms.ways()) require_straight(terms, index, way);
   for (const auto& [index, way] : terms.ways()) require_no_bow(terms, index, way, {terms.leg(index), {}});
@@ -49,8 +55,8 @@ class PickCheck {
       terms_.require_rigid_hold();
       terms_.require_legs();
       terms_.require_grasp();
-      for (std::size_t i = 0; i < terms_.plan.legs.size(); ++i)
-        terms_.require_grip(static_cast<Leg>(i), leg(static_cast<Leg>(i)));
+      for (const Leg index : {reach, lift, carry, lower, retreat})
+        terms_.require_hand(index, edges_of(leg(index)));
       require_ways(terms_);
       check_all();
     } catch (const check::PickRefusal& refusal) {

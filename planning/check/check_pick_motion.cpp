@@ -5,6 +5,7 @@
 #include "planning/check/pick_maps.hpp"
 #include "planning/check/pick_terms.hpp"
 #include "planning/check/pick_ways.hpp"
+#include "planning/path/bezier.hpp"
 
 namespace clearway {
 namespace {
@@ -48,7 +49,7 @@ class PickMotionCheck {
     const Robot carrying = terms_.loaded();
     const std::size_t up = end_of_lift_contact(knots[lift]), down = begin_of_lower_contact(knots[lower]);
     for (const Leg index : {reach, lift, carry, lower, retreat})
-      terms_.require_grip(index, positions(knots[index]));
+      terms_.require_hand(index, cubics_of(knots[index]));
     for (const auto& [index, way] : terms_.ways())
       require_no_bow(terms_, index, way, tubes_of(motion_.motion, knots[index], 1));
     prove(terms_.standing(pick.map_from_object, false), map, approach, knots[approach]);
@@ -64,6 +65,19 @@ class PickMotionCheck {
 
   std::vector<Configuration> positions(KnotRange knots) const {
     return stretch_of(motion_.motion, knots.first, knots.last).positions;
+  }
+
+  /// The control points of the cubic between each two knots, in whose hull it lies.
+  std::vector<std::vector<Configuration>> cubics_of(KnotRange knots) const {
+    const Motion part = stretch_of(motion_.motion, knots.first, knots.last);
+    std::vector<std::vector<Configuration>> cubics{{part.positions.front()}};
+    for (std::size_t k = 0; k + 1 < part.positions.size(); ++k)
+      cubics.push_back(
+          cubic_between({part.positions[k], part.velocities[k], part.accelerations[k]},
+                        {part.positions[k + 1], part.velocities[k + 1], part.accelerations[k + 1]},
+                        part.period)
+              .control);
+    return cubics;
   }
 
   // Between two knots the curve may pass the end of the contact: that piece is proved with the layer.

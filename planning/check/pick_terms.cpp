@@ -126,42 +126,57 @@ void PickTerms::require_grasp() const {
     refuse("the object is put down " + lengths(put) + " from its place");
 }
 
-bool PickTerms::is_at(std::size_t joint, double value, const Configuration& q) const {
-  return std::abs(q[static_cast<Eigen::Index>(joint)] - value) <= same_joint;
+std::vector<std::pair<Eigen::Index, Pick::Grip>> PickTerms::hand() const {
+  std::vector<std::pair<Eigen::Index, Pick::Grip>> hand;
+  std::size_t named = 0;
+  const Robot carrying = loaded();
+  const std::vector<int> holding = arm_.joints_that_hold(plan.robot, carrying.loads.back());
+  const Configuration& grasp = leg(reach).back();
+  for (std::size_t i = 0; i < plan.robot.joints.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    if (const auto grip = pick.grip.find(plan.robot.joints[i].name); grip != pick.grip.end()) {
+      hand.emplace_back(at, grip->second);
+      ++named;
+    } else if (std::find(holding.begin(), holding.end(), static_cast<int>(i)) != holding.end()) {
+      hand.emplace_back(at, Pick::Grip{grasp[at], grasp[at]});
+    }
+  }
+  if (named != pick.grip.size()) refuse("the robot lacks a joint of its grip");
+  return hand;
 }
 
-void PickTerms::require_grip(Leg index, const std::vector<Configuration>& places) const {
-  std::vector<bool> is_of_hand(plan.robot.dof(), false);
-  for (const auto& [name, grip] : pick.grip) {
-    const auto& joints = plan.robot.joints;
-    const auto found =
-        std::find_if(joints.begin(), joints.end(), [&](const Joint& joint) { return joint.name == name; });
-    if (found == joints.end()) refuse("the robot has no joint " + quote(name) + " of its grip");
-    const auto joint = static_cast<std::size_t>(found - joints.begin());
-    is_of_hand[joint] = true;
-    const bool rides = index == lift || index == carry || index == lower;
-    if (index == reach && !is_at(joint, grip.open, places.front()))
-      refuse_on(index, " begins with joint " + quote(name) + " not open");
-    if ((index == reach || rides) && !is_at(joint, grip.closed, places.back()))
-      refuse_on(index, " ends with joint " + quote(name) + " not closed");
-    if ((index == retreat || rides) && !is_at(joint, grip.closed, places.front()))
-      refuse_on(index, " begins with joint " + quote(name) + " not closed");
-    if (index == retreat && !is_at(joint, grip.open, places.back()))
-      refuse_on(index, " ends with joint " + quote(name) + " not open");
-  }
+void PickTerms::require_hand(Leg index, const std::vector<std::vector<Configuration>>& pieces) const {
   if (index == approach || index == leave) return;
-  const Configuration& still = index == reach ? places.back() : places.front();  // where the hand may move
-  for (std::size_t i = 0; i + 1 < places.size(); ++i) {
-    bool moves = false, is_elsewhere = false;
-    for (std::size_t j = 0; j < is_of_hand.size(); ++j) {
-      const auto at = static_cast<Eigen::Index>(j);
-      const bool stands = is_at(j, still[at], places[i]) && is_at(j, still[at], places[i + 1]);
-      if (is_of_hand[j])
-        moves = moves || !is_at(j, places[i][at], places[i + 1]);
-      else
-        is_elsewhere = is_elsewhere || !stands;
+  const auto joints = hand();
+  const auto near = [](double a, double b) { return std::abs(a - b) <= same_joint; };
+  const auto is_hand = [&](const Configuration& q, double Pick::Grip::*state) {
+    return std::all_of(joints.begin(), joints.end(),
+                       [&](const auto& joint) { return near(q[joint.first], joint.second.*state); });
+  };
+  const auto require = [&](const Configuration& q, double Pick::Grip::*state, const char* what) {
+    for (const auto& [joint, grip] : joints)
+      if (!near(q[joint], grip.*state))
+        refuse_on(index, std::string(what) + quote(plan.robot.joints[static_cast<std::size_t>(joint)].name) +
+                             (state == &Pick::Grip::open ? " not open" : " not closed"));
+  };
+  if (index == reach) require(pieces.front().front(), &Pick::Grip::open, " begins with joint ");
+  if (index == reach) require(pieces.back().back(), &Pick::Grip::closed, " ends with joint ");
+  if (index == retreat) require(pieces.front().front(), &Pick::Grip::closed, " begins with joint ");
+  if (index == retreat) require(pieces.back().back(), &Pick::Grip::open, " ends with joint ");
+  const Configuration still = index == reach ? pieces.back().back() : pieces.front().front();
+  const auto stands = [&](const Configuration& q) {  // but for the hand
+    Configuration rest = q;
+    for (const auto& [joint, grip] : joints) rest[joint] = still[joint];
+    return (rest - still).lpNorm<Eigen::Infinity>() <= same_joint;
+  };
+  for (const std::vector<Configuration>& piece : pieces) {
+    if (index != reach && index != retreat) {
+      for (const Configuration& q : piece) require(q, &Pick::Grip::closed, " has joint ");
+    } else if (!std::all_of(piece.begin(), piece.end(), stands) &&
+               !std::all_of(piece.begin(), piece.end(),
+                            [&](const Configuration& q) { return is_hand(q, &Pick::Grip::open); })) {
+      refuse_on(index, ": away from the object the hand is not open, or something else moves with it");
     }
-    if (moves && is_elsewhere) refuse_on(index, ": the hand closes or opens while something else moves");
   }
 }
 

@@ -68,10 +68,9 @@ class PickTerms {
   /// @pre require_legs() @throws PickRefusal
   void require_grasp() const;
 
-  /// Places of a leg's path or motion one after another: the joints of `grip` are open, closed, or go from
-  /// one to the other where the tip is at the grasp or place and nothing else moves. @pre require_legs()
-  /// @throws PickRefusal
-  void require_grip(Leg index, const std::vector<Configuration>& places) const;
+  /// A leg's path or motion piece by piece, each in the hull of its places: the hand is open, closed, or, at
+  /// the grasp and the place, on its way while nothing else moves. @pre require_legs() @throws PickRefusal
+  void require_hand(Leg index, const std::vector<std::vector<Configuration>>& pieces) const;
 
   Eigen::Isometry3d tip_at(const Configuration& q) const;
   Eigen::Isometry3d object_at(const Configuration& q) const;  ///< as it rides
@@ -92,7 +91,8 @@ class PickTerms {
  private:
   Eigen::Isometry3d link_pose(const Configuration& q, const std::string& name) const;
   Eigen::Vector3d back() const;
-  bool is_at(std::size_t joint, double value, const Configuration& q) const;
+  /// Of each joint of the hand what it is where it is open and closed.
+  std::vector<std::pair<Eigen::Index, Pick::Grip>> hand() const;
   double contact_height(const Eigen::Isometry3d& map_from_object) const;
   double height_at(const Configuration& q) const { return lowest(shape, object_at(q)); }
 

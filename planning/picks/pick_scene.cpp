@@ -116,7 +116,12 @@ const ConfigurationSpace& PickScene::space_of(Kept& kept, const Robot& robot, co
 
 Robot PickScene::loaded() const {
   Robot robot = with_load(space_.robot(), load_);
-  return grasp_ ? with_still_grip(robot, *grasp_) : robot;
+  if (!grasp_) return robot;
+  Robot still = with_still_grip(robot, *grasp_);
+  for (std::size_t i = 0; i < still.joints.size(); ++i)
+    if (Joint& joint = still.joints[i]; pick_.grip.contains(joint.name))
+      joint.lower = joint.upper = (*grasp_)[static_cast<Eigen::Index>(i)];
+  return still;
 }
 
 /// The object on the robot's root, which nothing moves.

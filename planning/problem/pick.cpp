@@ -72,6 +72,24 @@ void require_grip(const Robot& robot, const Pick& pick) {
   }
 }
 
+std::vector<std::vector<Eigen::VectorXd>> stretches_of(const Robot& robot, const Pick& pick,
+                                                       const std::vector<Eigen::VectorXd>& path) {
+  std::vector<std::vector<Eigen::VectorXd>> stretches(1);
+  const auto moves = [&](std::size_t edge) {
+    for (const auto& [name, grip] : pick.grip)
+      if (const auto joint = joint_of(robot, name)) {
+        const auto at = static_cast<Eigen::Index>(*joint);
+        if (path[edge][at] != path[edge + 1][at]) return true;
+      }
+    return false;
+  };
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    stretches.back().push_back(path[i]);
+    if (i > 0 && i + 1 < path.size() && moves(i - 1) != moves(i)) stretches.push_back({path[i]});
+  }
+  return stretches;
+}
+
 std::vector<int> legs_that_carry() { return {2, 3, 4}; }
 
 double contact_length(const Pick& pick, double resolution, double padding) {

@@ -15,17 +15,16 @@ namespace clearway {
 ///
 /// Legs, and what holds on each beside the contract of check_path:
 ///   approach  from the start to the grasp less `approach`; the object is a body that nothing may touch
-///   reach     straight to the grasp, where the joints of `grip` close; the object's voxels have left the
-///   map, its shape stands in their place,
-///             and only the link that carries it and `touches` may touch it
+///   reach     straight to the grasp; the object's voxels have left the map, its shape stands in their place,
+///             and only the link that carries it and `touches` may touch it. There the hand closes
 ///   lift      straight up; the object is the robot's load. On its first `contact` metres the load may touch
 ///             voxels of the support's layer, provided its lowest point never sinks below the plane that it
 ///             stood on by more than the padding (0.1 to 1 mm); the robot itself keeps clear of these
 ///   carry     to above the place
 ///   lower     straight down; the same on its last `contact` metres, with the layer at the place
-///   retreat   the joints of `grip` open, then back along the approach, turned as the object was; as `reach`,
-///   the object at its place leave     to the goal, if there is one; the object, at its place, may not be
-///   touched
+///   retreat   the hand opens, then back along the approach, turned as the object was; as `reach`, the object
+///             at its place
+///   leave     to the goal, if there is one; the object, at its place, may not be touched
 ///
 /// The object's voxels: those wholly above the plane that it reaches into, or comes within `margin` of. The
 /// layer: voxels that lie wholly within the box about the object, layer_reach() wider and lower, and reach at
@@ -46,9 +45,10 @@ struct Pick {
   double lift = 0.1;                         ///< metres
   double contact = 0.0;                      ///< metres of the lift; 0: two voxels and twice the padding
   double margin = 0.0;                       ///< metres
-  /// By joint, of those that do not move the tip: open from the end of `approach` until the tip is at the
-  /// grasp, closed while the object rides, open from the beginning of `retreat` on. While they close and open
-  /// nothing else moves. Empty: the hand stays as it is at the start.
+  /// The hand, by joint, of those that do not move the tip. It is open from the end of `approach` until it
+  /// closes at the grasp, closed while the object rides, and open again before `retreat` leads away from the
+  /// place; while it closes or opens nothing else moves. Joints that hold the object (grip_joints) and are
+  /// not named stay from `reach` to `retreat` where the start has them.
   std::map<std::string, Grip> grip{};
 };
 
@@ -58,6 +58,10 @@ Eigen::VectorXd with_grip(const Robot& robot, const Pick& pick, Eigen::VectorXd 
 /// @throws std::invalid_argument in one sentence: a joint of `grip` that the robot does not plan for, that
 ///         moves the tip, or a value outside of its limits.
 void require_grip(const Robot& robot, const Pick& pick);
+
+/// A leg's path in stretches, between which the robot rests: before the hand closes or opens, and after.
+std::vector<std::vector<Eigen::VectorXd>> stretches_of(const Robot& robot, const Pick& pick,
+                                                       const std::vector<Eigen::VectorXd>& path);
 
 /// Names of the legs in order; with a goal `leave` is one more.
 std::vector<std::string> names_of_legs(bool has_goal);

@@ -106,6 +106,14 @@ TEST_F(PickCommand, closes_the_fingers_of_a_hand_and_opens_them) {
   const CommandRun other = run({"check", out}, pick(", grip: {grip: [0.03, 0.001]}"));
   EXPECT_EQ(other.status, exit_no);
   expect_words(other.out, {"joint 'grip' not closed"});
+  for (const char* nothing : {", grip:", ", grip: {}"}) {
+    const CommandRun none = run({"check", out}, pick(nothing));
+    EXPECT_EQ(none.status, exit_bad_input) << nothing;
+    expect_words(none.log, {"fingers.yaml", "grip"});
+  }
+  const CommandRun tip = run({"check", out}, pick(", grip: {turn: [0.03, 0]}"));
+  EXPECT_EQ(tip.status, exit_bad_input);
+  expect_words(tip.log, {"joint 'turn': expected a joint of the hand"});
   const CommandRun wrong = run({"check", out}, pick(", grip: {grip: [0.03]}"));
   EXPECT_EQ(wrong.status, exit_bad_input);
   expect_words(wrong.log, {"fingers.yaml", "grip", "2 numbers"});
