@@ -238,7 +238,7 @@ struct CompareOptions {
 int run_compare(const CompareOptions& options, Console& console);
 
 struct ImportOptions {
-  std::string kind;                          ///< "mbm", "scene" or "json"
+  std::string kind;                          ///< "mbm", "scene", "json" or "robometrics"
   std::vector<std::filesystem::path> files;  ///< of problems
   RobotChoice robot;
   double resolution = 0.02;   ///< metres

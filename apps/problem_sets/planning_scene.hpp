@@ -61,4 +61,15 @@ ForeignWorld read_scene_text(const std::string& text, const std::filesystem::pat
 /// @throws std::invalid_argument in one sentence naming file, field and what was expected.
 ForeignSet read_problem_json(const std::string& text, const std::filesystem::path& file);
 
+/// Reads the YAML or JSON of robometrics and cuRobo: NAME, or NAME within NAME, to a list of problems of
+/// `obstacles`, `start`, `goal_ik` and `goal_pose`, each one world and one problem; or one cuRobo world,
+/// which has no problem. Obstacles are `cuboid` (dims), `cylinder` (radius, height), `sphere` (radius; pose
+/// or position), `capsule` (radius, base, tip) and `mesh` (file_path, or vertices and faces; scale) by their
+/// names; poses are x, y, z and a quaternion w, x, y, z. The goals are those of `goal_ik`, in the robot's
+/// order, and then `goal_pose`. `world_frame` is a link that no joint moves. Left out, and reported: `blox`
+/// and `voxel`, and keys that nobody knows; other kinds of obstacles are refused.
+/// @throws std::invalid_argument in one sentence naming file, line, field and what was expected.
+ForeignSet read_robometrics(const std::string& text, const std::filesystem::path& file,
+                            const SceneContext& context);
+
 }  // namespace clearway

@@ -14,7 +14,7 @@
 namespace clearway {
 namespace {
 
-constexpr size_t deepest = 32, most_nodes = 250'000;
+constexpr size_t deepest = 32;
 
 [[noreturn]] void refuse(const std::string& name, const YAML::Mark& mark, const std::string& what) {
   throw std::invalid_argument(name + ", line " + std::to_string(mark.line + 1) + ", column " +
@@ -24,7 +24,7 @@ constexpr size_t deepest = 32, most_nodes = 250'000;
 /// Counts what a document would become, before it becomes anything.
 class Counter : public YAML::EventHandler {
  public:
-  explicit Counter(const std::string& name) : name_(name) {}
+  Counter(const std::string& name, size_t most) : name_(name), most_(most) {}
 
   void OnDocumentStart(const YAML::Mark& mark) override {
     if (!begins_.empty() && begins_.back().pos == mark.pos)  // yaml-cpp would stay here for ever
@@ -72,8 +72,10 @@ class Counter : public YAML::EventHandler {
  private:
   void add(const YAML::Mark& mark, size_t nodes) {
     nodes_ += nodes;
-    if (nodes_ > most_nodes)
-      refuse(name_, mark, "expected at most 250,000 words, lists and maps, repeated ones included");
+    if (nodes_ > most_)
+      refuse(name_, mark,
+             "expected at most " + std::to_string(most_ / 1000) +
+                 ",000 words, lists and maps, repeated ones included");
   }
   void leaf(const YAML::Mark& mark, YAML::anchor_t anchor) {
     add(mark, 1);
@@ -91,6 +93,7 @@ class Counter : public YAML::EventHandler {
   }
 
   const std::string& name_;
+  const size_t most_;
   size_t nodes_ = 0, nulls_ = 0;
   size_t documents_ = 0;            ///< up to the last one that holds something
   std::vector<YAML::Mark> begins_;  ///< of all documents
@@ -118,9 +121,9 @@ std::string expected(const std::string& message) {
 
 }  // namespace
 
-void require_yaml(const std::string& text, const std::string& name) {
+void require_yaml(const std::string& text, const std::string& name, size_t most) {
   std::istringstream stream(text);
-  Counter counter(name);
+  Counter counter(name, most);
   try {
     YAML::Parser parser(stream);
     while (parser.HandleNextDocument(counter)) {
