@@ -97,7 +97,8 @@ int run_gate(const GateCommandOptions& options, Console& console) {
   joint_limits(robot, gate_terms.limits);  // throws before the map is read
   Gate gate(gate_terms);
   const Snapshot map = load_map(options.map, options.cloud_resolution);
-  for (const std::string& note : srdf_notes(robot)) console.warn("note: " + note);
+  for (const std::string& note : robot_notes(robot, robot_request(options.robot).packages))
+    console.warn("note: " + note);
   if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
     console.warn("note: " + remark);
   const std::string cloud = cloud_remark(options.map, map, options.cloud_resolution.has_value());

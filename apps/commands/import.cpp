@@ -132,6 +132,7 @@ int run_import(const ImportOptions& options, Console& console) {
   ImportOutcome outcome = write_suite(set, {request, options.resolution, folder.path()});
   if (!outcome.suite.empty()) outcome.suite = options.out / outcome.suite.filename();
   folder.publish();
+  for (const std::string& note : outcome.notes) console.warn("note: " + note);
   report(options, outcome, console);
   if (outcome.suite.empty())
     console.warn(options.kind == "robometrics"

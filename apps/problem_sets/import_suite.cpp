@@ -53,6 +53,7 @@ class SuiteWriter {
           " is moved or scaled by its settings, expected one of full size whose base is "
           "the sets' origin");
     outcome_.left_out = set.left_out;
+    outcome_.notes = robot_notes(whole_, import.robot.packages);
     if (!whole_.srdf.empty()) srdf_ = read_srdf(whole_.srdf);
   }
 

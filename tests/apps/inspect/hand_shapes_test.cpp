@@ -165,8 +165,8 @@ TEST_F(HandEdits, AreSavedCountedAndToldByPlanAndCheck) {
       run_command({"plan", "--robot", "point", "--map", out_, "--start", "1,1", "--goal", "1,1.5", "--policy",
                    "not_occupied", "--out", folder_.file("plan.json")});
   EXPECT_NE(plan.out.find(told), std::string::npos) << plan.out << plan.log;
-  const CommandRun check = run_command({"check", folder_.file("plan.json"), "--map", out_, "--robot", "point",
-                                        "--policy", "not_occupied"});
+  const CommandRun check = run_command(
+      {"check", folder_.file("plan.json"), "--map", out_, "--robot", "point", "--policy", "not_occupied"});
   EXPECT_NE(check.out.find(told), std::string::npos) << check.out << check.log;
 }
 
