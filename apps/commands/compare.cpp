@@ -99,6 +99,14 @@ std::vector<ExternalChoice> chosen_externals(const CompareOptions& options) {
   return externals;
 }
 
+/// What one should know of an experiment's robot and problems.
+std::vector<std::string> notes_on(const Suite& suite, const PreparedExperiment& experiment) {
+  std::vector<std::string> notes = robot_notes(experiment.robot, experiment.setup.packages);
+  const std::vector<std::string> more = SuiteStages(suite, experiment.setup, experiment.robot).notes();
+  notes.insert(notes.end(), more.begin(), more.end());
+  return notes;
+}
+
 /// Every name of every experiment is looked up before anything runs.
 std::vector<PreparedExperiment> prepare_all(const Suite& suite, const CompareOptions& options) {
   std::set<std::string> planners;
@@ -115,8 +123,7 @@ std::vector<PreparedExperiment> prepare_all(const Suite& suite, const CompareOpt
   require_known("--planners", options.planners, {planners.begin(), planners.end()});
   std::erase_if(prepared, [](const PreparedExperiment& experiment) { return experiment.planners.empty(); });
   for (PreparedExperiment& experiment : prepared) {  // worlds, generators, numbers of joints
-    if (!experiment.setup.teams)
-      experiment.notes = SuiteStages(suite, experiment.setup, experiment.robot).notes();
+    if (!experiment.setup.teams) experiment.notes = notes_on(suite, experiment);
     for (const SuiteWorld& world : suite.worlds)
       if (experiment.map && world.name == experiment.setup.world)
         if (std::string note = note_on_cloud(world, *experiment.map); !note.empty())

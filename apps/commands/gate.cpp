@@ -11,6 +11,7 @@
 #include "apps/query/survey_figures.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/history/provenance.hpp"
+#include "mapping/maps/hand_edit.hpp"
 #include "mapping/maps/map_damage.hpp"
 #include "mapping/maps/map_integration.hpp"
 #include "mapping/stamps/seen_stamps.hpp"
@@ -96,12 +97,14 @@ int run_gate(const GateCommandOptions& options, Console& console) {
   joint_limits(robot, gate_terms.limits);  // throws before the map is read
   Gate gate(gate_terms);
   const Snapshot map = load_map(options.map, options.cloud_resolution);
-  for (const std::string& note : srdf_notes(robot)) console.warn("note: " + note);
+  for (const std::string& note : robot_notes(robot, robot_request(options.robot).packages))
+    console.warn("note: " + note);
   if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
     console.warn("note: " + remark);
   const std::string cloud = cloud_remark(options.map, map, options.cloud_resolution.has_value());
   if (!cloud.empty()) console.warn("note: " + cloud);
   if (const std::string caveat = damage_caveat(map); !caveat.empty()) console.warn("warning: " + caveat);
+  if (const std::string caveat = hand_edit_caveat(map); !caveat.empty()) console.warn("note: " + caveat);
   std::shared_ptr<const Provenance> history;
   if (auto found = load_provenance(options.map))
     history = std::make_shared<const Provenance>(std::move(*found));

@@ -21,10 +21,24 @@ namespace {
 
 constexpr std::size_t largest_json = 256U << 20U, largest_scene = 64U << 20U;
 
-ForeignSet read_json_sets(const ImportOptions& options) {
+/// The whole of a file that is no Python pickle.
+std::string read_text(const std::filesystem::path& file, const char* what, std::size_t largest) {
+  std::string text = read_input(file, what, largest);
+  const std::string kind = extension_of(file);
+  const bool begins_as_one = text.size() > 1 && text[0] == '\x80' && text[1] >= 2 && text[1] <= 5;
+  if (begins_as_one || kind == ".pkl" || kind == ".pickle")
+    throw std::invalid_argument(std::string(what) + " " + quote_path(file.string()) +
+                                ": a Python pickle, which is a program and is not run here, expected YAML or "
+                                "JSON: where you trust it, "
+                                "pickle.load it in Python and json.dump plain lists and dictionaries");
+  return text;
+}
+
+template <typename Read>
+ForeignSet read_sets(const ImportOptions& options, const Read& read) {
   ForeignSet all;
   for (const std::filesystem::path& file : options.files) {
-    ForeignSet set = read_problem_json(read_input(file, "problem set", largest_json), file);
+    ForeignSet set = read(read_text(file, "problem set", largest_json), file);
     for (ForeignProblem& problem : set.problems) {
       problem.world += all.worlds.size();
       all.problems.push_back(std::move(problem));
@@ -44,13 +58,20 @@ SceneContext scene_context(const ImportOptions& options, const RobotRequest& req
   return context;
 }
 
+ForeignSet read_robometrics_sets(const ImportOptions& options, const RobotRequest& request) {
+  const SceneContext context = scene_context(options, request);
+  return read_sets(options, [&](const std::string& text, const std::filesystem::path& file) {
+    return read_robometrics(text, file, context);
+  });
+}
+
 /// Scenes, as YAML or as MoveIt's text, and then requests, each in the frames of its scene.
 ForeignSet read_scenes(const ImportOptions& options, const RobotRequest& request) {
   const SceneContext context = scene_context(options, request);
   ForeignSet set;
   std::vector<std::pair<std::filesystem::path, std::string>> requests;
   for (const std::filesystem::path& file : options.files) {
-    std::string text = read_input(file, "scene or request", largest_scene);
+    std::string text = read_text(file, "scene or request", largest_scene);
     const bool is_text = extension_of(file) == ".scene";
     const SceneFileKind kind = is_text ? SceneFileKind::scene : kind_of_scene_file(text, file);
     if (kind == SceneFileKind::request) requests.emplace_back(file, std::move(text));
@@ -105,13 +126,18 @@ int run_import(const ImportOptions& options, Console& console) {
   // Refuses before the work what cannot be written; of what is there nothing is ours.
   AtomicFolder folder(options.out, [](const std::filesystem::path&) { return false; });
   const RobotRequest request = robot_request(options.robot);
-  const ForeignSet set = options.kind == "json" ? read_json_sets(options) : read_scenes(options, request);
+  const ForeignSet set = options.kind == "json"          ? read_sets(options, read_problem_json)
+                         : options.kind == "robometrics" ? read_robometrics_sets(options, request)
+                                                         : read_scenes(options, request);
   ImportOutcome outcome = write_suite(set, {request, options.resolution, folder.path()});
   if (!outcome.suite.empty()) outcome.suite = options.out / outcome.suite.filename();
   folder.publish();
+  for (const std::string& note : outcome.notes) console.warn("note: " + note);
   report(options, outcome, console);
   if (outcome.suite.empty())
-    console.warn("clearway: import: no file is a request, so there are maps and no suite");
+    console.warn(options.kind == "robometrics"
+                     ? "clearway: import: no file has problems, so there are maps and no suite"
+                     : "clearway: import: no file is a request, so there are maps and no suite");
   return exit_done;
 }
 
@@ -124,12 +150,13 @@ Command add_import(CLI::App& app, Console& console) {
       "mbm    scenes (MotionBenchMaker, MoveIt planning scenes as YAML, or .scene) and motion requests;\n"
       "       scene0001.yaml goes with request0001.yaml, one scene with all\n"
       "scene  the same\n"
-      "json   problems.NAME[] with lists sphere, cylinder, box, and start, goals");
-  command->add_option("kind", options->kind, "mbm, scene or json")
+      "json   problems.NAME[] with lists sphere, cylinder, box, and start, goals\n"
+      "robometrics  NAME[] with obstacles (cuboid, cylinder, ...), start, goal_ik, goal_pose; cuRobo worlds");
+  command->add_option("kind", options->kind, "mbm, scene, json or robometrics")
       ->required()
       ->check([](const std::string& text) {
-        const bool is_known = text == "mbm" || text == "scene" || text == "json";
-        return is_known ? std::string() : "expected mbm, scene or json, got '" + text + "'";
+        const bool is_known = text == "mbm" || text == "scene" || text == "json" || text == "robometrics";
+        return is_known ? std::string() : "expected mbm, scene, json or robometrics, got '" + text + "'";
       })
       ->type_name("KIND");
   command->add_option("files", options->files, "files of that kind")->required()->type_name("FILE…");

@@ -38,8 +38,7 @@ std::vector<Eigen::Vector3d> points_of(const std::vector<std::string>& texts) {
 
 /// Whether places in the map are asked for, or another map: else one pass over its file answers all.
 bool needs_memory(const InspectOptions& options) {
-  const bool edits = !options.merge.empty() || !options.crop.empty() || options.coarsen.has_value();
-  return edits || !options.at.empty() || !options.rays.empty() || options.holes ||
+  return is_edited(options) || !options.at.empty() || !options.rays.empty() || options.holes ||
          !options.clearance.empty() || !options.exports.empty() || !options.diff.empty() ||
          !options.save.empty();
 }
@@ -103,6 +102,7 @@ void print_text(const InspectOptions& options, const Json& json, Console& consol
   for (const auto& slice : options.slices) console.out() << "  picture: " << slice.second << '\n';
   for (const auto& file : options.exports) console.out() << "  exported: " << file.string() << '\n';
   if (!options.view.empty()) console.out() << "  page: " << options.view.string() << '\n';
+  if (json.contains("edited")) print_hand_edit(json["edited"], console.out());
   if (!options.save.empty()) console.out() << "  saved: " << options.save.string() << '\n';
 }
 
@@ -138,7 +138,8 @@ int run_inspect(const InspectOptions& options, Console& console) {
   const std::optional<Snapshot> loaded =
       needs_memory(options) ? std::optional<Snapshot>(load_map(options.map, options.cloud_resolution))
                             : std::nullopt;
-  const MapLeaves leaves = loaded ? MapLeaves(edited(options, *loaded))
+  HandEditTally tally;
+  const MapLeaves leaves = loaded ? MapLeaves(edited(options, *loaded, tally))
                                   : MapLeaves::in_file(options.map, options.cloud_resolution);
   const Snapshot& map = leaves.about();
   std::optional<Snapshot> other;
@@ -155,6 +156,7 @@ int run_inspect(const InspectOptions& options, Console& console) {
   const std::optional<Provenance> provenance = provenance_of(options, console);
 
   Json json = describe_map(options, leaves);
+  if (!options.occupy.empty() || !options.clear.empty()) json["edited"] = describe_hand_edit(tally);
   for (const Eigen::Vector3d& point : points)
     json["at"].push_back(describe_point(map, provenance ? &*provenance : nullptr, point));
   for (const std::string& ray : options.rays) json["rays"].push_back(describe_ray(map, ray));
@@ -170,8 +172,7 @@ int run_inspect(const InspectOptions& options, Console& console) {
   std::string text;
   for (const SlicePlane& plane : terms) text += '\n' + draw_in_terminal(drawn, plane, other.has_value());
   for (const auto& file : options.exports) export_map(map, file);
-  const bool is_edited = !options.merge.empty() || !options.crop.empty() || options.coarsen.has_value();
-  const auto place = is_edited ? std::nullopt : std::optional(options.map.string());
+  const auto place = is_edited(options) ? std::nullopt : std::optional(options.map.string());
   if (!options.view.empty())
     save_file(options.view, other ? difference_page(drawn, name) : map_page(leaves, name, place));
   if (!options.save.empty()) {

@@ -69,7 +69,22 @@ Command add_inspect(CLI::App& app, Console& console) {
                    "united by label, each voxel keeps its later observation (both maps must share one clock)")
       ->type_name("MAP2")
       ->check(file_name);
-  command->add_option("--crop", options->crop, "keep only the voxels of a box (after --merge), metres")
+  command
+      ->add_option("--clear", options->clear,
+                   "make the voxels wholly inside a shape seen free (after --merge): as --occupy; repeatable")
+      ->type_name("SHAPE")
+      ->allow_extra_args(false)
+      ->take_all();
+  command
+      ->add_option(
+          "--occupy", options->occupy,
+          "make the voxels that a shape meets occupied (after --clear): box:X,Y,Z,SX,SY,SZ, "
+          "sphere:X,Y,Z,R or cylinder:X,Y,Z,R,H about its middle, metres; then YAW or ROLL,PITCH,YAW, "
+          "radians; repeatable")
+      ->type_name("SHAPE")
+      ->allow_extra_args(false)
+      ->take_all();
+  command->add_option("--crop", options->crop, "keep only the voxels of a box (after --occupy), metres")
       ->type_name("X0,Y0,Z0,X1,Y1,Z1");
   command
       ->add_option("--coarsen", options->coarsen,
@@ -77,9 +92,7 @@ Command add_inspect(CLI::App& app, Console& console) {
                    "all voxels are, occupied if any is")
       ->check(positive())
       ->type_name("M");
-  command
-      ->add_option("--save", options->save,
-                   "write the merged, cropped or coarser map to this folder, which must not be MAP")
+  command->add_option("--save", options->save, "write the new map to this folder, which must not be MAP")
       ->type_name("DIR")
       ->check(file_name);
   return [options](Console& c) { return run_inspect(*options, c); };

@@ -238,7 +238,8 @@ int run_plan(const PlanOptions& options, Console& console) {
       options.map, options.cloud_resolution);  // what is said before may be said again by the whole program
   report_degrees(options, robot, start, goals, console);
   report_turns(robot, start, goals, console);
-  for (const std::string& note : srdf_notes(robot)) console.warn("note: " + note);
+  for (const std::string& note : robot_notes(robot, robot_request(options.robot).packages))
+    console.warn("note: " + note);
   if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
     console.warn("note: " + remark);
   const std::string cloud = cloud_remark(options.map, map, options.cloud_resolution.has_value());

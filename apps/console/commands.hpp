@@ -196,10 +196,11 @@ struct InspectOptions {
   bool conflicts = false;         ///< list them
   std::filesystem::path diff;     ///< map to compare with; empty: none
   // A new map made of this one, in this order; all else is then asked of it.
-  std::filesystem::path merge;    ///< map to add; empty: none
-  std::string crop;               ///< "x0,y0,z0,x1,y1,z1"; empty: all of it
-  std::optional<double> coarsen;  ///< edge of a voxel, metres
-  std::filesystem::path save;     ///< folder for the new map; empty: none
+  std::filesystem::path merge;             ///< map to add; empty: none
+  std::vector<std::string> clear, occupy;  ///< shapes, see apps/inspect/hand_shapes.hpp
+  std::string crop;                        ///< "x0,y0,z0,x1,y1,z1"; empty: all of it
+  std::optional<double> coarsen;           ///< edge of a voxel, metres
+  std::filesystem::path save;              ///< folder for the new map; empty: none
 };
 int run_inspect(const InspectOptions& options, Console& console);
 
@@ -238,7 +239,7 @@ struct CompareOptions {
 int run_compare(const CompareOptions& options, Console& console);
 
 struct ImportOptions {
-  std::string kind;                          ///< "mbm", "scene" or "json"
+  std::string kind;                          ///< "mbm", "scene", "json" or "robometrics"
   std::vector<std::filesystem::path> files;  ///< of problems
   RobotChoice robot;
   double resolution = 0.02;   ///< metres

@@ -1,4 +1,8 @@
+#include <nlohmann/json.hpp>
+
 #include "apps/console/parse.hpp"
+#include "apps/console/table.hpp"
+#include "apps/inspect/hand_shapes.hpp"
 #include "apps/inspect/inspect_parts.hpp"
 #include "apps/inspect/map_folder.hpp"
 #include "mapping/files/map_file.hpp"
@@ -6,12 +10,21 @@
 
 namespace clearway {
 
-Snapshot edited(const InspectOptions& options, const Snapshot& map) {
-  const bool edits = !options.merge.empty() || !options.crop.empty() || options.coarsen.has_value();
-  if (edits && options.save.empty())
-    throw std::invalid_argument("--merge, --crop and --coarsen: expected --save DIR to write the new map to");
+bool is_edited(const InspectOptions& options) {
+  return !options.merge.empty() || !options.clear.empty() || !options.occupy.empty() ||
+         !options.crop.empty() || options.coarsen.has_value();
+}
+
+Snapshot edited(const InspectOptions& options, const Snapshot& map, HandEditTally& tally) {
+  if (is_edited(options) && options.save.empty())
+    throw std::invalid_argument(
+        "--merge, --clear, --occupy, --crop and --coarsen: expected --save DIR to write the new map to");
   Snapshot result = map;
   if (!options.merge.empty()) result = merge(result, load_map(options.merge, options.cloud_resolution));
+  if (!options.clear.empty())
+    result = with_cleared_voxels(result, cells_inside(options.clear, map.resolution()), tally);
+  if (!options.occupy.empty())
+    result = with_occupied_voxels(result, cells_met(options.occupy, map.resolution()), tally);
   if (!options.crop.empty()) {
     const std::vector<double> n = parse_numbers(options.crop, "--crop");
     if (n.size() != 6)
@@ -20,6 +33,20 @@ Snapshot edited(const InspectOptions& options, const Snapshot& map) {
   }
   if (options.coarsen) result = coarsen(result, *options.coarsen);
   return result;
+}
+
+nlohmann::ordered_json describe_hand_edit(const HandEditTally& tally) {
+  return {{"occupied", tally.occupied},
+          {"conflict", tally.conflict},
+          {"seen_free", tally.seen_free},
+          {"painted", tally.painted}};
+}
+
+void print_hand_edit(const nlohmann::ordered_json& json, std::ostream& out) {
+  const auto count = [&](const char* state) { return grouped(json[state].get<std::size_t>()); };
+  print_rows(out, {{"voxels changed", count("occupied") + " to occupied, " + count("conflict") +
+                                          " to conflict, " + count("seen_free") + " to seen free, " +
+                                          count("painted") + " to painted"}});
 }
 
 void save_edited(const InspectOptions& options, const Snapshot& map) {

@@ -58,6 +58,8 @@ Json describe_map(const InspectOptions& options, const MapLeaves& leaves) {
                                 {"looked_up", agreement.looked_up}};
   }
   if (const std::string caveat = damage_caveat(map); !caveat.empty()) json["damaged_recording"] = caveat;
+  if (const HandEdits& edits = map.tree().hand_edits(); edits != HandEdits{})
+    json["voxels_by_hand"] = {{"occupied", edits.occupied}, {"freed", edits.freed}};
   if (const Eigen::AlignedBox3d bounds = leaves.bounds(); !bounds.isEmpty()) {
     json["bounds"] = {{"min", to_json(bounds.min())}, {"max", to_json(bounds.max())}};
   }
@@ -117,6 +119,13 @@ void print_map(const Json& json, std::ostream& out) {
   }
   if (json.contains("damaged_recording"))
     rows.emplace_back("warning", json["damaged_recording"].get<std::string>());
+  if (json.contains("voxels_by_hand")) {
+    const auto count = [&](const char* what) {
+      return grouped(json["voxels_by_hand"][what].get<std::size_t>());
+    };
+    rows.emplace_back("edited by hand",
+                      count("occupied") + " voxels made occupied, " + count("freed") + " made free");
+  }
   for (const auto& [state, count] : json["voxels"].items())
     rows.emplace_back(state, grouped(count.get<std::size_t>()));
   rows.emplace_back("last seen", json.contains("seen") ? look_times(json["seen"]) : "not known when");

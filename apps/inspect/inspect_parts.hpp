@@ -11,6 +11,7 @@
 #include "apps/console/commands.hpp"
 #include "mapping/files/map_leaves.hpp"
 #include "mapping/history/provenance.hpp"
+#include "mapping/maps/hand_edit.hpp"
 #include "mapping/snapshot.hpp"
 
 namespace clearway {
@@ -54,8 +55,16 @@ nlohmann::ordered_json describe_difference(const Snapshot& map, const Snapshot& 
                                            const std::filesystem::path& other);
 void print_difference(const nlohmann::ordered_json& json, std::ostream& out);
 
-/// The map after --merge, --crop and --coarsen; as it is without them. @throws std::invalid_argument.
-Snapshot edited(const InspectOptions& options, const Snapshot& map);
+/// Whether --merge, --clear, --occupy, --crop or --coarsen make another map.
+bool is_edited(const InspectOptions& options);
+
+/// The map after these, in this order; as it is without them. @param[out] tally of --clear and --occupy
+/// @throws std::invalid_argument.
+Snapshot edited(const InspectOptions& options, const Snapshot& map, HandEditTally& tally);
+
+/// How many voxels --clear and --occupy changed, by the state that they have now.
+nlohmann::ordered_json describe_hand_edit(const HandEditTally& tally);
+void print_hand_edit(const nlohmann::ordered_json& json, std::ostream& out);
 
 /// Writes the map to --save. @throws std::invalid_argument when that would replace a map that was read.
 void save_edited(const InspectOptions& options, const Snapshot& map);

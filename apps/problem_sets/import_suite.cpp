@@ -53,6 +53,7 @@ class SuiteWriter {
           " is moved or scaled by its settings, expected one of full size whose base is "
           "the sets' origin");
     outcome_.left_out = set.left_out;
+    outcome_.notes = robot_notes(whole_, import.robot.packages);
     if (!whole_.srdf.empty()) srdf_ = read_srdf(whole_.srdf);
   }
 
@@ -117,13 +118,24 @@ class SuiteWriter {
     return "";
   }
 
+  /// The first goal; where its values are not of all joints, one that says by its link of which they are.
+  const ForeignGoal& goal_of_motion(const ForeignProblem& problem) const {
+    const ForeignGoal& first = problem.goals.front();
+    if (first.joints.values.empty() || first.joints.values.size() == whole_.dof()) return first;
+    const auto placing =
+        std::find_if(problem.goals.begin(), problem.goals.end(), [&](const ForeignGoal& goal) {
+          return goal.pose && joints_above(whole_, goal.pose->link).size() == first.joints.values.size();
+        });
+    return placing != problem.goals.end() ? *placing : first;
+  }
+
   /// The group that the user names; else the problem's, where the robot's SRDF has it; else the joints that
   /// the first goal names, or that move the link that it places.
   Motion motion_of(const ForeignProblem& problem) const {
     Motion motion{problem.experiment.empty() ? problem.group : problem.experiment, import_.robot.group,
                   import_.robot.fixed};
     if (motion.name.empty()) motion.name = "problems";
-    const ForeignGoal& goal = problem.goals.front();
+    const ForeignGoal& goal = goal_of_motion(problem);
     if (!goal.joints.values.empty()) return motion;  // in the robot's order
     if (motion.group.empty() && srdf_ && srdf_->groups.contains(problem.group)) motion.group = problem.group;
     std::set<std::string> planned;

@@ -22,6 +22,7 @@ struct ImportOutcome {
   std::size_t worlds = 0, problems = 0, experiments = 0;
   std::size_t poses = 0;              ///< problems whose goal was a pose
   std::filesystem::path suite;        ///< empty: there are no problems
+  std::vector<std::string> notes;     ///< on the robot, see robot_notes
   std::vector<std::string> left_out;  ///< the set's, and what did not fit the robot
 };
 

@@ -174,6 +174,7 @@ class SceneReader {
         std::copy_if(world_.solids.begin(), world_.solids.end(), std::back_inserter(body.pieces), is_taken);
         std::erase_if(world_.solids, is_taken);
         objects_.erase(body.name);
+        poses_.erase(body.name);
         body.frame.clear();
       }
       const std::string why = put_on_link(frames_, body);
@@ -214,10 +215,16 @@ class SceneReader {
     if (!links.empty()) leave("its " + key + " of " + listed(links));
   }
 
+  static bool is_piece_of(const ForeignSolid& solid, const std::string& name) {
+    return solid.object == name && solid.kind != "octomap";
+  }
+
   void add_object(const YamlFields& object) {
+    const std::string operation = ros_operation(object);
+    if (operation == "remove") return remove_object(object);
     const std::string name = object.text("id");
     objects_.insert(name);
-    const std::string operation = ros_operation(object);
+    if (operation == "move") return move_object(object, name);
     if (operation != "add" && operation != "append")
       return leave("object " + quote(name) + ", which is not added (operation " + quote(operation) + ")");
     const auto planes = object.list_of_maps("planes");
@@ -225,12 +232,10 @@ class SceneReader {
       return leave("object " + quote(name) + ", which has neither primitives nor meshes");
     const Eigen::Isometry3d* map_from_frame = frame_of(object, "object " + quote(name));
     if (map_from_frame == nullptr) return;
-    if (operation == "add")  // in place of the one of its name, as MoveIt has it
-      std::erase_if(world_.solids, [&](const ForeignSolid& solid) {
-        return solid.object == name && solid.kind != "octomap";
-      });
+    if (operation == "add") forget_object(name);  // in place of the one of its name, as MoveIt has it
     const Eigen::Isometry3d map_from_object =
         *map_from_frame * (object.has("pose") ? ros_pose(object.map("pose")) : Eigen::Isometry3d::Identity());
+    const std::size_t before = world_.solids.size();
     auto solids = ros_solids(object, name, map_from_object, context_.packages, file_.parent_path());
     std::move(solids.begin(), solids.end(), std::back_inserter(world_.solids));
     const auto places = ros_poses(object, "plane_poses", planes.size());
@@ -238,11 +243,69 @@ class SceneReader {
       ForeignSolid& solid = world_.solids.emplace_back(ForeignSolid{name, "plane"});
       solid.map_from_shape = map_from_object * places[i];
       const auto plane = planes[i].numbers("coef", within_reach, 4);
-      solid.triangles = plane_triangles({plane[0], plane[1], plane[2], plane[3]},
-                                        solid.map_from_shape.inverse().translation(), context_.plane_reach);
+      planes_[name].emplace_back(plane[0], plane[1], plane[2], plane[3]);
+      spread(solid, planes_[name].back());
       if (solid.triangles.empty())
         planes[i].fail("coef", "expected a b c d with a normal a b c that is not 0");
     }
+    // The pose of a single piece is the object's where that has none, as MoveIt has it.
+    const bool is_alone =
+        world_.solids.size() == before + 1 && map_from_object.isApprox(*map_from_frame, 1e-12);
+    poses_.emplace(name, is_alone ? world_.solids.back().map_from_shape : map_from_object);
+  }
+
+  void spread(ForeignSolid& solid, const Eigen::Vector4d& plane) const {
+    solid.triangles =
+        plane_triangles(plane, solid.map_from_shape.inverse().translation(), context_.plane_reach);
+  }
+
+  void forget_object(const std::string& name) {
+    std::erase_if(world_.solids, [&](const ForeignSolid& solid) { return is_piece_of(solid, name); });
+    planes_.erase(name);
+    poses_.erase(name);
+  }
+
+  /// The object of this name, or all, but for the octomap, without a name.
+  void remove_object(const YamlFields& object) {
+    const std::string name = ros_word(object, "id");
+    if (!name.empty() && !poses_.contains(name))
+      return leave("the removal of object " + quote(name) + ", which is not there");
+    const std::map<std::string, Eigen::Isometry3d> known = poses_;
+    for (const auto& [other, pose] : known) {
+      if (!name.empty() && other != name) continue;
+      forget_object(other);
+      objects_.erase(other);
+    }
+  }
+
+  /// To another pose, with its pieces, which may get other places in it, first primitives, then meshes and
+  /// planes. What the message says of shapes does not count.
+  void move_object(const YamlFields& object, const std::string& name) {
+    const auto known = poses_.find(name);
+    if (known == poses_.end()) return leave("the move of object " + quote(name) + ", which is not there");
+    const Eigen::Isometry3d* map_from_frame = frame_of(object, "object " + quote(name));
+    if (map_from_frame == nullptr) return;
+    const Eigen::Isometry3d moved =
+        *map_from_frame * (object.has("pose") ? ros_pose(object.map("pose")) : Eigen::Isometry3d::Identity());
+    std::vector<ForeignSolid*> pieces;
+    for (ForeignSolid& solid : world_.solids)
+      if (is_piece_of(solid, name)) pieces.push_back(&solid);
+    std::vector<Eigen::Isometry3d> places;
+    for (const char* key : {"primitive_poses", "mesh_poses", "plane_poses"})
+      for (const YamlFields& pose : object.list_of_maps(key)) places.push_back(ros_pose(pose));
+    if (!places.empty() && places.size() != pieces.size())
+      object.fail("operation", "expected a move of object " + quote(name) + " with no poses of pieces, or " +
+                                   std::to_string(pieces.size()) + ", one for each, got " +
+                                   std::to_string(places.size()));
+    std::size_t plane = 0;
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      ForeignSolid& piece = *pieces[i];
+      const Eigen::Isometry3d in_object =
+          places.empty() ? known->second.inverse() * piece.map_from_shape : places[i];
+      piece.map_from_shape = moved * in_object;
+      if (piece.kind == "plane") spread(piece, planes_[name][plane++]);
+    }
+    known->second = moved;
   }
 
   YamlFields scene_;
@@ -250,7 +313,9 @@ class SceneReader {
   const SceneContext& context_;
   std::vector<std::string>& left_out_;
   SceneFrames frames_;
-  std::set<std::string> objects_;  ///< names
+  std::set<std::string> objects_;                               ///< names
+  std::map<std::string, Eigen::Isometry3d> poses_;              ///< of objects with pieces, in the map
+  std::map<std::string, std::vector<Eigen::Vector4d>> planes_;  ///< of objects, in the order of their pieces
   ForeignWorld world_;
 };
 

@@ -27,11 +27,12 @@ SceneFileKind kind_of_scene_file(const std::string& text, const std::filesystem:
 
 /// Reads a planning scene as YAML, of ROS messages (moveit_msgs/PlanningScene) or as MotionBenchMaker and
 /// Robowflex write them: world.collision_objects of primitives, meshes and planes, world.octomap, and what
-/// its robot_state has in the hand. An object that is added again replaces the one of its name. Frames are
+/// its robot_state has in the hand. An object that is added again replaces the one of its name, one that is
+/// moved takes its pieces along, one that is removed goes, all as MoveIt has it. Frames are
 /// those of SceneFrames, with the robot as robot_state says, and what `fixed_frame_transforms` states.
-/// Objects that are not added, pairs of links and objects that may collide, paddings and scales of links, and
-/// the name of another robot are left out, and reported; so is what stands in an unknown frame, where the
-/// context allows it.
+/// Moves and removals of what is not there, pairs of links and objects that may collide, paddings and scales
+/// of links, and the name of another robot are left out, and reported; so is what stands in an unknown frame,
+/// where the context allows it.
 /// @throws std::invalid_argument in one sentence naming file, line, field and what was expected.
 ForeignWorld read_planning_scene(const std::string& text, const std::filesystem::path& file,
                                  const SceneContext& context, std::vector<std::string>& left_out);
@@ -60,5 +61,16 @@ ForeignWorld read_scene_text(const std::string& text, const std::filesystem::pat
 /// NAME. Problems that say `valid: false` are left out.
 /// @throws std::invalid_argument in one sentence naming file, field and what was expected.
 ForeignSet read_problem_json(const std::string& text, const std::filesystem::path& file);
+
+/// Reads the YAML or JSON of robometrics and cuRobo: NAME, or NAME within NAME, to a list of problems of
+/// `obstacles`, `start`, `goal_ik` and `goal_pose`, each one world and one problem; or one cuRobo world,
+/// which has no problem. Obstacles are `cuboid` (dims), `cylinder` (radius, height), `sphere` (radius; pose
+/// or position), `capsule` (radius, base, tip) and `mesh` (file_path, or vertices and faces; scale) by their
+/// names; poses are x, y, z and a quaternion w, x, y, z. The goals are those of `goal_ik`, in the robot's
+/// order, and then `goal_pose`. `world_frame` is a link that no joint moves. Left out, and reported: `blox`
+/// and `voxel`, and keys that nobody knows; other kinds of obstacles are refused.
+/// @throws std::invalid_argument in one sentence naming file, line, field and what was expected.
+ForeignSet read_robometrics(const std::string& text, const std::filesystem::path& file,
+                            const SceneContext& context);
 
 }  // namespace clearway

@@ -11,39 +11,56 @@ namespace {
 
 constexpr Bounds sizes{tiny, 1e3};
 
-std::vector<Eigen::Vector3d> mesh_of_file(const YamlFields& mesh, const PackageFolders& packages,
+}  // namespace
+
+std::vector<Eigen::Vector3d> mesh_of_file(const YamlFields& mesh, const std::string& key,
+                                          const Eigen::Vector3d& scale, const PackageFolders& packages,
                                           const std::filesystem::path& folder) {
   ScaledMesh named;
-  if (mesh.has("dimensions")) {
-    const auto scale = mesh.numbers("dimensions", sizes, 3);
-    named.scale = {scale[0], scale[1], scale[2]};
-  }
+  named.scale = scale;
   try {
-    named.file = find_mesh(mesh.file("resource"), folder, packages);
+    named.file = find_mesh(mesh.file(key), folder, packages);
   } catch (const std::invalid_argument& error) {
-    mesh.fail("resource", error.what());
+    mesh.fail(key, error.what());
   }
   MeshTriangles triangles = read_mesh_triangles(named);
-  if (!triangles.failure.empty()) mesh.fail("resource", triangles.failure);
+  if (!triangles.failure.empty()) mesh.fail(key, triangles.failure);
   return std::move(triangles.corners);
+}
+
+std::vector<Eigen::Vector3d> mesh_of_lists(const YamlFields& mesh, const std::string& vertex_key,
+                                           const std::string& triangle_key) {
+  std::vector<Eigen::Vector3d> vertices, corners;
+  for (const auto& at : mesh.rows(vertex_key, {-1e3, 1e3}, 3, {"x", "y", "z"}))
+    vertices.emplace_back(at[0], at[1], at[2]);
+  if (vertices.empty()) mesh.fail(vertex_key, "expected at least one");
+  const Bounds indices{0, static_cast<double>(vertices.size()) - 1};
+  for (const auto& triangle : mesh.rows(triangle_key, indices, 3, {"vertex_indices"}))
+    for (const double index : triangle) {
+      if (index != std::floor(index)) mesh.fail(triangle_key, "expected whole numbers");
+      corners.push_back(vertices[static_cast<std::size_t>(index)]);
+    }
+  if (corners.empty()) mesh.fail(triangle_key, "expected at least one");
+  return corners;
+}
+
+namespace {
+
+std::vector<Eigen::Vector3d> mesh_of_resource(const YamlFields& mesh, const PackageFolders& packages,
+                                              const std::filesystem::path& folder) {
+  Eigen::Vector3d scale = Eigen::Vector3d::Ones();
+  if (mesh.has("dimensions")) {
+    const auto given = mesh.numbers("dimensions", sizes, 3);
+    scale = {given[0], given[1], given[2]};
+  }
+  return mesh_of_file(mesh, "resource", scale, packages, folder);
 }
 
 /// ROS writes points as maps and triangles as maps of `vertex_indices`, Robowflex both as lists.
 std::vector<Eigen::Vector3d> mesh_inside(const YamlFields& mesh) {
-  std::vector<Eigen::Vector3d> vertices, corners;
   if (!mesh.is_list("vertices") || !mesh.is_list("triangles"))
     mesh.fail("vertices", "expected a mesh of 'resource', or of lists 'vertices' and 'triangles'");
-  for (const auto& at : mesh.rows("vertices", {-1e3, 1e3}, 3, {"x", "y", "z"}))
-    vertices.emplace_back(at[0], at[1], at[2]);
-  if (vertices.empty()) mesh.fail("vertices", "expected at least one");
-  const Bounds indices{0, static_cast<double>(vertices.size()) - 1};
-  for (const auto& triangle : mesh.rows("triangles", indices, 3, {"vertex_indices"}))
-    for (const double index : triangle) {
-      if (index != std::floor(index)) mesh.fail("triangles", "expected whole numbers");
-      corners.push_back(vertices[static_cast<std::size_t>(index)]);
-    }
-  if (corners.empty()) mesh.fail("triangles", "expected at least one");
-  return corners;
+  return mesh_of_lists(mesh, "vertices", "triangles");
 }
 
 }  // namespace
@@ -174,7 +191,7 @@ std::vector<ForeignSolid> ros_solids(const YamlFields& object, const std::string
     ForeignSolid& solid = add(places_of_meshes[i]);
     solid.kind = "mesh";
     solid.triangles =
-        meshes[i].has("resource") ? mesh_of_file(meshes[i], packages, folder) : mesh_inside(meshes[i]);
+        meshes[i].has("resource") ? mesh_of_resource(meshes[i], packages, folder) : mesh_inside(meshes[i]);
   }
   return solids;
 }

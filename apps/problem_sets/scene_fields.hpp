@@ -46,6 +46,16 @@ void read_primitive(const YamlFields& primitive, ForeignSolid& solid);
 /// Poses under `key`, one for each of `count` pieces; a single piece may have none.
 std::vector<Eigen::Isometry3d> ros_poses(const YamlFields& fields, const std::string& key, std::size_t count);
 
+/// The triangles of the mesh file that `key` names, corners three by three. @param folder that it is relative
+/// to @throws std::invalid_argument naming the key when it cannot be read.
+std::vector<Eigen::Vector3d> mesh_of_file(const YamlFields& mesh, const std::string& key,
+                                          const Eigen::Vector3d& scale, const PackageFolders& packages,
+                                          const std::filesystem::path& folder);
+
+/// The same of a list of points and one of triangles of indices into it.
+std::vector<Eigen::Vector3d> mesh_of_lists(const YamlFields& mesh, const std::string& vertex_key,
+                                           const std::string& triangle_key);
+
 /// Primitives and meshes of a moveit_msgs/CollisionObject. @param frame_from_object the object's own pose
 /// included @param folder that files of meshes are relative to
 std::vector<ForeignSolid> ros_solids(const YamlFields& object, const std::string& name,

@@ -9,7 +9,6 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "datasets/descriptions/yaml_gate.hpp"
 #include "mapping/system/nearest_name.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -50,8 +49,8 @@ std::string shown_node(const YAML::Node& node) {
   return node.IsSequence() ? "a list" : node.IsMap() ? "a map" : "nothing";
 }
 
-YamlFields::YamlFields(const std::string& text, const std::string& name) : name_(name) {
-  require_yaml(text, name);
+YamlFields::YamlFields(const std::string& text, const std::string& name, std::size_t most) : name_(name) {
+  require_yaml(text, name, most);
   try {
     node_ = std::make_shared<YAML::Node>(YAML::Load(text));
   } catch (const YAML::Exception& error) {

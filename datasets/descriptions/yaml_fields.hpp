@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "datasets/descriptions/yaml_gate.hpp"
+
 namespace YAML {
 class Node;
 }
@@ -33,8 +35,8 @@ constexpr Bounds paddings{0, 100};  ///< metres
 class YamlFields {
  public:
   /// @throws std::invalid_argument when `text` is not a YAML map. `name` is what errors call it, for example
-  /// "setup 'kitchen.yaml'".
-  YamlFields(const std::string& text, const std::string& name);
+  /// "setup 'kitchen.yaml'". @param most see require_yaml
+  YamlFields(const std::string& text, const std::string& name, std::size_t most = most_yaml_nodes);
 
   bool has(const std::string& key) const;
   bool names(const std::string& key) const;    ///< has it, if with nothing after it

@@ -16,9 +16,6 @@ namespace {
 
 constexpr size_t deepest = 32;
 
-/// yaml-cpp takes some 600 bytes for each: with this, 150 MB and twenty times the file at most.
-size_t most_nodes(const std::string& text) { return 250'000 + text.size() / 32; }
-
 [[noreturn]] void refuse(const std::string& name, const YAML::Mark& mark, const std::string& what) {
   throw std::invalid_argument(name + ", line " + std::to_string(mark.line + 1) + ", column " +
                               std::to_string(mark.column + 1) + ": " + what + ".");
@@ -124,9 +121,10 @@ std::string expected(const std::string& message) {
 
 }  // namespace
 
-void require_yaml(const std::string& text, const std::string& name) {
+void require_yaml(const std::string& text, const std::string& name, size_t most) {
   std::istringstream stream(text);
-  Counter counter(name, most_nodes(text));
+  // yaml-cpp takes some 600 bytes for each: with this, 150 MB and twenty times the file at most.
+  Counter counter(name, most + text.size() / 32);
   try {
     YAML::Parser parser(stream);
     while (parser.HandleNextDocument(counter)) {

@@ -1,14 +1,17 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 namespace clearway {
 
-/// Refuses a YAML text that would take far more memory or time than its size: more than 250,000 words, lists
+constexpr std::size_t most_yaml_nodes = 250'000;  ///< of a file that somebody writes
+
+/// Refuses a YAML text that would take far more memory or time than its size: more than `most` words, lists
 /// and maps and one per 32 bytes (what an alias repeats counts as often as it is repeated), more than 32 of
 /// them inside each other, an alias within what it names; and several documents, but for empty ones at the
 /// end. Words for what yaml-cpp does not understand are ours.
 /// @throws std::invalid_argument "<name>, line 3, column 7: <what was expected>."
-void require_yaml(const std::string& text, const std::string& name);
+void require_yaml(const std::string& text, const std::string& name, std::size_t most = most_yaml_nodes);
 
 }  // namespace clearway

@@ -22,6 +22,7 @@ constexpr std::string_view threshold_comment = "# clearway occupied_log_odds ";
 constexpr std::string_view integration_comment = "# clearway integration ";
 constexpr std::string_view agreement_comment = "# clearway hits_called_free ";
 constexpr std::string_view damage_comment = "# clearway damaged_recording records ";
+constexpr std::string_view hand_edits_comment = "# clearway voxels_by_hand ";
 constexpr std::string_view painted_comment = "# clearway painted ";
 constexpr std::string_view seen_comment = "# clearway seen_bytes ";
 
@@ -71,6 +72,21 @@ void restore_damage(FusedTree& tree, std::string_view header, const std::filesys
   tree.set_records_before_damage(records);
 }
 
+/// Two counts: voxels made occupied, and made free.
+void restore_hand_edits(FusedTree& tree, std::string_view header, const std::filesystem::path& file) {
+  const std::string text = comments(header, hand_edits_comment);
+  if (text.empty()) return;
+  HandEdits edits;
+  const char* const last = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), last, edits.occupied);
+  const bool has_second = first.ec == std::errc() && std::string_view(first.ptr, last).starts_with(" and ");
+  const auto second = has_second ? std::from_chars(first.ptr + 5, last, edits.freed) : first;
+  if (!has_second || second.ec != std::errc() || *second.ptr != '\n')
+    throw DamagedFile("'" + file.string() +
+                      "' is damaged: its header does not say how many voxels were changed by hand");
+  tree.add_hand_edits(edits);
+}
+
 /// Two counts: hits called free, and hits looked up.
 void restore_agreement(FusedTree& tree, std::string_view header, const std::filesystem::path& file) {
   const std::string text = comments(header, agreement_comment);
@@ -106,6 +122,8 @@ std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVo
   if (const ScanAgreement& agreement = tree.agreement(); agreement.looked_up > 0)
     rest << agreement_comment << agreement.called_free << " of " << agreement.looked_up << "\n";
   if (const auto records = tree.records_before_damage()) rest << damage_comment << *records << "\n";
+  if (const HandEdits& edits = tree.hand_edits(); edits != HandEdits{})
+    rest << hand_edits_comment << edits.occupied << " and " << edits.freed << "\n";
   std::istringstream painted(format_painted(volumes));
   for (std::string line; std::getline(painted, line);) rest << painted_comment << line << "\n";
   const std::string looks = seen == nullptr ? std::string() : format_seen(*seen);
@@ -136,6 +154,7 @@ std::vector<PaintedVolume> restore_header(FusedTree& tree, const CheckedOctree& 
   restore_threshold(tree, checked.header, file);
   restore_integration(tree, checked.header, file);
   restore_damage(tree, checked.header, file);
+  restore_hand_edits(tree, checked.header, file);
   restore_agreement(tree, checked.header, file);
   return parse_painted(comments(checked.header, painted_comment), file);
 }

@@ -1,5 +1,6 @@
 #include "mapping/maps/map_damage.hpp"
 
+#include "mapping/maps/hand_edit.hpp"
 #include "mapping/maps/map_integration.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 
@@ -13,8 +14,10 @@ std::string damage_caveat(const Snapshot& map) {
 }
 
 std::string map_caveat(const Snapshot& map) {
-  const std::string integration = integration_caveat(map), damage = damage_caveat(map);
-  return integration + (integration.empty() || damage.empty() ? "" : "; ") + damage;
+  std::string all;
+  for (const std::string& part : {integration_caveat(map), damage_caveat(map), hand_edit_caveat(map)})
+    all += (all.empty() || part.empty() ? "" : "; ") + part;
+  return all;
 }
 
 }  // namespace clearway

@@ -10,8 +10,8 @@ namespace clearway {
 /// empty for any other map. Known of maps in our own .ot files and of what is made of them.
 std::string damage_caveat(const Snapshot& map);
 
-/// What a verdict that rests on this map must say of it, one or two sentences: how it was integrated
-/// (integration_caveat), and damage. Empty when there is nothing to say.
+/// What a verdict that rests on this map must say of it, a sentence each: how it was integrated
+/// (integration_caveat), damage, and changes by hand (hand_edit_caveat). Empty when there is nothing to say.
 std::string map_caveat(const Snapshot& map);
 
 }  // namespace clearway

@@ -116,6 +116,7 @@ Snapshot merge(const Snapshot& map, const Snapshot& other) {
   const auto tree = empty_like(first, map.resolution());
   tree->set_integration(of_both(first.integration(), second.integration()));
   tree->add_agreement(second.agreement());
+  tree->add_hand_edits(second.hand_edits());
   if (const auto records = second.records_before_damage())
     tree->set_records_before_damage(*records + first.records_before_damage().value_or(0));
   visit_leaf_pairs(first, second, [&](const FusedNode* a, const FusedNode* b, const CellCube& cube) {

@@ -16,6 +16,7 @@ FusedTree::FusedTree(const FusedTree& other)
   if (other.root != nullptr) root = other.root->share();
   tree_size = other.tree_size;
   records_before_damage_ = other.records_before_damage_;
+  hand_edits_ = other.hand_edits_;
   agreement_ = other.agreement_;
   size_changed = true;
 }

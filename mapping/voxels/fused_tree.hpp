@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "mapping/voxels/fused_node.hpp"
+#include "mapping/voxels/hand_edits.hpp"
 #include "mapping/voxels/integration.hpp"
 #include "mapping/voxels/scan_agreement.hpp"
 #include "mapping/voxels/sphere.hpp"
@@ -105,6 +106,8 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
   /// Makes one voxel observed and as free as can be, and paints it with `volumes` (bits). Prunes and updates
   /// the nodes above.
   void free_voxel(const Eigen::Vector3i& cell, std::uint16_t volumes);
+  /// Makes one voxel observed and as occupied as can be; its paint stays. Prunes and updates the nodes above.
+  void occupy_voxel(const Eigen::Vector3i& cell);
 
   /// How the scans agreed with the map before them. A copy has it, too.
   const ScanAgreement& agreement() const { return agreement_; }
@@ -120,6 +123,10 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
   /// How many records of a damaged recording went into the tree, where one did. A copy has it, too.
   std::optional<std::uint64_t> records_before_damage() const { return records_before_damage_; }
   void set_records_before_damage(std::uint64_t records) { records_before_damage_ = records; }
+
+  /// What somebody changed in the map by hand. A copy has it, too.
+  const HandEdits& hand_edits() const { return hand_edits_; }
+  void add_hand_edits(const HandEdits& more) { hand_edits_.add(more); }
 
   /// Cell of a coordinate with OctoMap's own rounding; none when it is not finite or outside the key range.
   std::optional<Eigen::Vector3i> cell(const Eigen::Vector3d& point) const;
@@ -152,6 +159,7 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
   class ScanUpdate;
   MapIntegration integration_ = MapIntegration::none;
   ScanAgreement agreement_;
+  HandEdits hand_edits_;
 
   void release_root();
   FusedNode* update_below(FusedNode& node, bool just_created, unsigned depth, const octomap::OcTreeKey& key,
@@ -161,8 +169,8 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
   void repaint_cube(FusedNode& node, bool just_created, const Repainting& work);
   void repaint_all(FusedNode& node, bool paint, const CellCube& cube, const Repainting& work);
   void take_back_below(FusedNode& node, int level, const Eigen::Vector3i& cell);
-  void free_below(FusedNode& node, bool just_created, int level, const Eigen::Vector3i& cell,
-                  std::uint16_t volumes);
+  void set_below(FusedNode& node, bool just_created, int level, const Eigen::Vector3i& cell, float log_odds,
+                 std::uint16_t volumes);
   bool may_be_painted(const FusedNode& node, unsigned index, bool just_created, std::uint16_t bit) const;
   void remove_child(FusedNode& node, unsigned index);
 

@@ -125,20 +125,27 @@ void FusedTree::take_back_below(FusedNode& node, int level, const Eigen::Vector3
 void FusedTree::free_voxel(const Eigen::Vector3i& cell, std::uint16_t volumes) {
   bool created = false;
   FusedNode& top = root_for_writing(created);
-  free_below(top, created, static_cast<int>(tree_depth), cell, volumes);
+  set_below(top, created, static_cast<int>(tree_depth), cell, getClampingThresMinLog(), volumes);
 }
 
-void FusedTree::free_below(FusedNode& node, bool just_created, int level, const Eigen::Vector3i& cell,
-                           std::uint16_t volumes) {
+void FusedTree::occupy_voxel(const Eigen::Vector3i& cell) {
+  bool created = false;
+  FusedNode& top = root_for_writing(created);
+  const float highest = std::max(getClampingThresMaxLog(), getOccupancyThresLog());
+  set_below(top, created, static_cast<int>(tree_depth), cell, highest, 0);
+}
+
+void FusedTree::set_below(FusedNode& node, bool just_created, int level, const Eigen::Vector3i& cell,
+                          float log_odds, std::uint16_t volumes) {
   if (level == 0) {
-    node.observe(getClampingThresMinLog());
+    node.observe(log_odds);
     return node.add_paint(volumes);
   }
   const auto upper = [&](int axis) { return static_cast<unsigned>(cell[axis] + 32768) >> (level - 1) & 1U; };
   bool created = false;
   FusedNode& child =
       child_for_writing(node, upper(0) | upper(1) << 1U | upper(2) << 2U, just_created, created);
-  free_below(child, created, level - 1, cell, volumes);
+  set_below(child, created, level - 1, cell, log_odds, volumes);
   if (!pruneNode(&node)) node.updateOccupancyChildren();
 }
 

@@ -23,11 +23,6 @@ constexpr std::size_t most_joints = 500;  ///< urdfdom and kdl_parser walk a cha
 constexpr double limit_tolerance = 1e-9;  ///< of limits, rad or m
 constexpr double endless_turn = 1e3;      ///< beyond both ways (Gazebo writes 1e16) a joint turns without end
 
-std::filesystem::path file_of(const Robot& robot) {
-  const bool is_urdf = is_urdf_name(robot.source);
-  return urdf_of(robot.source, is_urdf ? RobotSettings{} : read_robot_settings(robot.source));
-}
-
 /// What else urdfdom reads of a joint (dynamics, calibration) it may refuse, and it moves nothing.
 bool is_read_of_joint(const std::string& element, bool is_fixed) {
   if (element == "origin" || element == "parent" || element == "child") return true;
@@ -77,7 +72,7 @@ void keep_soft_limits(tinyxml2::XMLElement& joint) {
 /// The file's joints and links alone. A body's shape becomes a sphere, because urdfdom knows no capsules and
 /// drops a body whose shape it does not know; its place stays. Masses go: KDL complains of one at the root.
 std::string bare_text(const Robot& robot) {
-  const std::string text = read_text(file_of(robot), robot.xacro);
+  const std::string text = read_text(urdf_of_robot(robot), robot.xacro);
   tinyxml2::XMLDocument xml;
   xml.Parse(text.data(), text.size());
   tinyxml2::XMLElement* root = xml.FirstChildElement("robot");
@@ -291,7 +286,7 @@ class FileReader {
 void disagree(const Robot& robot, const std::string& what) {
   const std::string stated = robot.source.empty()
                                  ? "it is stated to be"
-                                 : "its file " + file_of(robot).string() + " says, read again";
+                                 : "its file " + urdf_of_robot(robot).string() + " says, read again";
   throw FileDisagrees("robot " + quote(robot.name) + " is not what " + stated + ": " + what);
 }
 

@@ -18,6 +18,7 @@
 #include "planning/robot_files/robot_settings.hpp"
 #include "planning/robot_files/srdf_file.hpp"
 #include "planning/robot_files/urdf_file.hpp"
+#include "planning/robot_files/xacro_file.hpp"
 
 namespace clearway {
 namespace {
@@ -223,6 +224,14 @@ std::vector<std::pair<std::string, std::string>> available_robots() {
   }
   std::sort(robots.begin(), robots.end());
   return robots;
+}
+
+std::vector<std::string> robot_notes(const Robot& robot, const PackageFolders& packages) {
+  std::vector<std::string> notes = srdf_notes(robot);
+  if (robot.xacro.empty() || robot.source.empty()) return notes;
+  const std::vector<std::string> more = xacro_notes(urdf_of_robot(robot), robot.xacro, packages);
+  notes.insert(notes.end(), more.begin(), more.end());
+  return notes;
 }
 
 Robot load_robot(const std::string& name_or_path) { return load_robot(RobotRequest{name_or_path}); }

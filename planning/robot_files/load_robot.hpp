@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "planning/robot/robot.hpp"
+#include "planning/robot_files/mesh_file.hpp"
 
 namespace clearway {
 
@@ -41,6 +42,9 @@ Robot load_robot(const RobotRequest& request);
 ///         axis zero, lower > upper, loops, misspelt names, numbers that no robot has, ...
 /// @throws DamagedFile when a mesh file is not whole or has no usable geometry.
 Robot load_robot(const std::string& name_or_path);
+
+/// What makes one doubt that its files are meant so: srdf_notes, and xacro_notes. @throws as these
+std::vector<std::string> robot_notes(const Robot& robot, const PackageFolders& packages = {});
 
 /// Names in datasets/robots with one line of description each, sorted.
 std::vector<std::pair<std::string, std::string>> available_robots();

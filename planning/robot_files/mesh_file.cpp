@@ -29,6 +29,12 @@ std::string refusal(const fs::path& file) {
   std::error_code error;
   if (!fs::exists(file, error)) return "no such mesh file";
   if (!fs::is_regular_file(file, error)) return "is not a regular file";
+  // glTF has y up, ROS z. RViz turns such meshes since ros2/rviz#1482 (2025) and did not before, nor do all
+  // others: the body would stand a quarter turn from where it is meant, for some of those who wrote the file.
+  if (extension_of(file) == ".glb" || extension_of(file) == ".gltf")
+    return "is glTF, whose y axis some programs turn to z and others do not, expected the mesh as .dae, "
+           ".obj, "
+           ".ply or .stl, in the link's axes";
   if (std::find(kinds.begin(), kinds.end(), extension_of(file)) == kinds.end())
     return "is not a mesh of a known kind, expected .dae, .obj, .ply or .stl";
   if (fs::file_size(file, error) > most_bytes) return "is larger than 100 MB";

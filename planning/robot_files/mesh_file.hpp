@@ -24,12 +24,13 @@ struct MeshHull {
 };
 
 /// Reads mesh files (.dae, .obj, .ply, .stl, through assimp; node transforms applied; a COLLADA up direction
-/// is ignored, as ROS does) and takes the convex hull of each one's vertices. assimp crashes, hangs and eats
-/// memory on damaged files: all files of a robot are read in one child process that may take 128 MB and 20
-/// times the files' size, 4 s and a second for every 2 MB, sees no file but these, and sends back hulls only.
-/// What a mesh refers to (materials, textures, other files) is not read. Files of more than 100 MB, hulls of
-/// more than 20,000 corners, vertices that are not finite or farther than 1 km from the origin are refused.
-/// After the first mesh that ends the child the rest of the list stays unread.
+/// is ignored, as ROS does; glTF is refused, as programs do not agree on its) and takes the convex hull of
+/// each one's vertices. assimp crashes, hangs and eats memory on damaged files: all files of a robot are read
+/// in one child process that may take 128 MB and 20 times the files' size, 4 s and a second for every 2 MB,
+/// sees no file but these, and sends back hulls only. What a mesh refers to (materials, textures, other
+/// files) is not read. Files of more than 100 MB, hulls of more than 20,000 corners, vertices that are not
+/// finite or farther than 1 km from the origin are refused. After the first mesh that ends the child the rest
+/// of the list stays unread.
 std::vector<MeshHull> read_mesh_hulls(const std::vector<ScaledMesh>& meshes);
 
 /// A mesh's triangles, or why there are none.

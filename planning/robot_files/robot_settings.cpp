@@ -235,6 +235,11 @@ std::filesystem::path urdf_of(const std::filesystem::path& file, const RobotSett
   return std::filesystem::path(file).replace_extension(".urdf");
 }
 
+std::filesystem::path urdf_of_robot(const Robot& robot) {
+  return urdf_of(robot.source,
+                 is_urdf_name(robot.source) ? RobotSettings{} : read_robot_settings(robot.source));
+}
+
 void apply_settings(const RobotSettings& settings, const std::filesystem::path& file, Robot& robot) {
   const auto refuse = [&](const std::string& key, const std::string& name) {
     throw std::invalid_argument(file.string() + ": '" + key + "' names " + quote(name) + ", which " +

@@ -53,6 +53,9 @@ std::filesystem::path beside_urdf(const std::filesystem::path& urdf, const std::
 /// The URDF of a robot that is loaded from `file`, a .urdf or a .yaml with these settings.
 std::filesystem::path urdf_of(const std::filesystem::path& file, const RobotSettings& settings);
 
+/// The same of a robot that was loaded from a file.
+std::filesystem::path urdf_of_robot(const Robot& robot);
+
 /// Puts the settings into a full-size robot as read from the URDF; scaling and exemptions come afterwards.
 /// @throws std::invalid_argument for a joint, link or part that the robot does not have.
 void apply_settings(const RobotSettings& settings, const std::filesystem::path& file, Robot& robot);

@@ -48,11 +48,6 @@ double effort_of(const UrdfPlace& place, const XMLElement& joint) {
   return limit && limit->Attribute("effort") ? number_of(place, *limit, "effort") : 0.0;
 }
 
-std::filesystem::path urdf_of_robot(const Robot& robot) {
-  return urdf_of(robot.source,
-                 is_urdf_name(robot.source) ? RobotSettings{} : read_robot_settings(robot.source));
-}
-
 }  // namespace
 
 TorqueTerms torque_terms(const Robot& robot, const JointLoad& load) {

@@ -3,16 +3,19 @@
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
+#include <tinyxml2.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <set>
 #include <stdexcept>
 #include <vector>
 
 #include "mapping/system/child_process.hpp"
 #include "mapping/system/input_file.hpp"
+#include "mapping/system/nearest_name.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -81,6 +84,90 @@ std::string answer_of_xacro(const std::vector<std::string>& words, const std::fi
 }
 
 }  // namespace
+
+namespace {
+
+/// Names of arguments in a xacro file and those that it includes.
+class XacroNames {
+ public:
+  explicit XacroNames(const PackageFolders& packages) : packages_(packages) {}
+
+  /// False: a part of it cannot be found or read.
+  bool add(const std::filesystem::path& file) {
+    constexpr std::size_t most_files = 200, largest = 16U << 20U;
+    if (!seen_.insert(file.lexically_normal().string()).second) return true;
+    if (seen_.size() > most_files) return false;
+    std::string text;
+    try {
+      text = read_input(file, "xacro file", largest);
+    } catch (const std::exception&) {
+      return false;
+    }
+    add_used(text);
+    tinyxml2::XMLDocument xml;
+    if (xml.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) return false;
+    return add_below(xml, file);
+  }
+
+  const std::set<std::string>& names() const { return names_; }
+
+ private:
+  void add_used(const std::string& text) {
+    const std::string opening = "$(arg ";
+    for (std::size_t at = text.find(opening); at != std::string::npos; at = text.find(opening, at + 1)) {
+      const std::size_t end = text.find(')', at);
+      if (end == std::string::npos) return;
+      std::string name = text.substr(at + opening.size(), end - at - opening.size());
+      std::erase(name, ' ');
+      names_.insert(std::move(name));
+    }
+  }
+
+  bool add_below(const tinyxml2::XMLNode& node, const std::filesystem::path& file) {
+    for (const auto* at = node.FirstChildElement(); at != nullptr; at = at->NextSiblingElement()) {
+      const std::string kind = at->Name();
+      if (const char* name = at->Attribute("name"); kind == "xacro:arg" && name != nullptr)
+        names_.insert(name);
+      if (const char* name = at->Attribute("filename"); kind == "xacro:include" && name != nullptr)
+        if (!add_include(name, file.parent_path())) return false;
+      if (!add_below(*at, file)) return false;
+    }
+    return true;
+  }
+
+  /// `rest` of the folder, or `$(find PACKAGE)/rest`; what else xacro computes is not known here.
+  bool add_include(std::string name, const std::filesystem::path& folder) {
+    const std::string opening = "$(find ";
+    if (name.starts_with(opening) && name.find(')') != std::string::npos)
+      name.replace(name.find(')'), 1, "").replace(0, opening.size(), "package://");
+    if (name.find('$') != std::string::npos) return false;
+    try {
+      return add(find_mesh(name, folder, packages_));
+    } catch (const std::invalid_argument&) {
+      return false;
+    }
+  }
+
+  const PackageFolders& packages_;
+  std::set<std::string> seen_, names_;
+};
+
+}  // namespace
+
+std::vector<std::string> xacro_notes(const std::filesystem::path& file, const XacroArguments& arguments,
+                                     const PackageFolders& packages) {
+  std::vector<std::string> notes;
+  XacroNames found(packages);
+  if (arguments.empty() || !found.add(file)) return notes;
+  const std::vector<std::string> known(found.names().begin(), found.names().end());
+  for (const auto& [name, value] : arguments) {
+    if (found.names().contains(name)) continue;
+    const std::string meant = nearest_name(name, known);
+    notes.push_back("xacro argument " + quote(name) + " has no effect, as " + quote_path(file.string()) +
+                    " does not declare it" + (meant.empty() ? "" : ", did you mean " + quote(meant) + "?"));
+  }
+  return notes;
+}
 
 bool is_xacro_name(const std::string& name) {
   const auto is_part = [](char c) {

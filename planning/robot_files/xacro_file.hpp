@@ -3,6 +3,9 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <vector>
+
+#include "planning/robot_files/mesh_file.hpp"
 
 namespace clearway {
 
@@ -18,5 +21,10 @@ bool is_xacro_name(const std::string& name);
 ///         it refuses the file, or its URDF has more than `largest` bytes.
 std::string expanded_xacro(const std::filesystem::path& file, std::size_t largest,
                            const XacroArguments& arguments = {});
+
+/// A sentence for each argument that neither the file nor one that it includes declares (<xacro:arg>) or uses
+/// ($(arg NAME)), with the name that is meant. None where an include cannot be found, as it may declare it.
+std::vector<std::string> xacro_notes(const std::filesystem::path& file, const XacroArguments& arguments,
+                                     const PackageFolders& packages = {});
 
 }  // namespace clearway

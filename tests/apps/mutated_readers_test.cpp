@@ -236,6 +236,9 @@ TEST_F(MutatedReaders, foreign_problem_sets) {
                          [&](const auto& file) { read_scene_text(text(file), file, {}); });
   expect_read_or_refused("problems.json", example("problems.json"),
                          [&](const auto& file) { read_problem_json(text(file), file); });
+  const SceneContext panda{load_robot("panda")};
+  expect_read_or_refused("robometrics.yaml", example("robometrics.yaml"),
+                         [&](const auto& file) { read_robometrics(text(file), file, panda); });
 }
 
 TEST_F(MutatedReaders, recordings) {

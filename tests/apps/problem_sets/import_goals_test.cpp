@@ -382,5 +382,23 @@ TEST_F(Import, MeshesInTheHandOfManyProblemsAreWrittenOnce) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_ / "out/hulls"), {}), 1);
 }
 
+/// The SRDF names a link that the robot does not have: import says so, and so does compare of the suite.
+TEST_F(Import, NotesOnTheSrdfAreToldByImportAndCompare) {
+  folder_.write("arm.srdf",
+                "<robot name='other'><disable_collisions link1='base' link2='gone' reason='Never'/></robot>");
+  const std::string set =
+      folder_.write("a.json", R"({"problems": {"a": [{"start": [0, 0, 0], "goals": [[0.1, 0.1, 0]]}]}})");
+  const CommandRun run = import("json", {set});
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  const CommandRun compared =
+      run_command({"compare", folder_.file("out/suite.yaml"), "--out", folder_.file("results")});
+  for (const std::string& told : {run.log, compared.log + compared.out}) {
+    EXPECT_NE(told.find("is for robot 'other', the URDF's robot is called 'arm'"), std::string::npos) << told;
+    EXPECT_NE(told.find("names 1 link in pairs without a test that the robot does not have: gone"),
+              std::string::npos)
+        << told;
+  }
+}
+
 }  // namespace import_test
 }  // namespace clearway

@@ -304,11 +304,11 @@ TEST_F(Import, EmptyWordsAndOperationsAreReadAsEachToolWritesThem) {
              {"--json"});
   ASSERT_EQ(run.status, exit_done) << run.log;
   EXPECT_EQ(Json::parse(run.out)["left_out"],
-            (Json{"scene.yaml: object 'out7', which is not added (operation 'remove')",
-                  "scene.yaml: object 'out8', which is not added (operation 'remove')",
-                  "scene.yaml: object 'out9', which is not added (operation 'remove')",
-                  "scene.yaml: object 'out10', which is not added (operation 'move')",
-                  "scene.yaml: object 'out11', which is not added (operation 'move')",
+            (Json{"scene.yaml: the removal of object 'out7', which is not there",
+                  "scene.yaml: the removal of object 'out8', which is not there",
+                  "scene.yaml: the removal of object 'out9', which is not there",
+                  "scene.yaml: the move of object 'out10', which is not there",
+                  "scene.yaml: the move of object 'out11', which is not there",
                   "scene.yaml: object 'out12', which is not added (operation 'odd')",
                   "scene.yaml: object 'none', which has neither primitives nor meshes"}));
   const Json record = Json::parse(read_file(folder_.file("out/import.json")));

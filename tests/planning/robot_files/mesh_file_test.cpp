@@ -85,6 +85,11 @@ TEST_F(MeshFile, FilesThatAreNotWholeSayWhatIsMissing) {
 }
 
 TEST_F(MeshFile, WrongKindsAndFilesThatAreNoneAreNotOpened) {
+  for (const char* name : {"m.glb", "m.GLTF"}) {
+    const std::string why = failure(name, "x");
+    EXPECT_NE(why.find("is glTF, whose y axis some programs turn to z and others do not"), std::string::npos)
+        << why;
+  }
   EXPECT_EQ(failure("m.txt", "x"), "m.txt: is not a mesh of a known kind, expected .dae, .obj, .ply or .stl");
   const MeshHull none = read_mesh_hulls({{folder_.path() / "none.stl"}}).at(0);
   EXPECT_NE(none.failure.find("no such mesh file"), std::string::npos);

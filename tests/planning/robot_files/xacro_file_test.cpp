@@ -101,5 +101,52 @@ TEST_F(XacroFile, ARefusalOrAMissingProgramIsReportedInOurWords) {
   EXPECT_NE(refusal().find("the program 'xacro' is not installed"), std::string::npos) << refusal();
 }
 
+/// By hand: which names the files declare or use, through their includes.
+TEST_F(XacroFile, AnArgumentThatNoFileDeclaresIsTold) {
+  std::filesystem::create_directories(folder_ / "parts");
+  std::filesystem::create_directories(folder_ / "kit/urdf");
+  folder_.write(
+      "parts/hand.xacro",
+      "<robot xmlns:xacro='http://ros.org/wiki/xacro'><xacro:macro name='m'><xacro:arg name='fingers' "
+      "default='2'/></xacro:macro></robot>");
+  folder_.write("kit/urdf/base.xacro",
+                "<robot xmlns:xacro='http://ros.org/wiki/xacro'><link name='$(arg prefix)base'/></robot>");
+  const std::string head =
+                        "<robot name='a' xmlns:xacro='http://ros.org/wiki/xacro'><xacro:arg name='side' "
+                        "default='left'/>",
+                    hand = "<xacro:include filename='parts/hand.xacro'/>",
+                    base = "<xacro:include filename='$(find kit)/urdf/base.xacro'/>";
+  const XacroArguments good{{"side", "right"}, {"fingers", "3"}, {"prefix", "x"}};
+  XacroArguments slip = good;
+  slip["sid"] = "left";
+  const std::string whole = folder_.write("whole.xacro", head + hand + base + "</robot>");
+  EXPECT_TRUE(xacro_notes(whole, good).empty());
+  EXPECT_TRUE(xacro_notes(whole, {}).empty());
+  const auto notes = xacro_notes(whole, slip, {{"kit", folder_ / "kit"}});
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_NE(notes[0].find("xacro argument 'sid' has no effect"), std::string::npos) << notes[0];
+  EXPECT_NE(notes[0].find("did you mean 'side'?"), std::string::npos) << notes[0];
+  const std::string alone = folder_.write("alone.xacro", head + "</robot>");
+  EXPECT_EQ(xacro_notes(alone, good).size(), 2U);
+  // What is included and cannot be found may declare it, and a file that includes itself ends.
+  for (const char* lost :
+       {"<xacro:include filename='no.xacro'/>", "<xacro:include filename='${kind}.xacro'/>",
+        "<xacro:include filename='$(find nowhere)/a.xacro'/>"})
+    EXPECT_TRUE(xacro_notes(folder_.write("lost.xacro", head + lost + "</robot>"), slip).empty()) << lost;
+  const std::string circle =
+      folder_.write("circle.xacro", head + "<xacro:include filename='circle.xacro'/>" + "</robot>");
+  EXPECT_EQ(xacro_notes(circle, {{"sid", "left"}}).size(), 1U);
+  EXPECT_TRUE(xacro_notes(folder_.write("broken.xacro", "<robot"), slip).empty());
+}
+
+/// By the robot that is loaded, also for the arguments of its settings.
+TEST_F(XacroFile, NotesOfARobotNameItsArgumentsThatHaveNoEffect) {
+  make_program("cat '" + folder_.file("expanded") + "'");
+  folder_.write("two.yaml", "xacro: {colour: red}\n");
+  const auto notes = robot_notes(load_robot(folder_.file("two.urdf.xacro")));
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_NE(notes[0].find("xacro argument 'colour' has no effect"), std::string::npos) << notes[0];
+}
+
 }  // namespace xacro_file_test
 }  // namespace clearway

@@ -1,0 +1,55 @@
+#include "mapping/maps/hand_edit.hpp"
+
+#include "mapping/stamps/seen_stamps.hpp"
+#include "mapping/voxels/fused_tree.hpp"
+
+namespace clearway {
+namespace {
+
+/// Changes the voxels that are not yet as they should be, and counts them by paint.
+Snapshot edited_voxels(const Snapshot& map, const std::vector<Eigen::Vector3d>& points, bool is_occupied,
+                       std::size_t& unpainted, std::size_t& painted) {
+  const auto tree = std::make_shared<FusedTree>(map.tree());
+  std::uint64_t changed = 0;
+  for (const Eigen::Vector3d& point : points) {
+    const auto cell = tree->cell(point);
+    if (!cell) continue;
+    CellCube cube;
+    const FusedNode* leaf = tree->find_leaf(*cell, cube);
+    const bool is_observed = leaf != nullptr && leaf->observed();
+    const bool was_occupied = is_observed && leaf->getLogOdds() >= tree->getOccupancyThresLog();
+    if (is_observed && was_occupied == is_occupied) continue;
+    ++(leaf != nullptr && leaf->painted() != 0 ? painted : unpainted);
+    ++changed;
+    is_occupied ? tree->occupy_voxel(*cell) : tree->free_voxel(*cell, 0);
+  }
+  tree->add_hand_edits(is_occupied ? HandEdits{changed, 0} : HandEdits{0, changed});
+  std::shared_ptr<const SeenStamps> seen;
+  if (map.seen() != nullptr) seen = std::make_shared<const SeenStamps>(*map.seen());
+  return {tree, map.volumes(), map, std::move(seen)};
+}
+
+std::string voxels(std::uint64_t count) {
+  return std::to_string(count) + (count == 1 ? " voxel" : " voxels");
+}
+
+}  // namespace
+
+Snapshot with_occupied_voxels(const Snapshot& map, const std::vector<Eigen::Vector3d>& points,
+                              HandEditTally& tally) {
+  return edited_voxels(map, points, true, tally.occupied, tally.conflict);
+}
+
+Snapshot with_cleared_voxels(const Snapshot& map, const std::vector<Eigen::Vector3d>& points,
+                             HandEditTally& tally) {
+  return edited_voxels(map, points, false, tally.seen_free, tally.painted);
+}
+
+std::string hand_edit_caveat(const Snapshot& map) {
+  const HandEdits& edits = map.tree().hand_edits();
+  if (edits == HandEdits{}) return {};
+  return "the map was edited by hand: " + voxels(edits.occupied) + " made occupied, " + voxels(edits.freed) +
+         " made free";
+}
+
+}  // namespace clearway
