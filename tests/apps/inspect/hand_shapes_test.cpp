@@ -104,7 +104,7 @@ TEST(HandShapes, MeetAndHoldTheVoxelsThatTheirPointsSay) {
               in += drawn.holds(point);
               ++all;
             });
-            if (in > 0) EXPECT_TRUE(met.contains(cell)) << drawn.text;
+            EXPECT_TRUE(in == 0 || met.contains(cell)) << drawn.text;
             met_alone += in == 0 && met.contains(cell);
             EXPECT_EQ(inside.contains(cell), in == all) << drawn.text;  // convex: the corners say it
             held += in == all;
