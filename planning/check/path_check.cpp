@@ -223,7 +223,8 @@ std::string Checker::describe(const Item& item, const Nearest& near) const {
   } else if (near.cube) {
     const Policy policy = tasks_.groups[item.group].policy;
     const std::string_view state = to_string(map_.state(*near.cube));
-    text << (padding_ > 0.0 ? " comes too near to " : " touches ") << "a voxel that is " << state << ", at ("
+    text << (padding_ > 0.0 ? " comes too near to " : " touches ") << "a voxel that is " << state
+         << (policy == Policy::painted && state == "painted" ? " by volumes of other parts" : "") << ", at ("
          << near.cube->x() << ", " << near.cube->y() << ", " << near.cube->z() << "); its policy is "
          << to_string(policy);
     if (policy == Policy::known_free && seen_within_ > 0.0 && map_.state(*near.cube) == VoxelState::seen_free)
