@@ -1,6 +1,7 @@
 #include "apps/problem_sets/attached_loads.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <stdexcept>
 #include <tuple>
@@ -92,6 +93,17 @@ class LoadMaker {
 };
 
 }  // namespace
+
+std::vector<ForeignAttached> standing_bodies(const ForeignWorld& world, const std::string& root) {
+  std::vector<ForeignAttached> bodies;
+  for (const auto& [object, links] : world.touched) {
+    ForeignAttached body{object, root, {}, links, {}};
+    std::copy_if(world.solids.begin(), world.solids.end(), std::back_inserter(body.pieces),
+                 [&](const ForeignSolid& solid) { return solid.object == object; });
+    if (!body.pieces.empty()) bodies.push_back(std::move(body));
+  }
+  return bodies;
+}
 
 AttachedLoads loads_of(const std::vector<ForeignAttached>& attached, const Robot& robot,
                        const Configuration& start) {

@@ -15,6 +15,9 @@ struct AttachedLoads {
   std::vector<std::string> left_out;  ///< bodies without shapes, or in a frame that is none
 };
 
+/// The world's objects that links may touch, as bodies that ride on `root`, which never moves.
+std::vector<ForeignAttached> standing_bodies(const ForeignWorld& world, const std::string& root);
+
 /// Of a body's weight each piece has the same part.
 /// @param start of the robot: where frames of links are
 /// @throws std::invalid_argument for a link that the robot does not have, naming the nearest one, and for a

@@ -253,6 +253,8 @@ class SuiteWriter {
 
   std::optional<ReadyProblem> ready_problem(std::size_t index) {
     ForeignProblem problem = with_names_of(whole_, set_.problems[index]);
+    const auto standing = standing_bodies(set_.worlds[problem.world], whole_.links.front().name);
+    problem.attached.insert(problem.attached.end(), standing.begin(), standing.end());
     if (problem.goals.empty()) {
       leave(problem, "it has no goal of joint values or of a pose");
       return std::nullopt;
@@ -400,6 +402,8 @@ class SuiteWriter {
       for (std::size_t k = 0; k < set_.worlds[i].solids.size(); ++k) {
         const ForeignSolid& solid = set_.worlds[i].solids[k];
         objects.push_back({{"object", solid.object}, {"kind", solid.kind}, {"voxels", cells_[i][k]}});
+        const auto touched = set_.worlds[i].touched.find(solid.object);
+        if (touched != set_.worlds[i].touched.end()) objects.back()["may_be_touched_by"] = touched->second;
       }
       json["worlds"].push_back(
           {{"name", set_.worlds[i].name}, {"map", "maps/" + world_words_[i]}, {"objects", objects}});

@@ -32,8 +32,8 @@ struct AllowedPairs {
         if (!(allows(i, k) || allows(k, i))) continue;
         with[names[i]].push_back(names[k]);
         with[names[k]].push_back(names[i]);
-        if (is_object[i] == is_object[k]) continue;
-        if (count++ == 0) first = quote(names[k]) + " with " + quote(names[i]);
+        if (is_object[i] != is_object[k])
+          of_objects.emplace_back(names[is_object[i] ? i : k], names[is_object[i] ? k : i]);
       }
     const auto defaults = matrix.texts("default_entry_names"), values = matrix.texts("default_entry_values");
     for (std::size_t i = 0; i < std::min(defaults.size(), values.size()); ++i)
@@ -41,8 +41,7 @@ struct AllowedPairs {
   }
 
   std::map<std::string, std::vector<std::string>> with;  ///< of each name those that it may collide with
-  std::size_t count = 0;                                 ///< of objects and what is none
-  std::string first;
+  std::vector<std::pair<std::string, std::string>> of_objects;  ///< an object, and what is none
   std::vector<std::string> by_default;  ///< objects that may collide with whatever no pair names
 };
 
@@ -192,6 +191,21 @@ class SceneReader {
     leave("its robot_model_name, " + quote(name) + ", which is not the robot's name");
   }
 
+  /// Notes that the link may touch the object, if it is a link, and the object of shapes and meshes alone.
+  bool may_touch(const std::string& object, const std::string& link) {
+    const std::vector<Link>& links = context_.robot.links;
+    if (std::none_of(links.begin(), links.end(), [&](const Link& own) { return own.name == link; }))
+      return false;
+    bool has_solids = false;
+    for (const ForeignSolid& solid : world_.solids) {
+      if (solid.object != object) continue;
+      if (solid.kind == "plane" || solid.kind == "octomap") return false;
+      has_solids = true;
+    }
+    if (has_solids) world_.touched[object].push_back(link);
+    return has_solids;
+  }
+
   /// Links may touch what is in the hand, and the objects, with which these pairs name them; pairs of links
   /// are the SRDF's, and those of objects say nothing of the robot.
   void take_allowed_pairs() {
@@ -200,9 +214,12 @@ class SceneReader {
     for (ForeignAttached& body : world_.attached)
       if (const auto links = pairs.with.find(body.name); links != pairs.with.end())
         body.touches.insert(body.touches.end(), links->second.begin(), links->second.end());
-    if (pairs.count > 0)
-      leave("its allowed_collision_matrix: " + std::to_string(pairs.count) +
-            " pairs with an object that may collide, the first " + pairs.first);
+    std::vector<std::string> left;
+    for (const auto& [object, other] : pairs.of_objects)
+      if (!may_touch(object, other)) left.push_back(quote(object) + " with " + quote(other));
+    if (!left.empty())
+      leave("its allowed_collision_matrix: " + std::to_string(left.size()) +
+            " pairs with an object that may collide, the first " + left.front());
     if (!pairs.by_default.empty())
       leave("its allowed_collision_matrix: objects that may collide with everything: " +
             listed(pairs.by_default));

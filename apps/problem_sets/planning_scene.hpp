@@ -30,7 +30,7 @@ SceneFileKind kind_of_scene_file(const std::string& text, const std::filesystem:
 /// its robot_state has in the hand. An object that is added again replaces the one of its name, one that is
 /// moved takes its pieces along, one that is removed goes, all as MoveIt has it. Frames are
 /// those of SceneFrames, with the robot as robot_state says, and what `fixed_frame_transforms` states.
-/// Moves and removals of what is not there, pairs of links and objects that may collide, paddings and scales
+/// Moves and removals of what is not there, planes and octomaps that links may touch, paddings and scales
 /// of links, and the name of another robot are left out, and reported; so is what stands in an unknown frame,
 /// where the context allows it.
 /// @throws std::invalid_argument in one sentence naming file, line, field and what was expected.

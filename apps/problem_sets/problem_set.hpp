@@ -50,8 +50,11 @@ struct ForeignWorld {
   std::vector<ForeignSolid> solids;
   std::map<std::string, double> joints = {};   ///< where the robot stands, unless a problem says otherwise
   std::vector<ForeignAttached> attached = {};  ///< in the robot's hand, unless a problem says otherwise
-  std::filesystem::path folder = {};           ///< of its file
-  SceneFrames frames = {};                     ///< where the robot stands as `joints` say
+  /// Links of the robot that may touch an object, by its name: it stands as a body of the robot's root, which
+  /// they may touch, and takes no voxels. Its solids have shapes or meshes.
+  std::map<std::string, std::vector<std::string>> touched = {};
+  std::filesystem::path folder = {};  ///< of its file
+  SceneFrames frames = {};            ///< where the robot stands as `joints` say
 };
 
 /// A configuration as a problem set states it: by the joints' names, or in the robot's own order.

@@ -100,6 +100,10 @@ Snapshot map_of_foreign_world(const ForeignWorld& world, double resolution, std:
                                   "--resolution makes them larger");
   };
   for (const ForeignSolid& solid : world.solids) {
+    if (world.touched.contains(solid.object)) {
+      cells.push_back(0);
+      continue;
+    }
     const std::size_t before = centers.size();
     for (const ForeignCube& cube : solid.cubes) {  // smaller by a hair, as they do not touch their neighbours
       const Shape box = Shape::box(Eigen::Vector3d::Constant((1.0 - 1e-5) * cube.edge));

@@ -12,7 +12,8 @@ namespace clearway {
 bool triangle_meets_cube(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
                          const Eigen::Vector3d& center, double edge);
 
-/// A map in which a voxel is occupied when a solid, or the surface of a mesh, meets it, and unknown else.
+/// A map in which a voxel is occupied when a solid, or the surface of a mesh, meets it, and unknown else; but
+/// for those of objects that links may touch.
 /// Deterministic.
 /// @param resolution m, edge of a voxel
 /// @param[out] cells how many voxels each solid meets

@@ -43,4 +43,12 @@ class Import : public ::testing::Test {
   std::string robot_, resolution_ = "0.1";
 };
 
+/// `compare` of what was imported: its first planner's row.
+inline Json compared(const TemporaryFolder& folder) {
+  const CommandRun run =
+      run_command({"compare", folder.file("out/suite.yaml"), "--out", folder.file("results"), "--json"});
+  EXPECT_EQ(run.status, exit_done) << run.log;
+  return Json::parse(run.out)["experiments"][0]["planners"][0];
+}
+
 }  // namespace clearway::import_test

@@ -17,14 +17,6 @@ const std::string panda_names =
 const std::string panda_start = "start_state: {joint_state: {name: " + panda_names +
                                 ", position: [0, -0.3, 0, -2.2, 0, 2.0, 0.785]}}\ngroup_name: panda_arm\n";
 
-/// `compare` of what was imported: its first planner's row.
-Json compared(const TemporaryFolder& folder) {
-  const CommandRun run =
-      run_command({"compare", folder.file("out/suite.yaml"), "--out", folder.file("results"), "--json"});
-  EXPECT_EQ(run.status, exit_done) << run.log;
-  return Json::parse(run.out)["experiments"][0]["planners"][0];
-}
-
 /// A cup held upright may turn about its axis; where the straight pose is, a post stands in the way of the
 /// arm, so that the free configuration is one turned or another branch.
 TEST_F(Import, AGoalOfAPoseBecomesTheFreeConfigurationNearestToTheStart) {
