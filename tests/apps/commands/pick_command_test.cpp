@@ -189,7 +189,8 @@ TEST_F(PickCommand, check_never_takes_the_pick_from_the_plan) {
   const CommandRun elsewhere = check(written(), {"--policy", "not_occupied", "--pick",
                                                  folder_->file("pick.yaml"), "--place", "0.42,-0.21,0.16"});
   EXPECT_EQ(elsewhere.status, exit_no);
-  expect_words(elsewhere.out, {"the plan says another shape, pose, grasp, place, way or grip", "from its place"});
+  expect_words(elsewhere.out,
+               {"the plan says another shape, pose, grasp, place, way or grip", "from its place"});
 }
 
 TEST_F(PickCommand, moves_smoothly_and_check_proves_the_motion_with_the_pick_that_is_stated) {
