@@ -65,9 +65,10 @@ void save_stills(const std::filesystem::path& folder, const View& view, const Sn
     const DrawnMotion motion = drawn_motion(entry);
     save("start", pictures.solved(entry, motion, 0, "start"));
     save("goal", pictures.solved(entry, motion, motion.positions.size() - 1, "goal"));
+    const double clearance =
+        entry.plan.motion ? entry.plan.motion->validation.min_clearance : entry.plan.validation.min_clearance;
     save("tightest", pictures.solved(entry, motion, motion.tightest,
-                                     "tightest point, clearance " +
-                                         millimetres(entry.plan.validation.min_clearance) + " at least"));
+                                     "tightest point, at least " + millimetres(clearance)));
   }
   stills.publish();
 }
