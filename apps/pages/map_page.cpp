@@ -104,6 +104,27 @@ void rest_loads(const Plan& plan, std::size_t first_link, const std::vector<std:
   }
 }
 
+/// Separation where loads ride: on each leg of the robot with its own.
+void separate_loaded(const Plan& plan, const ConfigurationSpace& space, const std::vector<std::size_t>& shown,
+                     PagePlan& page) {
+  const std::vector<std::size_t> ends = ends_of_legs(plan, page.waypoints, shown);
+  std::size_t next = 0;
+  for (std::size_t leg = 0; leg < ends.size(); ++leg) {
+    Policies policies{.parts = space.policies(), .other = Policy::not_occupied};
+    for (const LegLoad& load : plan.loads)
+      if (const auto own = plan.policies.find(load.load.name);
+          load.rides_on(static_cast<int>(leg)) && own != plan.policies.end())
+        policies.parts.insert(*own);
+    const ConfigurationSpace loaded(robot_of_leg(space.robot(), plan.loads, static_cast<int>(leg)),
+                                    space.map(), policies, space.options());
+    const std::vector<BodyPair> pairs = self_collision_pairs(loaded.robot());
+    for (; next < page.waypoints.size() && (next <= ends[leg] || leg + 1 == ends.size()); ++next) {
+      page.clearance.push_back(loaded.clearance(page.waypoints[next]));
+      page.between_bodies.push_back(between_bodies(loaded.robot(), pairs, page.waypoints[next]));
+    }
+  }
+}
+
 /// A phase and what is followed in it, in the words of the page's legend.
 std::string words_of(const WaypointOrigin& origin) {
   switch (origin.phase) {
@@ -257,6 +278,11 @@ PagePlan page_of_plan(const Plan& plan, const ConfigurationSpace& space, const C
   shown_plan.start_poses = forward_kinematics(loaded, start);
   if (!plan.goals.empty()) shown_plan.goal_poses = forward_kinematics(loaded, plan.goals.back());
   rest_loads(plan, robot.links.size(), shown, shown_plan);
+  if (plan.pick)
+    shown_plan.figures.emplace_back(
+        "separation", "not drawn: a picked object touches what holds it and stands on what it stood on");
+  else if (!plan.loads.empty())
+    separate_loaded(plan, space, shown, shown_plan);
   return shown_plan;
 }
 

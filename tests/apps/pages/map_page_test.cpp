@@ -73,7 +73,8 @@ TEST(MapPage, ShowsOfTheWholeMotionHowThePlannerGotThere) {
   EXPECT_EQ(page.search_steps.back(), plan.legs.front().search_steps);
 }
 
-/// A load of the second leg lies where it is taken, and then rides, to the knot.
+/// A load of the second leg lies where it is taken, and then rides, to the knot, and counts in the
+/// separation.
 TEST(MapPage, ShowsALoadWhereItIsAllAlongASmoothMotion) {
   const VoxelScene scene{0.05, {box_of(1, -0.6, -0.05, 1.1, 0.9, 0.05)}, {}, {}};
   const ConfigurationSpace space(load_robot("point"), scene.snapshot(),
@@ -82,7 +83,7 @@ TEST(MapPage, ShowsALoadWhereItIsAllAlongASmoothMotion) {
   LegLoad ball;
   ball.load.name = "ball";
   ball.load.link = "base";
-  ball.load.shape = Shape::sphere(0.1);
+  ball.load.shape = Shape::sphere(0.3);  // the robot is a disc of 0.2 m
   ball.legs = {1};
   Plan plan = plan_and_check({.space = space, .start = start, .goals = {goal, start, goal}, .loads = {ball}});
   give_motion(space, plan, {}, 0.4);
@@ -96,6 +97,20 @@ TEST(MapPage, ShowsALoadWhereItIsAllAlongASmoothMotion) {
                                                                   : plan.motion->motion.positions[k];
     ASSERT_LT((ball_at - expected).norm(), 1e-9) << k;
   }
+  ASSERT_EQ(page.clearance.size(), page.link_poses.size());
+  int near = 0;
+  for (std::size_t k = 0; k < page.clearance.size(); ++k) {
+    const Eigen::Vector2d q = plan.motion->motion.positions[k];
+    const Eigen::Vector2d beyond(
+        (Eigen::Array2d(1.0, -0.6) - q.array()).max(q.array() - Eigen::Array2d(1.1, 0.9)).max(0.0));
+    const bool rides = k > plan.motion->leg_ends[0] && k <= plan.motion->leg_ends[1];
+    const double truth = beyond.norm() - (rides ? 0.3 : 0.2) - space.options().padding;
+    ASSERT_LE(page.clearance[k], truth + 1e-6) << k;
+    if (truth > 0.15) continue;
+    ++near;
+    ASSERT_GE(page.clearance[k], truth - 0.01) << k;
+  }
+  EXPECT_GT(near, 10);
 }
 
 }  // namespace map_page_test
