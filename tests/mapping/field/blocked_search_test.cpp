@@ -137,6 +137,12 @@ TEST(BlockedSearch, VisitsEachBlockedCubeThatMeetsABoxOnce) {
       for (int i = 0; i < 25; ++i) {
         Eigen::AlignedBox3d box(dice.point(1.0));
         box.extend(dice.point(1.0));
+        if (i % 5 == 0) {  // within the layer of cells about the region
+          const int axis = dice.whole(0, 2);
+          const double middle = dice.whole(0, 1) == 0 ? -0.75 : 0.75;
+          box.min()[axis] = middle - 0.04;
+          box.max()[axis] = middle + 0.04;
+        }
         Cells expected, found;
         for (int x = -12; x < 12; ++x) {
           for (int y = -12; y < 12; ++y) {

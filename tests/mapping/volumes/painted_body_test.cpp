@@ -203,6 +203,20 @@ TEST(PaintedSpace, NothingIsInsideWhereNothingIsPaintedAndABodyMustBeOne) {
   EXPECT_THROW(union_contains({}, Capsule{{0, 0, 0}, {0, 0, 1}, 0.1}, 0.0), std::invalid_argument);
 }
 
+/// A ball that a larger one leaves bare on one side, whichever that is.
+TEST(UnionContains, FindsABarePartOnEachSide) {
+  const Body ball{{0.31, -0.12, 0.07}, {}, 0.1, 0};
+  for (int x = -1; x <= 1; ++x)
+    for (int y = -1; y <= 1; ++y)
+      for (int z = -1; z <= 1; ++z) {
+        if (x == 0 && y == 0 && z == 0) continue;
+        const Eigen::Vector3d way = Eigen::Vector3d(x, y, z).normalized();
+        const Sphere larger{ball.a + 0.03 * way, 0.12}, patch{ball.a - 0.09 * way, 0.1};
+        EXPECT_EQ(in_union({larger}, ball, 1e-4), Containment::outside) << way.transpose();
+        EXPECT_EQ(in_union({larger, patch}, ball, 1e-4), Containment::inside) << way.transpose();
+      }
+}
+
 TEST(UnionContains, AgreesWithFormulas) {
   const std::vector<Sphere> one{{{0, 0, 0}, 1.0}};
   // A cylinder about the centre fits when its rim does: (l / 2)^2 + r^2 <= 1.

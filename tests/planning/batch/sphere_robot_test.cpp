@@ -178,6 +178,21 @@ TEST(SphereRobot, LeversHoldWhatSlidesAsFarOutAsItGets) {
   }
 }
 
+/// What rounding may do grows with the farthest point of any ball, not with the farthest middle.
+TEST(SphereRobot, SlackIsThatOfTheFarthestPointOfABall) {
+  const auto slack = [](const std::string& radius) {
+    const worlds::UrdfRobot made(
+        "ball_on_arm", worlds::urdf_link("base", "0 0 -5", "<sphere radius='0.05'/>") +
+                           worlds::urdf_link("arm", "0.5 0 0", "<sphere radius='" + radius + "'/>") +
+                           worlds::urdf_joint("turn", "revolute", "base", "arm", "0 0 0", "0 0 1",
+                                              worlds::urdf_limit(-2, 2)));
+    const ConfigurationSpace space(made.robot(), worlds::voxels_about(made.robot(), 1),
+                                   {.critical_by_default = false});
+    return space.collision_model().spheres->slack;
+  };
+  EXPECT_GT(slack("8"), 1.2F * slack("3"));
+}
+
 TEST(LaneCover, SpheresOfASmallBoxStandOutByAQuarterOfAVoxelAtMost) {
   constexpr double voxel = 0.02;
   Random random(2);

@@ -123,6 +123,10 @@ TEST(CheckLegs, RefusesALoadThatIsNotAsItIsStated) {
   Robot elsewhere = loaded;
   elsewhere.bodies.back().link = 0;
   EXPECT_FALSE(verdict(elsewhere).valid);
+  Robot renamed = loaded;
+  renamed.links.back().name = "another";
+  EXPECT_NE(verdict(renamed).first_contact.find("there is no link of it"), std::string::npos)
+      << verdict(renamed).first_contact;
   Robot forgotten = loaded;  // a load that Robot::loads does not have is a link that the file does not have
   forgotten.loads.clear();
   EXPECT_FALSE(verdict(forgotten).valid);
