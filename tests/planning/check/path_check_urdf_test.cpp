@@ -146,6 +146,11 @@ TEST(PathCheckUrdf, AGroupMayNameTheRootAndLinksThatNoJointOfItsOwnMoves) {
   const PathVerdict verdict = check_path(robot, Snapshot(), {}, 0.0,
                                          {Configuration::Constant(1, -0.9), Configuration::Constant(1, 0.9)});
   EXPECT_TRUE(verdict.valid) << verdict.first_contact;
+  // As the file has the group by now, a joint of it is held.
+  folder.write(
+      "wrist.srdf",
+      "<robot name='wrist'><group name='all'><link name='arm'/><link name='left_out'/></group></robot>");
+  EXPECT_NE(contact(robot).find("joint 'free' of group 'all' is held"), std::string::npos) << contact(robot);
 }
 
 TEST(PathCheckUrdf, SoftLimitsBind) {
