@@ -350,7 +350,7 @@ std::vector<std::pair<double, MotionState>> spline_states(const std::vector<Spli
   for (std::size_t edge = 0; edge + 1 < points.size(); ++edge) {
     const Bezier curve = curve_between(points[edge], points[edge + 1]);
     const Bezier velocity = derivative(curve), acceleration = derivative(velocity);
-    const int pieces = std::max(1, static_cast<int>(std::ceil(curve.duration / step - 1e-9)));
+    const int pieces = std::max(8, static_cast<int>(std::ceil(curve.duration / step - 1e-9)));
     for (int i = 0; i <= pieces; ++i) {
       const double share = static_cast<double>(i) / pieces;
       states.emplace_back(

@@ -52,8 +52,8 @@ SplineVerdict check_splines(const Robot& robot, const Snapshot& map,
                             const std::vector<SplinePoint>& points, double seen_within = 0.0);
 
 /// Times, seconds, and states of the curve that check_splines looks at, without jerk: at each point, from
-/// either side, and between two at least every 8 ms, but for those of more than 8000 s. On straight lines
-/// accelerations are 0. @pre check_splines accepts the points
+/// either side, and between two at least every 8 ms, but for those of more than 8000 s, and seven at least.
+/// On straight lines accelerations are 0. @pre check_splines accepts the points
 std::vector<std::pair<double, MotionState>> spline_states(const std::vector<SplinePoint>& points);
 
 }  // namespace clearway

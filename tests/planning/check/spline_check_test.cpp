@@ -302,5 +302,16 @@ TEST(SplineCheck, WhatIsNoTrajectoryIsRefused) {
                std::invalid_argument);
 }
 
+/// Between points with accelerations of 0, however near to each other, lie others.
+TEST(SplineCheck, StatesLieBetweenPointsThatAreNear) {
+  const auto one = [](double value) { return Eigen::VectorXd::Constant(1, value).eval(); };
+  const std::vector<SplinePoint> points{{0.0, one(0.0), one(0.0), one(0.0)},
+                                        {0.004, one(1e-4), one(0.0), one(0.0)}};
+  double greatest = 0.0;
+  for (const auto& [time, state] : spline_states(points))
+    greatest = std::max(greatest, std::abs(state.acceleration[0]));
+  EXPECT_NEAR(greatest, 10.0 / std::sqrt(3.0) * 1e-4 / (0.004 * 0.004), 0.03 * greatest);  // of the quintic
+}
+
 }  // namespace spline_check_test
 }  // namespace clearway
