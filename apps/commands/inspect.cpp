@@ -152,6 +152,8 @@ int run_inspect(const InspectOptions& options, Console& console) {
     console.warn("note: " + remark);
   if (!options.crop.empty() && leaves.bounds().isEmpty())
     console.warn("note: the map holds nothing inside of --crop");
+  if (const std::string remark = hand_edit_remark(options, tally); !remark.empty())
+    console.warn("note: " + remark);
   require_in_reach(points, map);
   const std::optional<Provenance> provenance = provenance_of(options, console);
 

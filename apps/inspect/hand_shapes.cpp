@@ -13,6 +13,7 @@ namespace clearway {
 namespace {
 
 constexpr double most_cells = 25e6, farthest = 1e3, largest = 1e3;  // m
+constexpr double cells_a_side = 32768;  ///< of a map, from its origin, as OctoMap's keys
 
 struct PlacedShape {
   Shape shape;
@@ -80,6 +81,10 @@ std::vector<Eigen::Vector3d> cells(const std::vector<std::string>& shapes, const
           "a smaller shape");
     const Eigen::Array3d first = (box.min().array() / edge - 1e-6).floor();
     const Eigen::Array3d last = (box.max().array() / edge + 1e-6).floor();
+    if (first.minCoeff() < -cells_a_side || last.maxCoeff() >= cells_a_side)
+      throw std::invalid_argument(
+          flag + ": got " + quote(text) + ", expected a shape within " + significant(cells_a_side * edge) +
+          " m of the map's origin, as far as voxels of " + significant(edge) + " m reach");
     for (double z = first.z(); z <= last.z(); ++z)
       for (double y = first.y(); y <= last.y(); ++y)
         for (double x = first.x(); x <= last.x(); ++x) {

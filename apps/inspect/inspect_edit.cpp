@@ -35,6 +35,13 @@ Snapshot edited(const InspectOptions& options, const Snapshot& map, HandEditTall
   return result;
 }
 
+std::string hand_edit_remark(const InspectOptions& options, const HandEditTally& tally) {
+  const bool edits = !options.occupy.empty() || !options.clear.empty();
+  if (!edits || tally.occupied + tally.conflict + tally.seen_free + tally.painted > 0) return {};
+  return "--occupy and --clear change no voxel: what they name is so already, or no voxel lies wholly inside "
+         "of what is cleared";
+}
+
 nlohmann::ordered_json describe_hand_edit(const HandEditTally& tally) {
   return {{"occupied", tally.occupied},
           {"conflict", tally.conflict},

@@ -63,6 +63,8 @@ bool is_edited(const InspectOptions& options);
 Snapshot edited(const InspectOptions& options, const Snapshot& map, HandEditTally& tally);
 
 /// How many voxels --clear and --occupy changed, by the state that they have now.
+/// What to tell when --occupy and --clear changed nothing; empty otherwise.
+std::string hand_edit_remark(const InspectOptions& options, const HandEditTally& tally);
 nlohmann::ordered_json describe_hand_edit(const HandEditTally& tally);
 void print_hand_edit(const nlohmann::ordered_json& json, std::ostream& out);
 

@@ -170,6 +170,30 @@ TEST_F(HandEdits, AreSavedCountedAndToldByPlanAndCheck) {
   EXPECT_NE(check.out.find(told), std::string::npos) << check.out << check.log;
 }
 
+TEST_F(HandEdits, AMapReaches32768VoxelsFromItsOriginAndNoShapeIsCutThere) {
+  FreeSpaceMap small({.resolution = 0.0005});
+  small.add_volume("dot", {"tool"});
+  small.paint(0, {{0.0, 0.0, 0.0}, 0.01});
+  save_map(small.snapshot(), map_ = folder_.file("small"));
+  const auto run = [&](const std::string& shape) {
+    return run_command({"inspect", map_, "--occupy", shape, "--save", out_});
+  };
+  for (const std::string sign : {"-", ""}) {
+    EXPECT_EQ(run("box:" + sign + "16.38,0,0,0.007,0.001,0.001").status, exit_done);
+    EXPECT_EQ(load_map(out_).state({(sign.empty() ? 1 : -1) * 16.38325, 0, 0}), VoxelState::occupied);
+    const CommandRun beyond = run("box:0," + sign + "16.382,0,0.001,0.007,0.001");
+    EXPECT_EQ(beyond.status, exit_bad_input);
+    EXPECT_NE(beyond.log.find("expected a shape within 16.38 m of the map's origin"), std::string::npos)
+        << beyond.log;
+  }
+}
+
+TEST_F(HandEdits, ThatChangeNothingAreTold) {
+  const CommandRun run = run_command({"inspect", map_, "--clear", "sphere:2,2,2,0.04", "--save", out_});
+  EXPECT_EQ(run.status, exit_done) << run.log;
+  EXPECT_NE(run.log.find("change no voxel"), std::string::npos) << run.log;
+}
+
 /// What both name is occupied.
 TEST_F(HandEdits, OccupyComesAfterClear) {
   const CommandRun run = run_command({"inspect", map_, "--occupy", "sphere:2.05,0.05,0.05,0.01", "--clear",
