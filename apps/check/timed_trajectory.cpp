@@ -65,14 +65,10 @@ void add_start(const ForeignTrajectory& trajectory, const Robot& robot, TimedTra
   for (std::size_t j = 0; j < robot.dof(); ++j) {
     const auto found = trajectory.start.find(robot.joints[j].name);
     if (found == trajectory.start.end()) continue;
-    const Joint& joint = robot.joints[j];
-    const auto at = static_cast<Eigen::Index>(j);
-    start[at] = found->second;
-    if (joint.kind == JointKind::revolute && !std::isfinite(joint.upper - joint.lower))  // by the short way
-      start[at] +=
-          2.0 * std::numbers::pi * std::round((first.position[at] - start[at]) / (2.0 * std::numbers::pi));
+    start[static_cast<Eigen::Index>(j)] = found->second;
     is_stated = true;
   }
+  start = by_whole_turns(robot, start, first.position);
   if (is_stated)
     for (const Joint& joint : robot.joints)
       if (!trajectory.start.contains(joint.name))

@@ -50,7 +50,7 @@ bool wants_motion(const PlanOptions& options) {
 /// Nothing but a proved path is given time: a controller would follow it.
 void add_motion(const PlanOptions& options, const ConfigurationSpace& space, Plan& plan, Console& console) {
   if (!wants_motion(options)) return;
-  give_motion(space, plan, {.scales = options.scales}, options.grip_time);
+  give_motion(space, plan, {.scales = options.scales, .period = options.period}, options.grip_time);
   if (plan.is_proved()) {
     if (!plan.motion) console.warn("clearway: no trajectory was written: " + plan.motion_caveat);
   } else if (!options.trajectories.empty() || options.motion) {
@@ -124,12 +124,7 @@ void report_turns(const Robot& robot, const Configuration& start, const std::vec
   for (std::size_t leg = 0; leg < goals.size(); ++leg)
     for (std::size_t j = 0; j < robot.dof(); ++j) {
       const Joint& joint = robot.joints[j];
-      if (joint.kind != JointKind::revolute || std::isfinite(joint.lower) || std::isfinite(joint.upper))
-        continue;
-      const bool is_geared = std::any_of(robot.links.begin(), robot.links.end(), [&](const Link& link) {
-        return link.joint == static_cast<int>(j) && link.multiplier != std::round(link.multiplier);
-      });
-      if (is_geared) continue;  // a whole turn of it is none of what follows it
+      if (!repeats_after_turns(robot, j)) continue;
       const auto at = static_cast<Eigen::Index>(j);
       const double goal = goals[leg][at], from = (leg == 0 ? start : goals[leg - 1])[at];
       const double nearest = from + std::remainder(goal - from, 2.0 * std::numbers::pi);

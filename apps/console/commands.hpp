@@ -137,6 +137,7 @@ struct PlanOptions {
   std::filesystem::path view;                                     ///< HTML; empty: none
   std::vector<std::pair<std::string, std::string>> trajectories;  ///< ("ros", FILE), ("urscript", FILE), …
   MotionScales scales{};                                          ///< of the motion
+  double period = 0.008;                                          ///< of its points, seconds
   double grip_time = usual_grip_time;                             ///< seconds
   bool motion = false;                                            ///< in plan.json
   bool print_options = false;

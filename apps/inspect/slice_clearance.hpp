@@ -7,8 +7,9 @@
 namespace clearway {
 
 /// Draws lines of equal clearance into a slice: where the bound that planners use (BlockedSpace::clearance
-/// under `policy`, all painted volumes) is a whole multiple of the returned step, metres. Every fourth line
-/// is thicker, and what is blocked has none.
+/// under `policy`, all painted volumes), looked up in the middle of voxels and linear between them, is a
+/// whole multiple of the returned step, metres. Every fourth line is thicker and labelled in millimetres,
+/// where there is room; what is blocked has none.
 double draw_clearance(Picture& image, const SliceCanvas& canvas, const Snapshot& map, const SlicePlane& plane,
                       Policy policy);
 

@@ -53,9 +53,7 @@ std::map<std::string, double> allowed_values(const ForeignGoal& goal, const Robo
   std::map<std::string, double> values;
   for (const auto& [name, first] : goal.joints.by_joint) {
     const Joint* joint = joint_of(robot, name);
-    const bool is_endless =
-        joint && joint->kind == JointKind::revolute && std::isinf(joint->lower) && std::isinf(joint->upper);
-    const Range range = allowed(goal, name, first, is_endless);
+    const Range range = allowed(goal, name, first, joint && is_endless(*joint));
     double& value = values[name] = std::clamp(first, range.lower, range.upper);
     if (!joint) continue;
     const double within = std::clamp(value, joint->lower, joint->upper);

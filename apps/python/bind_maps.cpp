@@ -93,8 +93,9 @@ void bind_insert(py::class_<Map>& type) {
       [](Map& self, const py::object& points, const py::object& map_from_sensor,
          const std::optional<double>& time, const std::string& sensor, double min_range, double max_range,
          double thin_to, int outlier_neighbours, double outlier_deviations, const py::object& crop,
-         const py::object& bodies) {
-        const Scan scan = scan_from(points, map_from_sensor, time, sensor);
+         const py::object& bodies, const py::object& clear_to) {
+        Scan scan = scan_from(points, map_from_sensor, time, sensor);
+        if (!clear_to.is_none()) scan.clear_to = cloud_from(clear_to, "clear_to");
         const ScanFilter wanted =
             filter_from(min_range, max_range, thin_to, outlier_neighbours, outlier_deviations, crop, bodies);
         const py::gil_scoped_release released;
@@ -106,7 +107,7 @@ void bind_insert(py::class_<Map>& type) {
       py::arg("max_range") = filter.max_range, py::arg("thin_to") = filter.thin_to,
       py::arg("outlier_neighbours") = filter.outlier_neighbours,
       py::arg("outlier_deviations") = filter.outlier_deviations, py::arg("crop") = py::none(),
-      py::arg("bodies") = py::none(),
+      py::arg("bodies") = py::none(), py::arg("clear_to") = py::none(),
       doc("FreeSpaceMap::insert",
           "points: (n, 3), sensor frame, metres; kept in single precision. Points that are not finite are "
           "dropped and "
@@ -116,7 +117,9 @@ void bind_insert(py::class_<Map>& type) {
           "ScanFilter.\n\n"
           "crop: (low, high), map frame; points outside are dropped.\n\nbodies: (n, 7), capsules as two "
           "points and a "
-          "radius, map frame; points inside are dropped."));
+          "radius, map frame; points inside are dropped.\n\nclear_to: (n, 3), sensor frame: where rays end "
+          "that "
+          "met nothing; they free space and set no hit."));
 }
 
 void read_options(MapOptions& options, const std::string& integration, const py::dict& margins) {
@@ -179,6 +182,7 @@ void bind_counts(py::module_& module) {
       .field("beyond_range", &ScanCounts::beyond_range)
       .field("dropped_invalid", &ScanCounts::dropped_invalid)
       .field("dropped_filter", &ScanCounts::dropped_filter)
+      .field("cleared", &ScanCounts::cleared)
       .field("origin_invalid", &ScanCounts::origin_invalid);
 }
 

@@ -293,6 +293,7 @@ void TeachSession::end_stroke() {
 
 void TeachSession::choose_volume(const TeachEvent& event) {
   if (!setup_->probe) refuse("the setup has no probe");
+  if (event.name.empty()) refuse("the label of the volume is empty, expected a name");
   const auto& volumes = map_->volumes();
   const auto found = std::find_if(volumes.begin(), volumes.end(),
                                   [&](const PaintedVolume& volume) { return volume.label == event.name; });

@@ -20,6 +20,7 @@ namespace {
 constexpr double finest_step = 1e-6;        ///< joint-space length (rad, m) at which an advance has stalled
 constexpr double probe_step = 1e-4;         ///< how far past a stall a contact is looked for
 constexpr double most_cells_at_once = 3e7;  ///< of one block of voxels; longer paths are checked in pieces
+constexpr double most_cells_in_all = 4e8;   ///< where pieces save nothing
 
 struct Contact {
   int edge = 0;
@@ -76,25 +77,42 @@ class Checker {
     return path_[end] - start(edge);
   }
 
-  void check_edges(int first, int last) {
-    std::vector<Eigen::AlignedBox3d> boxes;
-    double most = 0.0;
+  /// What the bodies of each group and the voxels that concern them take up on these edges.
+  std::vector<Eigen::AlignedBox3d> boxes_of(int first, int last) const {
+    std::vector<Eigen::AlignedBox3d> boxes(tasks_.groups.size());
     for (std::size_t group = 0; group < tasks_.groups.size(); ++group) {
-      Eigen::AlignedBox3d box;
+      Eigen::AlignedBox3d& box = boxes[group];
       for (int edge = first; edge < last; ++edge) {
         box.extend(
             check::swept_box(arm_, fcl_, tasks_, group, start(edge), step(edge), 10.0 * map_.resolution()));
       }
       box.min().array() -= cap_ + padding_ + 2 * map_.resolution();
       box.max().array() += cap_ + padding_ + 2 * map_.resolution();
-      boxes.push_back(box);
-      most = std::max(most, (box.sizes() / map_.resolution()).prod());
     }
+    return boxes;
+  }
+
+  /// Of the largest of these boxes.
+  double cells_in(const std::vector<Eigen::AlignedBox3d>& boxes) const {
+    double most = 0.0;
+    for (const Eigen::AlignedBox3d& box : boxes)
+      most = std::max(most, (box.sizes() / map_.resolution()).prod());
+    return most;
+  }
+
+  /// The edges in two halves, when their voxels together are too many, or less would be read for the halves:
+  /// not so for many short edges, each of which needs nearly all.
+  void check_edges(int first, int last) {
+    const std::vector<Eigen::AlignedBox3d> boxes = boxes_of(first, last);
+    const double most = cells_in(boxes);
     if (most > most_cells_at_once && last - first > 1) {
       const int middle = first + (last - first) / 2;
-      check_edges(first, middle);
-      if (!contact_) check_edges(middle, last);
-      return;
+      if (most > most_cells_in_all ||
+          cells_in(boxes_of(first, middle)) + cells_in(boxes_of(middle, last)) < most) {
+        check_edges(first, middle);
+        if (!contact_) check_edges(middle, last);
+        return;
+      }
     }
     cells_.clear();
     for (std::size_t group = 0; group < tasks_.groups.size(); ++group) {

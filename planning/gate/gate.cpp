@@ -167,14 +167,15 @@ GateVerdict Gate::judge(const MotionChunk& chunk) {
   if (options_.max_age != std::numeric_limits<double>::infinity() && !(std::abs(age) <= options_.max_age))
     return refused(GateReason::stale_map, stale_sentence(age, options_.max_age));
   const Configuration& first = chunk.positions.front();
-  std::vector<Configuration> standing;  // nobody says which of them it is
+  std::vector<Configuration> places, standing;  // nobody says which of them it is
   for (const Configuration& place : standing_) {
     require(place.size() == first.size(), "gate: start: " + limit_violation(robot, place));
-    if (gap(place, first) <= options_.tolerance) standing.push_back(place);
+    places.push_back(by_whole_turns(robot, place, first));
+    if (gap(places.back(), first) <= options_.tolerance) standing.push_back(places.back());
   }
-  if (!standing_.empty() && standing.empty())
+  if (!places.empty() && standing.empty())
     return refused(GateReason::jump,
-                   jump_sentence(robot, nearest_of(standing_, first), first, options_.tolerance));
+                   jump_sentence(robot, nearest_of(places, first), first, options_.tolerance));
 
   if (const std::string lost = lost_grip(robot, chunk, gripped_, options_.tolerance); !lost.empty())
     return refused(GateReason::joint_limit, lost);

@@ -84,9 +84,10 @@ struct GateVerdict {
 /// on these edges, unless `allow_outside` names it: of what is beyond them nothing is known.
 ///
 /// The next chunk starts, within the tolerance, where the last passed one ends, or where the robot stands
-/// after it. What the tolerance leaves open is proved, too, from both where both
-/// are within it. Times of one chunk are not compared with those of another. A refused chunk must not be run,
-/// not even in part: send the part as a chunk of its own.
+/// after it; by whole turns of joints without limits it may differ, as encoders wrap between chunks, but not
+/// within one: there a wrap is a turn back. What the tolerance leaves open is proved, too, from both where
+/// both are within it. Times of one chunk are not compared with those of another. A refused chunk must not be
+/// run, not even in part: send the part as a chunk of its own.
 ///
 /// Not promised: what was passed is not judged again when the map changes; velocities from one chunk to the
 /// next may jump (the stop after the last one is proved); no bound on the time that a verdict takes near

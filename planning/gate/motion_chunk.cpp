@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 #include "mapping/system/number_text.hpp"
@@ -71,15 +72,16 @@ ChunkFault limit_fault(const MotionChunk& chunk, const Robot& robot) {
     const Configuration& q = chunk.positions[i];
     if (const std::string violation = limit_violation(robot, q); !violation.empty())
       return {GateReason::joint_limit, positions_name(i) + ": " + violation};
-    for (std::size_t j = 0; j < robot.dof(); ++j) {
-      const double value = q[static_cast<Eigen::Index>(j)];
-      if (std::abs(value) <= largest_joint_value) continue;
-      return {GateReason::joint_limit, positions_name(i) + ": joint " + shortened(robot.joints[j].name) +
-                                           " is " + short_text(value) + unit_of(robot.joints[j]) +
-                                           ", expected at most 1000000 either way of a joint without limits"};
-    }
   }
   return {};
+}
+
+/// An encoder that wraps within a chunk.
+std::string wrap_hint(const MotionChunk& chunk, std::size_t i, std::size_t j, const Robot& robot) {
+  const auto at = static_cast<Eigen::Index>(j);
+  const double step = chunk.positions[i + 1][at] - chunk.positions[i][at];
+  if (!is_endless(robot.joints[j]) || std::abs(step) <= std::numbers::pi) return {};
+  return "; within a chunk its angle is expected to go on where an encoder wraps";
 }
 
 ChunkFault velocity_fault(const MotionChunk& chunk, const Robot& robot, const JointLimits& limits) {
@@ -93,7 +95,7 @@ ChunkFault velocity_fault(const MotionChunk& chunk, const Robot& robot, const Jo
       return {GateReason::velocity_limit, "from " + positions_name(i) + " to " + positions_name(i + 1) +
                                               " joint " + shortened(robot.joints[j].name) + " moves at " +
                                               short_text(rate) + unit + ", above its limit " +
-                                              short_text(limit) + unit};
+                                              short_text(limit) + unit + wrap_hint(chunk, i, j, robot)};
     }
   }
   return {};

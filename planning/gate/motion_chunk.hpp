@@ -29,9 +29,6 @@ struct MotionLimits {
   double max_duration = 60.0;                ///< of a chunk, seconds, > 0
 };
 
-/// A value beyond it is refused, also of a joint that turns without end: there angles lose their digits.
-constexpr double largest_joint_value = 1e6;
-
 /// Why a chunk is passed or refused.
 enum class GateReason {
   none,  ///< passed

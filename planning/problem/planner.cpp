@@ -4,10 +4,14 @@
 #include <numbers>
 
 #include "mapping/system/number_text.hpp"
+#include "mapping/system/plain_text.hpp"
+#include "planning/robot/kinematics.hpp"
 #include "planning/space/part_policies.hpp"
 
 namespace clearway {
 namespace {
+
+constexpr double most_turns = 100.0;  ///< from start to goal, of a joint without limits
 
 /// A joint's value with the unit of its kind: "2.793 rad (160 degrees)", "0.5 m".
 std::string with_unit(const Joint& joint, double value) {
@@ -28,6 +32,23 @@ std::string limit_sentence(const Robot& robot, const std::string& name, const Co
          (is_above ? " above its upper limit, " : " below its lower limit, ") + with_unit(joint, limit);
 }
 
+/// Why the joints without limits are too far apart to be proved between; empty when they are not.
+std::string turns_sentence(const Robot& robot, const Configuration& start, const Configuration& goal) {
+  for (std::size_t j = 0; j < robot.dof(); ++j) {
+    const Joint& joint = robot.joints[j];
+    const double from = start[static_cast<Eigen::Index>(j)], to = goal[static_cast<Eigen::Index>(j)];
+    if (!is_endless(joint) || std::abs(to - from) <= most_turns * 2.0 * std::numbers::pi) continue;
+    return "joint " + shortened(joint.name) + " would make " +
+           short_text(std::abs(to - from) / (2.0 * std::numbers::pi), 6) +
+           " turns from the start, expected at most " + short_text(most_turns) +
+           (repeats_after_turns(robot, j)
+                ? "; the same pose is at " +
+                      short_text(by_whole_turns(robot, goal, start)[static_cast<Eigen::Index>(j)], 6) + " rad"
+                : "");
+  }
+  return {};
+}
+
 /// Why `q` cannot be an end of a path; empty when it can.
 std::string refusal(const ConfigurationSpace& space, const Configuration& q) {
   const auto dof = static_cast<Eigen::Index>(space.robot().dof());
@@ -36,7 +57,7 @@ std::string refusal(const ConfigurationSpace& space, const Configuration& q) {
            space.robot().name;
   }
   const Verdict verdict = space.check(q);
-  if (verdict.is_free()) return {};
+  if (verdict.is_free()) return limit_violation(space.robot(), q);  // joints without limits have one, too
   const bool is_past_limit = verdict.obstruction == Obstruction::joint_limit;
   return is_past_limit ? limit_sentence(space.robot(), verdict.other, q) : verdict.sentence();
 }
@@ -75,6 +96,9 @@ PlanResult check_ends(const PlanProblem& problem) {
   if (!why.empty()) {
     result.status = PlanStatus::goal_invalid;
     result.explanation = "The goal is not free: " + why + ".";
+  } else if (why = turns_sentence(problem.space.robot(), problem.start, problem.goal); !why.empty()) {
+    result.status = PlanStatus::goal_invalid;
+    result.explanation = "The goal is too far: " + why + ".";
   }
   return result;
 }

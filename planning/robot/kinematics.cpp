@@ -1,7 +1,9 @@
 #include "planning/robot/kinematics.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <locale>
+#include <numbers>
 #include <sstream>
 
 #include "mapping/system/plain_text.hpp"
@@ -49,6 +51,22 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(const Robot& robot, const Link
   return columns;
 }
 
+bool repeats_after_turns(const Robot& robot, std::size_t joint) {
+  return is_endless(robot.joints[joint]) &&
+         std::none_of(robot.links.begin(), robot.links.end(), [&](const Link& link) {
+           return link.joint == static_cast<int>(joint) && link.multiplier != std::round(link.multiplier);
+         });
+}
+
+Configuration by_whole_turns(const Robot& robot, Configuration q, const Configuration& near) {
+  for (std::size_t j = 0; j < robot.dof(); ++j) {
+    const auto i = static_cast<Eigen::Index>(j);
+    const double turns = std::round((near[i] - q[i]) / (2.0 * std::numbers::pi));
+    if (turns != 0.0 && repeats_after_turns(robot, j)) q[i] += 2.0 * std::numbers::pi * turns;
+  }
+  return q;
+}
+
 std::string limit_violation(const Robot& robot, const Configuration& q) {
   std::ostringstream text;
   text.imbue(std::locale::classic());
@@ -69,6 +87,9 @@ std::string limit_violation(const Robot& robot, const Configuration& q) {
     } else if (value > joint.upper) {
       text << "joint " << shortened(joint.name) << " is " << value << unit << ", above its upper limit "
            << joint.upper << unit;
+    } else if (std::abs(value) > largest_joint_value) {
+      text << "joint " << shortened(joint.name) << " is " << value << unit
+           << ", expected at most 1000000 either way of a joint without limits";
     } else {
       continue;
     }

@@ -24,9 +24,17 @@ Eigen::Isometry3d tip_pose(const Robot& robot, const Configuration& q);
 Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(const Robot& robot, const LinkPoses& map_from_link,
                                                   int link, const Eigen::Vector3d& point);
 
-/// Empty when q has the right size, is finite and keeps the joint limits; else one sentence naming the joint,
-/// the value and the limit.
+/// Empty when q has the right size, is finite and keeps the joint limits and largest_joint_value; else one
+/// sentence naming the joint, the value and the limit.
 std::string limit_violation(const Robot& robot, const Configuration& q);
+
+/// Whether whole turns of a joint leave every link where it is: it turns without end, and what follows it
+/// makes whole turns, too. @pre joint < robot.dof()
+bool repeats_after_turns(const Robot& robot, std::size_t joint);
+
+/// The same pose of the robot as at q, with joints that repeat turned by whole turns to be nearest to `near`.
+/// @pre q.size() == near.size() == robot.dof()
+Configuration by_whole_turns(const Robot& robot, Configuration q, const Configuration& near);
 
 /// Tolerances and effort of inverse kinematics.
 struct IkOptions {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -29,6 +30,14 @@ struct Joint {
   double friction = 0.0;                            ///< mu_j of Chong et al. 2008, eq. 8
   double step = 0.0;  ///< epsilon_j, Chong 2008, eq. 4: default perturbation of the beam search
 };
+
+/// Values beyond it are refused, of joints without limits, too: there angles lose their digits.
+constexpr double largest_joint_value = 1e6;
+
+/// Whether the joint turns without end, so that whole turns lead to the same pose.
+inline bool is_endless(const Joint& joint) {
+  return joint.kind == JointKind::revolute && std::isinf(joint.lower) && std::isinf(joint.upper);
+}
 
 /// A rigid link. Links are stored parents first; link 0 is the root.
 struct Link {

@@ -119,6 +119,7 @@ class ContinuedMap:
         outlier_deviations: float = ...,
         crop: ArrayLike | None = ...,
         bodies: ArrayLike | None = ...,
+        clear_to: ArrayLike | None = ...,
     ) -> ScanCounts: ...
 
 class DamagedFile(ValueError): ...
@@ -169,6 +170,7 @@ class FreeSpaceMap:
         outlier_deviations: float = ...,
         crop: ArrayLike | None = ...,
         bodies: ArrayLike | None = ...,
+        clear_to: ArrayLike | None = ...,
     ) -> ScanCounts: ...
 
 class Gate:
@@ -657,6 +659,8 @@ class ScanCounts:
     def dropped_invalid(self) -> int: ...
     @property
     def dropped_filter(self) -> int: ...
+    @property
+    def cleared(self) -> int: ...
     @property
     def origin_invalid(self) -> bool: ...
 

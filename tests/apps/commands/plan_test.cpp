@@ -82,5 +82,44 @@ TEST_F(PlanInCloud, WhoAsksForKnownFreeSpaceWhereNoneIsIsTold) {
   EXPECT_EQ(run_command(stated).log.find("nothing in the map"), std::string::npos);
 }
 
+/// The points of a trajectory are as far apart as asked, and the check accepts what a controller makes of
+/// them.
+TEST(PlanPeriod, PointsAreAsFarApartAsAskedAndTheFileHoldsAsATrajectory) {
+  TemporaryFolder folder;
+  std::vector<Eigen::Vector3f> wall;
+  for (int y = -20; y <= 0; ++y)
+    for (int z = -5; z < 5; ++z)
+      wall.push_back({2.5F, 0.02F * static_cast<float>(y), 0.02F * static_cast<float>(z)});
+  folder.write("wall.pcd", format_pcd(wall));
+  for (const double period : {0.001, 0.008, 0.05}) {
+    const std::string file = folder.file("motion.json");
+    const Arguments at{
+        "--map", folder.file("wall.pcd"), "--robot", "planar2", "--policy", "not_occupied", "--allow-outside",
+        "all",   "--cloud-resolution",    "0.02"};
+    Arguments plan{"plan",
+                   "--start=-1.2,0.5",
+                   "--goal=1.2,-0.4",
+                   "--period",
+                   std::to_string(period),
+                   "--trajectory",
+                   "ros-json",
+                   file};
+    plan.insert(plan.end(), at.begin(), at.end());
+    const CommandRun run = run_command(plan);
+    ASSERT_EQ(run.status, exit_done) << run.out << run.log;
+    const Json points = Json::parse(read_file(file))["points"];
+    ASSERT_GT(points.size(), 10U);
+    const auto time = [&](std::size_t i) {
+      const Json& stamp = points[i]["time_from_start"];
+      return stamp["sec"].get<double>() + 1e-9 * stamp["nanosec"].get<double>();
+    };
+    for (std::size_t i = 1; i < points.size(); ++i) EXPECT_NEAR(time(i) - time(i - 1), period, 2e-9);
+    Arguments check{"check", file};
+    check.insert(check.end(), at.begin(), at.end());
+    const CommandRun checked = run_command(check);
+    EXPECT_EQ(checked.status, exit_done) << period << checked.out << checked.log;
+  }
+}
+
 }  // namespace plan_test
 }  // namespace clearway

@@ -144,6 +144,16 @@ class Scans(unittest.TestCase):
         counts = cw.FreeSpaceMap().insert(cloud, crop=[[0, -1, -1], [1.5, 0.5, 1]])
         self.assertEqual((counts.inserted, counts.dropped_filter), (2, 2))
 
+    def test_rays_that_met_nothing_free_space_and_hit_none(self):
+        map_ = cw.FreeSpaceMap(resolution=0.05)
+        counts = map_.insert(np.array([[0.0, 1.0, 0.0]]), clear_to=[[2.0, 0.0, 0.0]])
+        self.assertEqual((counts.inserted, counts.cleared), (1, 1))
+        snapshot = map_.snapshot()
+        states = [snapshot.state([x, 0.025, 0.025]).name for x in (0.5, 1.5, 2.5)]
+        self.assertEqual(states, ["seen_free", "seen_free", "unknown"])
+        with self.assertRaisesRegex(ValueError, "clear_to"):
+            map_.insert(np.array([[0.0, 1.0, 0.0]]), clear_to=[[2.0, 0.0]])
+
     def test_a_map_is_gone_on_with(self):
         start = worlds.scanned_room().snapshot()
         before = start.counts()

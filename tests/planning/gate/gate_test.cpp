@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <numbers>
 #include <set>
 #include <stdexcept>
 #include <thread>
@@ -216,6 +217,29 @@ TEST(Gate, AChunkStartsWhereTheLastPassedOneEndsOrStands) {
   stated.publish(before_wall());
   EXPECT_EQ(stated.judge(along_x({0.1, 0.2})).reason, GateReason::jump);
   EXPECT_TRUE(stated.judge(along_x({0.0, 0.1})).is_passed());
+}
+
+/// An encoder that wraps at half a turn: between chunks the same place, within one a turn back; and not where
+/// what follows the joint is elsewhere after a turn.
+TEST(Gate, JointsWithoutLimitsMayWrapBetweenChunks) {
+  const auto at = [](double angle) { return Configuration::Constant(1, angle); };
+  for (const double multiplier : {2.0, 0.5}) {
+    const worlds::UrdfRobot geared = worlds::geared(multiplier, "0.05", "0.3 0 0", "0.3 0 0");
+    Robot robot = geared.robot();
+    for (Joint& joint : robot.joints) joint.max_velocity = 0.0;
+    GateOptions options = with_limits(5.0);
+    options.allow_outside = {"all"};
+    Gate gate(options);
+    gate.publish({robot, Snapshot(), {.critical_by_default = false}, {.padding = 0.0}});
+    EXPECT_TRUE(gate.judge({{0.0, 0.1}, {at(3.0), at(3.1)}}).is_passed());
+    const double wrapped = 3.1 - 2.0 * std::numbers::pi;
+    EXPECT_EQ(gate.judge({{0.1, 0.2}, {at(wrapped + 0.01), at(-3.1)}}).reason, GateReason::jump);
+    const GateVerdict within = gate.judge({{0.1, 0.2}, {at(3.1), at(-3.1)}});
+    EXPECT_EQ(within.reason, GateReason::velocity_limit);
+    EXPECT_NE(within.sentence.find("go on where an encoder wraps"), std::string::npos) << within.sentence;
+    const GateVerdict next = gate.judge({{0.1, 0.2}, {at(wrapped), at(-3.1)}});
+    EXPECT_EQ(next.reason, multiplier == 2.0 ? GateReason::none : GateReason::jump) << next.sentence;
+  }
 }
 
 TEST(Gate, WhatTheToleranceLeavesOpenIsProvedToo) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <stdexcept>
 
@@ -158,6 +159,33 @@ TEST(Planner, AbsurdLimitsOfASlidingJointAskForAScaleAgainstTheJointsThatTurn) {
   }
   const PlannerOptions given = {{"prismatic_scale", "1"}, {"step", "0.05"}, {"node_only", "true"}};
   EXPECT_EQ(make_planner("beam", given)->plan(problem).status, PlanStatus::solved);
+}
+
+/// Every planner refuses at once a way that nobody means, and names the same pose near the start.
+TEST(Planner, AJointWithoutLimitsIsLedAHundredTurnsAtMost) {
+  Robot robot = load_robot("planar2");
+  robot.joints[0].lower = -HUGE_VAL, robot.joints[0].upper = HUGE_VAL;
+  Policies policies;
+  policies.critical_by_default = false;
+  const ConfigurationSpace space(robot, VoxelScene{}.snapshot(), policies);
+  const PathCost cost(robot);
+  const auto plan = [&](const std::string& planner, double start, double goal) {
+    return make_planner(planner, brief(planner))
+        ->plan({space, cost, Eigen::Vector2d(start, 0.1), Eigen::Vector2d(goal, 0.1), 5});
+  };
+  const double hundred = 200.0 * std::numbers::pi;
+  for (const std::string& planner : planner_names()) {
+    const PlanResult far = plan(planner, 0.5, 1.5 + hundred);
+    EXPECT_EQ(far.status, PlanStatus::goal_invalid) << planner;
+    EXPECT_NE(far.explanation.find("joint shoulder would make 100.159 turns from the start, expected at most "
+                                   "100; the same pose is at 1.5 rad"),
+              std::string::npos)
+        << far.explanation;
+    EXPECT_EQ(plan(planner, 0.0, -1e9).status, PlanStatus::goal_invalid) << planner;
+    EXPECT_EQ(plan(planner, 2e6, 2e6).status, PlanStatus::start_invalid) << planner;
+  }
+  EXPECT_EQ(plan("rrtconnect", 1e5, 1e5 + 6.0).status, PlanStatus::solved);
+  EXPECT_EQ(plan("auto", 0.0, hundred - 1e-6).status, PlanStatus::solved);
 }
 
 TEST(Planner, UnknownNamesAreAnsweredWithTheNearest) {

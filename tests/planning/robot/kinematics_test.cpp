@@ -5,10 +5,13 @@
 #include <kdl/chainfksolverpos_recursive.hpp>
 #include <kdl/chainjnttojacsolver.hpp>
 #include <kdl_parser/kdl_parser.hpp>
+#include <numbers>
+#include <random>
 
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/robot_files/urdf_document.hpp"
 #include "tests/worlds/random_world.hpp"
+#include "tests/worlds/urdf_robots.hpp"
 
 namespace clearway {
 namespace kinematics_test {
@@ -109,6 +112,40 @@ TEST(Kinematics, LimitViolationNamesJointValueAndLimit) {
             "joint elbow is nan, expected a finite number");
   EXPECT_EQ(limit_violation(robot, Eigen::Vector3d::Zero()),
             "the configuration has 3 values, but planar2 has 2 joints");
+}
+
+/// A joint without limits, and one that follows it: a whole turn of the first is one of all only where the
+/// second makes whole turns, too.
+TEST(Kinematics, WholeTurnsLeaveAllLinksOnlyWhereWhatFollowsMakesWholeTurns) {
+  std::mt19937_64 random(3);
+  const auto angle = [&](double most) { return std::uniform_real_distribution<double>(-most, most)(random); };
+  for (const double multiplier : {1.0, -2.0, 3.0, 0.5, -0.25, 1.75}) {
+    const worlds::UrdfRobot geared = worlds::geared(multiplier, "0.05", "0.3 0 0", "0.3 0 0");
+    const Robot robot = geared.robot();
+    for (int i = 0; i < 20; ++i) {
+      const Configuration q = Eigen::VectorXd::Constant(1, angle(3.0));
+      const Configuration near = Eigen::VectorXd::Constant(1, angle(30.0));
+      const Configuration turned = by_whole_turns(robot, q, near);
+      const Configuration one_on = Eigen::VectorXd::Constant(1, q[0] + 2.0 * std::numbers::pi);
+      double moved = 0.0, moved_by_one = 0.0;
+      const LinkPoses before = forward_kinematics(robot, q), after = forward_kinematics(robot, turned);
+      const LinkPoses next = forward_kinematics(robot, one_on);
+      for (std::size_t link = 0; link < before.size(); ++link) {
+        moved = std::max(moved, (before[link].matrix() - after[link].matrix()).cwiseAbs().maxCoeff());
+        moved_by_one =
+            std::max(moved_by_one, (before[link].matrix() - next[link].matrix()).cwiseAbs().maxCoeff());
+      }
+      EXPECT_LT(moved, 1e-12) << multiplier;
+      EXPECT_EQ(repeats_after_turns(robot, 0), moved_by_one < 1e-9) << multiplier;
+      EXPECT_TRUE(!repeats_after_turns(robot, 0) || std::abs(turned[0] - near[0]) <= std::numbers::pi + 1e-9);
+    }
+    EXPECT_NE(limit_violation(robot, Eigen::VectorXd::Constant(1, -1.1e6)).find("expected at most 1000000"),
+              std::string::npos);
+    EXPECT_EQ(limit_violation(robot, Eigen::VectorXd::Constant(1, 0.9e6)), "");
+  }
+  const Robot limited = load_robot("planar2");
+  EXPECT_FALSE(repeats_after_turns(limited, 0));
+  EXPECT_EQ(by_whole_turns(limited, Eigen::Vector2d(1, 1), Eigen::Vector2d(9, 9)), Eigen::Vector2d(1, 1));
 }
 
 double pose_error(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
