@@ -61,18 +61,19 @@ class ClearanceSlice {
   std::vector<double> values_;
 };
 
-/// The line nearest to a pixel, and how far it is, pixels.
+/// The line nearest to a pixel, and how far it is, pixels; none on level ground.
 struct NearLine {
   int number = 0;
   double distance = HUGE_VAL;
 };
-NearLine line_near(const ClearanceSlice& slice, double step, int x, int y) {
+NearLine line_near(const ClearanceSlice& slice, double step, double pixel, int x, int y) {
   const double value = slice.at(x, y);
   const int number = static_cast<int>(std::lround(value / step));
   if (number < 1 || number > lines) return {};
   const double slope =
       std::hypot(slice.at(x + 0.5, y) - slice.at(x - 0.5, y), slice.at(x, y + 0.5) - slice.at(x, y - 0.5));
-  return {number, std::abs(value - number * step) / std::max(slope, 1e-3 * step)};
+  if (slope < 0.1 * pixel) return {};  // level ground
+  return {number, std::abs(value - number * step) / slope};
 }
 
 void blend(Picture& image, int x, int y, double share) {
@@ -128,7 +129,7 @@ double draw_clearance(Picture& image, const SliceCanvas& canvas, const Snapshot&
   std::vector<std::vector<Pixel>> labelled(lines + 1);
   for (int y = SliceCanvas::margin_top; y < SliceCanvas::margin_top + canvas.height(); ++y) {
     for (int x = SliceCanvas::margin_left; x < SliceCanvas::margin_left + canvas.width(); ++x) {
-      const NearLine line = line_near(slice, step, x, y);
+      const NearLine line = line_near(slice, step, map.resolution() / canvas.pixels, x, y);
       const bool is_thick = line.number % lines_a_label == 0;
       const double share = std::clamp((is_thick ? 1.5 : 1.0) - line.distance, 0.0, 1.0);
       if (share > 0.0) blend(image, x, y, share);

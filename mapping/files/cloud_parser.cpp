@@ -132,7 +132,7 @@ std::vector<Triangle> fans(const std::vector<pcl::Vertices>& faces, std::size_t 
 /// Runs in the child: the viewpoint (x y z, qw qx qy qz), how many points, whether faces are lost, the points
 /// as raw floats, triangles.
 std::string read_with_pcl(const std::filesystem::path& file, const std::string& readable, bool is_pcd) {
-  check_text_of_cloud(readable, is_pcd);
+  check_data_of_cloud(readable, is_pcd);
   pcl::PCLPointCloud2 cloud;
   Eigen::Vector4f origin = Eigen::Vector4f::Zero();
   Eigen::Quaternionf turn = Eigen::Quaternionf::Identity();

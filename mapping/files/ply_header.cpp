@@ -92,6 +92,44 @@ PlyHeader ply_header(std::string_view content) {
   }
 }
 
+std::size_t bytes_of_elements(const PlyHeader& header, std::string_view data) {
+  std::size_t at = 0;
+  const auto take = [&](std::uint64_t size) {
+    if (size > data.size() - at) throw std::runtime_error("it holds fewer elements than its header says");
+    at += size;
+    return data.substr(at - size, size);
+  };
+  for (const PlyElement& element : header.elements) {
+    if (element.count > data.size()) take(data.size() + 1);
+    if (std::none_of(element.properties.begin(), element.properties.end(),
+                     [](const PlyProperty& property) { return property.count_bytes > 0; })) {
+      std::uint64_t bytes = 0;
+      for (const PlyProperty& property : element.properties) bytes += property.bytes;
+      take(element.count * bytes);
+      continue;
+    }
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      for (const PlyProperty& property : element.properties) {
+        std::uint64_t count = 1;
+        if (property.count_bytes > 0) {
+          count = 0;
+          std::string bytes(take(property.count_bytes));
+          if (header.format == "binary_little_endian") std::reverse(bytes.begin(), bytes.end());
+          for (unsigned char byte : bytes) count = count << 8U | byte;
+        }
+        take(std::min<std::uint64_t>(count, data.size() + 1) * property.bytes);
+      }
+    }
+  }
+  return at;
+}
+
+void require_nothing_more(std::string_view rest) {
+  constexpr std::string_view blanks(" \t\r\n\0\x1a", 6);
+  if (rest.find_first_not_of(blanks) != std::string_view::npos)
+    throw std::runtime_error("it holds more data than its header says");
+}
+
 bool has_odd_colours(const PlyHeader& header) {
   return std::any_of(header.elements.begin(), header.elements.end(), are_colours_odd);
 }

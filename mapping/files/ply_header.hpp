@@ -33,6 +33,15 @@ struct PlyHeader {
 /// @throws std::runtime_error with a clause, when the header does not end in it or has unknown types
 PlyHeader ply_header(std::string_view content);
 
+/// Bytes that the elements of a binary .ply take of what follows its header, `data`.
+/// @throws std::runtime_error with a clause, when there are fewer
+std::size_t bytes_of_elements(const PlyHeader& header, std::string_view data);
+
+/// What follows the data of a file is nothing but zeros and blanks: else two files were joined, or the header
+/// counts fewer points than were written, and what it does not count would be lost without a word.
+/// @throws std::runtime_error with a clause
+void require_nothing_more(std::string_view rest);
+
 /// Whether colours of an element are not red, green, blue (and alpha) one after the other: PCL reads those
 /// and what follows them at wrong places.
 bool has_odd_colours(const PlyHeader& header);

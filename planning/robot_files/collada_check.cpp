@@ -5,7 +5,9 @@
 #include <charconv>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <stdexcept>
+#include <string>
 #include <string_view>
 
 #include "mapping/files/number_words.hpp"
@@ -63,10 +65,33 @@ std::uint64_t count_numbers(const XmlNode& element) {
   return count;
 }
 
+/// Ids of all geometries; assimp shows a little skeleton where none is placed.
+std::set<std::string> ids_of_geometries(const XmlNode& root) {
+  std::set<std::string> ids;
+  for (auto* library = root.FirstChildElement("library_geometries"); library;
+       library = library->NextSiblingElement("library_geometries"))
+    for (auto* geometry = library->FirstChildElement("geometry"); geometry;
+         geometry = geometry->NextSiblingElement("geometry"))
+      if (const char* id = geometry->Attribute("id")) ids.insert(id);
+  return ids;
+}
+
+/// What nodes place is in the file; assimp leaves out what is not.
+void check_instances(const XmlNode& parent, const std::set<std::string>& ids) {
+  for (auto* child = parent.FirstChildElement(); child; child = child->NextSiblingElement()) {
+    const char* url = child->Attribute("url");
+    if (std::string_view(child->Name()) == "instance_geometry" &&
+        !(url && *url == '#' && ids.contains(url + 1)))
+      refuse_attribute(*child, "url", "'#' and the id of a <geometry> in this file");
+    check_instances(*child, ids);
+  }
+}
+
 /// Poses and scales of all nodes.
 void check_transforms(const XmlNode& parent) {
   for (auto* child = parent.FirstChildElement(); child; child = child->NextSiblingElement()) {
     const std::string_view name = child->Name();
+    if (name == "skew") throw std::runtime_error("it has a <skew>, expected poses and scales alone");
     if (name == "matrix" || name == "translate" || name == "rotate" || name == "scale" || name == "lookat")
       count_numbers(*child);
     else
@@ -130,6 +155,7 @@ void check_collada(const std::string& content) {
   const XmlNode* root = xml.Error() ? nullptr : xml.RootElement();
   if (!root) throw std::runtime_error("it cannot be read as .dae");
   check_unit(*root);
+  const std::set<std::string> ids = ids_of_geometries(*root);
   for (auto* library = root->FirstChildElement("library_geometries"); library;
        library = library->NextSiblingElement("library_geometries"))
     for (auto* geometry = library->FirstChildElement("geometry"); geometry;
@@ -137,8 +163,10 @@ void check_collada(const std::string& content) {
       if (const XmlNode* mesh = geometry->FirstChildElement("mesh")) check_mesh(*mesh);
   for (const char* nodes : {"library_nodes", "library_visual_scenes"})
     for (auto* library = root->FirstChildElement(nodes); library;
-         library = library->NextSiblingElement(nodes))
+         library = library->NextSiblingElement(nodes)) {
       check_transforms(*library);
+      check_instances(*library, ids);
+    }
 }
 
 }  // namespace clearway

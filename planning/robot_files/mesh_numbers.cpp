@@ -5,9 +5,11 @@
 #include <functional>
 #include <stdexcept>
 #include <string_view>
+#include <vector>
 
 #include "mapping/files/number_words.hpp"
 #include "mapping/files/ply_header.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -34,19 +36,39 @@ void visit_lines(std::string_view text, const std::function<bool(std::string_vie
   }
 }
 
-/// "v x y z", with a weight or a colour behind it. A line that ends in '\' goes on in the next one.
-void check_obj_numbers(std::string_view content) {
-  bool goes_on = false;
-  visit_lines(content, [&](std::string_view line, std::size_t number) {
-    const std::size_t last = line.find_last_not_of(" \t\r");
-    const bool is_continued = last != std::string_view::npos && line[last] == '\\';
-    if (is_continued) line = line.substr(0, last);
-    if (goes_on || next_word(line) == "v") {
-      require_numbers(line, number);
-      goes_on = is_continued;
-    }
-    return true;
-  });
+/// The numbers of a line; what follows '#' is a comment.
+std::vector<double> numbers_in(std::string_view words, std::size_t line) {
+  std::vector<double> numbers;
+  for (std::string_view word = next_word(words); !word.empty() && word.front() != '#';
+       word = next_word(words)) {
+    require_number(word, line);
+    numbers.push_back(*parsed_number(word));
+  }
+  return numbers;
+}
+
+/// "v x y z" of such a line, with a weight or a colour behind it, which are left out.
+void add_vertex(std::string_view words, std::size_t line, std::string& plain) {
+  std::vector<double> numbers = numbers_in(words, line);
+  const bool has_weight = numbers.size() == 4 || numbers.size() == 7;
+  if (numbers.size() != 3 && numbers.size() != 6 && !has_weight)
+    throw std::runtime_error("line " + std::to_string(line) + " has a vertex of " +
+                             std::to_string(numbers.size()) +
+                             " numbers, expected 3, and a weight or a colour or nothing");
+  if (has_weight && numbers[3] != 1.0)
+    throw std::runtime_error("line " + std::to_string(line) + " has a vertex of another weight than 1");
+  plain += 'v';
+  for (std::size_t axis = 0; axis < 3; ++axis) plain += ' ' + to_text(numbers[axis]);
+  plain += '\n';
+}
+
+/// A face, line or point: which vertices it has, without those of textures and normals.
+void add_element(std::string_view kind, std::string_view words, std::string& plain) {
+  plain += kind;
+  for (std::string_view word = next_word(words); !word.empty() && word.front() != '#';
+       word = next_word(words))
+    plain.append(1, ' ').append(word.substr(0, word.find('/')));
+  plain += '\n';
 }
 
 /// A line for each element, all of it numbers.
@@ -79,9 +101,27 @@ void check_stl_numbers(std::string_view content) {
 }  // namespace
 
 void check_numbers_of_mesh(const std::string& content, const std::string& kind) {
-  if (kind == "obj") check_obj_numbers(content);
   if (kind == "ply") check_ply_numbers(content);
   if (kind == "stl") check_stl_numbers(content);
+}
+
+std::string plain_obj(const std::string& content) {
+  std::string plain, whole;
+  visit_lines(content, [&](std::string_view line, std::size_t number) {
+    const std::size_t last = line.find_last_not_of(" \t\r");
+    if (last != std::string_view::npos && line[last] == '\\') {
+      whole.append(line.substr(0, last)).append(1, ' ');
+      return true;
+    }
+    whole.append(line);
+    std::string_view words = whole;
+    const std::string_view kind = next_word(words);
+    if (kind == "v") add_vertex(words, number, plain);
+    if (kind == "f" || kind == "l" || kind == "p") add_element(kind, words, plain);
+    whole.clear();
+    return true;
+  });
+  return plain;
 }
 
 }  // namespace clearway

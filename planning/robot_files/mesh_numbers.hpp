@@ -4,9 +4,16 @@
 
 namespace clearway {
 
-/// assimp takes "2m" for 2 and "1,5" for 1. Checks that the coordinates of vertices in the text of an .obj,
-/// .ply or .stl file are numbers, as those of clouds and robots have to be; `check_collada` does so for .dae.
-/// @throws std::runtime_error naming the line and the word
+/// assimp takes "2m" for 2 and "1,5" for 1. Checks that the coordinates of vertices in the text of a .ply or
+/// .stl file are numbers, as those of clouds and robots have to be; `check_collada` does so for .dae, and
+/// `plain_obj` for .obj. @throws std::runtime_error naming the line and the word
 void check_numbers_of_mesh(const std::string& content, const std::string& kind);
+
+/// The vertices and faces of the text of an .obj file, one in a line, so that assimp reads what is there: it
+/// leaves out vertices with a number such as ".5", with a blank before the "v" or with a weight and a colour,
+/// takes colours for weights, and gives faces other vertices then. Colours, normals and textures are left
+/// out.
+/// @throws std::runtime_error naming the line, for vertices that are no three numbers
+std::string plain_obj(const std::string& content);
 
 }  // namespace clearway

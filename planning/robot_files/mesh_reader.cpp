@@ -92,15 +92,21 @@ std::vector<Eigen::Vector3d> points_of_mesh(const std::filesystem::path& file, c
   check_numbers_of_mesh(content, kind);
   if (kind == "dae") check_collada(content);
   if (kind == "stl") content.resize(whole_stl(content));
+  if (kind == "obj") content = plain_obj(content);
 
   Assimp::Importer importer;
   const std::string name = "mesh." + kind;
   importer.SetIOHandler(new OneFile(name, content));  // which it will delete
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
   const aiScene* scene = importer.ReadFile(name, steps);
   if (!scene) refuse(importer, kind);
   std::vector<Eigen::Vector3d> points = points_of(*scene);
+  std::size_t faces = 0;
+  for (unsigned i = 0; i < scene->mNumMeshes; ++i) faces += scene->mMeshes[i]->mNumFaces;
   importer.FreeScene();
+  if (kind == "stl" && faces != facets_of_stl(content))
+    throw std::runtime_error("it holds facets that do not belong to a solid");
   if (points.empty()) throw std::runtime_error("it holds no vertices");
   for (Eigen::Vector3d& point : points) point = point.cwiseProduct(scale);
   if (!are_sensible(points))

@@ -130,6 +130,7 @@ PerJoint per_joint(const std::filesystem::path& file, const Section& section, co
     result.all = section.number(key, section.node(key), above);
     return result;
   }
+  if (!section.node(key).IsMap()) section.refuse(key, "a number, or {joint: number}");
   const Section joints(file, key + ".", section.node(key), {});
   for (const auto& entry : section.node(key)) {
     const std::string joint = entry.first.as<std::string>("");

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "mapping/files/number_words.hpp"
 #include "mapping/files/ply_header.hpp"
 
 namespace clearway {
@@ -14,31 +15,6 @@ namespace {
 
 [[noreturn]] void refuse_ply_counts() {
   throw std::runtime_error("it holds fewer elements than its header says");
-}
-
-/// Walks through binary data as its header cuts it up.
-void check_binary_ply(const PlyHeader& header, std::string_view data) {
-  const auto take = [&](std::uint64_t size) {
-    if (size > data.size()) refuse_ply_counts();
-    const std::string_view taken = data.substr(0, size);
-    data.remove_prefix(size);
-    return taken;
-  };
-  for (const PlyElement& element : header.elements) {
-    for (std::uint64_t i = 0; i < element.count; ++i) {
-      for (const PlyProperty& property : element.properties) {
-        std::uint64_t count = 1;
-        if (property.count_bytes > 0) {
-          count = 0;
-          std::string bytes(take(property.count_bytes));
-          if (header.format == "binary_little_endian") std::reverse(bytes.begin(), bytes.end());
-          for (unsigned char byte : bytes) count = count << 8U | byte;
-        }
-        if (count > data.size()) refuse_ply_counts();
-        take(count * property.bytes);
-      }
-    }
-  }
 }
 
 /// One line an element.
@@ -55,6 +31,7 @@ void check_text_ply(const PlyHeader& header, std::string_view data) {
   }
   for (const PlyElement& element : header.elements) elements += element.count;
   if (lines < elements) refuse_ply_counts();
+  if (lines > elements) throw std::runtime_error("it holds more data than its header says");
 }
 
 void check_ply(const std::string& content) {
@@ -63,11 +40,11 @@ void check_ply(const std::string& content) {
     if (element.count > content.size()) refuse_ply_counts();
   const std::string_view data = std::string_view(content).substr(header.length);
   if (header.format == "ascii") return check_text_ply(header, data);
-  check_binary_ply(header, data);
+  require_nothing_more(data.substr(bytes_of_elements(header, data)));
 }
 
 /// Bytes that the facets of a binary .stl take as its header counts them, or 0 where they are not there. What
-/// is appended must not be whole facets: then the count is wrong.
+/// is appended must not be whole facets, nor a second such file: then the count is wrong.
 std::size_t binary_stl_bytes(const std::string& content) {
   constexpr std::size_t head = 84, facet = 50;
   if (content.size() < head) return 0;
@@ -75,7 +52,14 @@ std::size_t binary_stl_bytes(const std::string& content) {
   std::memcpy(&facets, content.data() + head - sizeof(facets), sizeof(facets));
   const std::uint64_t bytes = head + std::uint64_t{facets} * facet;
   if (facets == 0 || bytes > content.size()) return 0;
-  return bytes == content.size() || (content.size() - bytes) % facet != 0 ? bytes : 0;
+  const std::string_view rest = std::string_view(content).substr(bytes);
+  const auto is_stl = [&] {
+    if (rest.size() < head) return false;
+    std::memcpy(&facets, rest.data() + head - sizeof(facets), sizeof(facets));
+    return facets > 0 && head + std::uint64_t{facets} * facet <= rest.size();
+  };
+  if (is_stl()) throw std::runtime_error("it holds more data than its header says");
+  return rest.empty() || rest.size() % facet != 0 ? bytes : 0;
 }
 
 void check_stl(const std::string& content) {
@@ -96,6 +80,19 @@ void check_mesh_is_whole(const std::string& content, const std::string& kind) {
 std::size_t whole_stl(const std::string& content) {
   const std::size_t binary = binary_stl_bytes(content);
   return binary > 0 ? binary : content.size();
+}
+
+std::size_t facets_of_stl(const std::string& content) {
+  if (const std::size_t bytes = binary_stl_bytes(content); bytes > 0) return (bytes - 84) / 50;
+  std::size_t facets = 0;
+  std::string_view rest = content;
+  while (!rest.empty()) {
+    const std::size_t end = std::min(rest.find('\n'), rest.size());
+    std::string_view line = rest.substr(0, end);
+    facets += next_word(line) == "facet";
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  return facets;
 }
 
 }  // namespace clearway

@@ -108,5 +108,50 @@ TEST_F(TextCloud, AViewpointIsSevenNumbersInBinaryCloudsToo) {
   EXPECT_EQ(refusal("a.pcd", binary), "line 9 has 'O', expected a number");
 }
 
+/// Two files that were joined, or a header that counts too few: what is not counted would be lost.
+TEST_F(TextCloud, DataBehindThePointsThatTheHeaderCountsIsDamage) {
+  const auto floats = [](std::size_t count) {
+    std::string bytes;
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto value = static_cast<float>(i + 1);
+      bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
+    }
+    return bytes;
+  };
+  const std::string pcd_head =
+      "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z w\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 2\nWIDTH 3\nHEIGHT "
+      "1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 3\nDATA binary\n";
+  const std::string ply_head =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\nproperty float i\nproperty float j\nend_header\n";
+  const std::string more = "it holds more data than its header says";
+  for (const auto& [name, head] :
+       {std::pair<std::string, std::string>{"a.pcd", pcd_head}, {"a.ply", ply_head}}) {
+    EXPECT_EQ(refusal(name, head + floats(15)), "") << name;
+    EXPECT_EQ(points_.size(), 3U);
+    EXPECT_EQ(refusal(name, head + floats(15) + std::string(4096, '\0') + "\r\n"), "") << "blanks";
+    EXPECT_EQ(refusal(name, head + floats(20)), more) << name;
+    EXPECT_EQ(refusal(name, head + floats(15) + head + floats(15)), more) << name;
+    EXPECT_EQ(refusal(name, head + floats(15) + std::string(std::size_t{3} << 20U, '\0') + "x"), more)
+        << name;
+  }
+  EXPECT_EQ(refusal("b.ply", ply("1 2 3 4\n5 6 7 8\n", 1)), more);
+  EXPECT_EQ(refusal("b.ply", ply("1 2 3 4\n\n \n", 1)), "");
+  std::string packed;  // by LZF, as runs of literal bytes
+  const std::string plain = floats(15);
+  for (std::size_t at = 0; at < plain.size(); at += 32) {
+    const std::string run = plain.substr(at, 32);
+    packed.append(1, static_cast<char>(run.size() - 1)).append(run);
+  }
+  std::string sizes(8, '\0');
+  sizes[0] = static_cast<char>(packed.size()), sizes[4] = static_cast<char>(plain.size());
+  std::string content = pcd_head;
+  content.replace(content.find("DATA binary"), 11, "DATA binary_compressed");
+  content += sizes + packed;
+  EXPECT_EQ(refusal("c.pcd", content), "");
+  EXPECT_EQ(points_.size(), 3U);
+  EXPECT_EQ(refusal("c.pcd", content + "more"), more);
+}
+
 }  // namespace text_cloud_test
 }  // namespace clearway

@@ -1,0 +1,133 @@
+#include "planning/robot_files/mesh_numbers.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <functional>
+#include <random>
+
+#include "planning/robot_files/mesh_file.hpp"
+#include "tests/worlds/mesh_samples.hpp"
+#include "tests/worlds/temporary_folder.hpp"
+
+namespace clearway {
+namespace mesh_numbers_test {
+
+using Points = std::vector<Eigen::Vector3d>;
+
+class MeshNumbers : public testing::Test {
+ protected:
+  MeshHull read(const std::string& name, const std::string& content) {
+    return read_mesh_hulls({{folder_.write(name, content)}}).at(0);
+  }
+  std::string failure(const std::string& name, const std::string& content) {
+    return read(name, content).failure;
+  }
+  TemporaryFolder folder_;
+  const MeshSample sample_ = ellipsoid(6, 8, {0.1F, 0.2F, 0.3F});
+};
+
+double farthest_from(const Points& points, const Points& others) {
+  double most = 0.0;
+  for (const Eigen::Vector3d& point : points) {
+    double nearest = HUGE_VAL;
+    for (const Eigen::Vector3d& other : others) nearest = std::min(nearest, (other - point).norm());
+    most = std::max(most, nearest);
+  }
+  return most;
+}
+
+/// A number as programs write it, with the zero before the point or without, with a plus, an exponent.
+std::string spelt(double value, std::mt19937_64& random) {
+  std::array<char, 64> text{};
+  const int kind = static_cast<int>(random() % 4);
+  std::snprintf(text.data(), text.size(), kind == 1 ? "%.9e" : "%.9f", value);
+  std::string word = text.data();
+  if (kind == 2 && std::abs(value) < 1.0) word.erase(word.find('0'), 1);  // ".5", "-.5"
+  if (kind == 3 && value >= 0.0) word = "+" + word;
+  return word;
+}
+
+TEST_F(MeshNumbers, ObjectsHoldEveryVertexHoweverItIsSpelt) {
+  std::mt19937_64 random(5);
+  const Points expected = read("mesh.stl", as_stl(sample_)).corners;
+  ASSERT_GT(expected.size(), 20U);
+  const std::vector<std::string> behind{"", "", " 1", " .5 1 .5", " 1 0.2 .4 .6"};
+  for (int trial = 0; trial < 30; ++trial) {
+    std::string text = "mtllib none.mtl\n\to Thing\n";
+    for (const Eigen::Vector3f& v : sample_.vertices) {
+      text += std::string(random() % 3, ' ') + "v" + (random() % 5 == 0 ? " \\\n" : "\t");
+      for (const float value : v) text += spelt(static_cast<double>(value), random) + " ";
+      text += behind[random() % behind.size()] + (random() % 4 == 0 ? " # a corner\r\n" : "\n");
+      if (random() % 4 == 0) text += "vt .5 .5\nvn 0 0 1\n";
+    }
+    text += "usemtl red\ns 1\n";
+    for (const auto& t : sample_.triangles) {
+      text += std::string(random() % 3, ' ') + "f";
+      for (const int i : t) {
+        const bool from_end = random() % 2 == 0;
+        const int index = from_end ? i - static_cast<int>(sample_.vertices.size()) : i + 1;
+        const std::vector<std::string> others{"", "/1", "/1/1", "//1"};
+        text += " " + std::to_string(index) + others[random() % others.size()];
+      }
+      text += "\n";
+    }
+    const MeshHull hull = read("mesh.obj", text);
+    ASSERT_EQ(hull.failure, "") << text.substr(0, 400);
+    EXPECT_LT(farthest_from(hull.corners, expected), 1e-6) << trial;
+    EXPECT_LT(farthest_from(expected, hull.corners), 1e-6) << trial;
+  }
+}
+
+TEST_F(MeshNumbers, VerticesOfOtherCountsAndWeightsAreRefusedByTheirLine) {
+  const std::string rest = "v 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n";
+  for (const char* numbers : {"1 2", "1", "", "1 2 3 1 5", "1 2 3 1 5 6 7 8"})
+    EXPECT_NE(failure("m.obj", "v " + std::string(numbers) + "\n" + rest).find("line 1 has a vertex of "),
+              std::string::npos)
+        << numbers;
+  EXPECT_NE(failure("m.obj", rest + "v 1 2 3 0.5\n").find("line 5 has a vertex of another weight than 1"),
+            std::string::npos);
+}
+
+/// What is joined to a file, or what its header forgets, is no part of the mesh: nothing may be lost so.
+TEST_F(MeshNumbers, DataBehindThoseThatAreCountedIsDamage) {
+  const MeshSample other = ellipsoid(3, 4, {1.0F, 1.0F, 1.0F});
+  for (const auto& [name, content] : all_mesh_files(sample_)) {
+    if (name == "mesh.obj" || name == "mesh.dae") continue;
+    EXPECT_EQ(failure(name, content + std::string("\n \n")), "") << name;
+    const std::string joined = content + all_mesh_files(other).at(name);
+    if (name == "text.stl")  // two solids, both of them read
+      EXPECT_EQ(farthest_from(read("other.stl", as_stl(other)).corners, read(name, joined).corners), 0.0);
+    else
+      EXPECT_NE(failure(name, joined).find("it holds more data than its header says"), std::string::npos)
+          << name;
+  }
+  std::string fewer = as_ply(sample_, false);
+  fewer.replace(fewer.find("element face ") + 13, 2, "10");
+  EXPECT_NE(failure("m.ply", fewer).find("it holds more data than its header says"), std::string::npos);
+  const std::string solid = as_text_stl(sample_), facets = as_text_stl(other);
+  const std::string bare =
+      facets.substr(facets.find("facet"), facets.find("endsolid") - facets.find("facet"));
+  EXPECT_NE(failure("m.stl", solid + bare + "endsolid\n"), "");
+}
+
+TEST_F(MeshNumbers, ColladaFilesThatPlaceNothingOrWhatIsNotThereAreRefused) {
+  const std::string whole = as_dae(sample_), instance = "<instance_geometry url='#g'/>";
+  const auto with = [&](const std::string& text) {
+    std::string changed = whole;
+    return changed.replace(changed.find(instance), instance.size(), text);
+  };
+  EXPECT_EQ(failure("m.dae", with(instance)), "");
+  EXPECT_NE(failure("m.dae", with("")), "");
+  for (const char* url : {"#g2", "g", "", "other.dae#g"})
+    EXPECT_NE(failure("m.dae", with(instance + "<instance_geometry url='" + url + "'/>"))
+                  .find("its <instance_geometry> has url"),
+              std::string::npos)
+        << url;
+  EXPECT_NE(failure("m.dae", with("<skew>45 1 0 0 0 1 0</skew>" + instance)).find("<skew>"),
+            std::string::npos);
+}
+
+}  // namespace mesh_numbers_test
+}  // namespace clearway
