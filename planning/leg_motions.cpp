@@ -57,12 +57,20 @@ void LegMotions::list_legs_of_pick(const Plan& plan) {
     return legs_.emplace_back(
         Leg{.stretches = std::move(stretches), .space = &space, .is_straight = is_straight});
   };
+  const auto by_hand = [&](const ConfigurationSpace& open, const ConfigurationSpace& closing) {
+    return [&, pick = *plan.pick](const Configuration& from, const Configuration& to,
+                                  const Eigen::VectorXd& aside) {
+      const bool is_open = with_grip(bare.robot(), pick, from, false) == from &&
+                           with_grip(bare.robot(), pick, to, false) == to;
+      return (is_open ? open : closing).is_edge_free(from, to, aside);
+    };
+  };
   add(scene_->before(), false);
-  add(scene_->grasping(), true);
+  add(scene_->grasping(), true).is_tube_free = by_hand(scene_->reaching(), scene_->grasping());
   add(carrying, true).is_tube_free = beside_layer(scene_->lifting());
   add(carrying, false);
   add(carrying, true).is_tube_free = beside_layer(scene_->lowering());
-  add(scene_->releasing(), true);
+  add(scene_->releasing(), true).is_tube_free = by_hand(scene_->retreating(), scene_->releasing());
   if (legs_.size() < plan.legs.size()) add(scene_->after(), false);
 }
 

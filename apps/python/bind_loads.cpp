@@ -35,7 +35,7 @@ LegLoad make_load(const std::string& name, const std::string& link, const py::ob
 
 Pick make_pick(const LegLoad& object, const py::object& map_from_object, const py::object& map_from_place,
                const py::object& object_from_tip, const py::object& approach, double lift, double contact,
-               double margin, const std::map<std::string, std::pair<double, double>>& grip) {
+               double margin, const std::map<std::string, std::pair<double, double>>& grip, double depth) {
   if (!object.legs.empty())
     throw std::invalid_argument("object: expected a load without legs, a pick has its own");
   Pick pick;
@@ -47,6 +47,7 @@ Pick make_pick(const LegLoad& object, const py::object& map_from_object, const p
   pick.lift = lift;
   pick.contact = contact;
   pick.margin = margin;
+  pick.depth = depth;
   for (const auto& [joint, values] : grip) pick.grip[joint] = {values.first, values.second};
   return pick;
 }
@@ -160,6 +161,7 @@ void bind_pick(py::module_& module) {
       .field("lift", &Pick::lift)
       .field("contact", &Pick::contact)
       .field("margin", &Pick::margin)
+      .field("depth", &Pick::depth, "Metres that the open hand may reach into it.")
       .computed(
           "grip",
           [](const Pick& self) {
@@ -171,7 +173,8 @@ void bind_pick(py::module_& module) {
       .def(py::init(&make_pick), py::arg("object"), py::arg("map_from_object"), py::arg("map_from_place"),
            py::kw_only(), py::arg("object_from_tip") = py::none(), py::arg("approach") = py::none(),
            py::arg("lift") = usual.lift, py::arg("contact") = usual.contact, py::arg("margin") = usual.margin,
-           py::arg("grip") = std::map<std::string, std::pair<double, double>>{});
+           py::arg("grip") = std::map<std::string, std::pair<double, double>>{},
+           py::arg("depth") = usual.depth);
 }
 
 }  // namespace

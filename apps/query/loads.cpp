@@ -1,10 +1,14 @@
 #include "apps/query/loads.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "apps/console/parse.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "planning/robot/kinematics.hpp"
+#include "planning/robot/self_collision.hpp"
 #include "planning/robot_files/mesh_file.hpp"
 #include "planning/space/part_policies.hpp"
 
@@ -57,6 +61,7 @@ Pick stated_pick(const PickSetup& setup, const Eigen::Isometry3d& map_from_place
   pick.lift = setup.lift;
   pick.contact = setup.contact;
   pick.margin = setup.margin;
+  pick.depth = setup.depth;
   for (const auto& [joint, values] : setup.grip) pick.grip[joint] = {values.first, values.second};
   pick.map_from_place = map_from_place;
   with_load(robot, pick.object);
@@ -99,6 +104,28 @@ std::map<std::string, Policy> loaded_policies(const ConfigurationSpace& space,
   Policies policies{.parts = space.policies(), .other = Policy::not_occupied};
   policies.parts.insert(of_loads.begin(), of_loads.end());
   return part_policies(with_all_loads(space.robot(), loads), space.map(), policies);
+}
+
+std::vector<std::string> hold_notes(const Robot& robot, const std::vector<LegLoad>& loads) {
+  constexpr double near_within = 0.02;  // m
+  Configuration q = Configuration::Zero(static_cast<Eigen::Index>(robot.dof()));
+  for (std::size_t j = 0; j < robot.dof(); ++j)
+    q[static_cast<Eigen::Index>(j)] = std::clamp(0.0, robot.joints[j].lower, robot.joints[j].upper);
+  std::vector<std::string> notes;
+  for (const LegLoad& load : loads) {
+    const Robot loaded = with_load(robot, load.load);
+    const LinkPoses poses = forward_kinematics(loaded, q);
+    const int last = static_cast<int>(loaded.bodies.size()) - 1;
+    double nearest = HUGE_VAL;
+    for (const std::string& holder : holders_of(loaded, load.load.name))
+      for (int i = 0; i < last; ++i)
+        if (loaded.bodies[static_cast<std::size_t>(i)].part == holder)
+          nearest = std::min(nearest, pair_distance(loaded, {i, last, {}}, poses).lower);
+    if (nearest > near_within && std::isfinite(nearest))
+      notes.push_back("load " + quote(load.load.name) + " is " + significant(1e3 * nearest, 3) +
+                      " mm from link " + quote(load.load.link) + " and what it touches: what holds it?");
+  }
+  return notes;
 }
 
 std::string describe_load(const LegLoad& load) {

@@ -46,6 +46,10 @@ std::map<std::string, Policy> loaded_policies(const ConfigurationSpace& space,
                                               const std::vector<LegLoad>& loads,
                                               const std::map<std::string, Policy>& of_loads);
 
+/// Why a load may be held by nothing, where all joints stand at 0 or their nearest limit: no body of what
+/// carries it, or that it touches, is within 2 cm; a sentence for each such load.
+std::vector<std::string> hold_notes(const Robot& robot, const std::vector<LegLoad>& loads);
+
 /// "can on gripper, legs 2 and 3"
 std::string describe_load(const LegLoad& load);
 

@@ -126,6 +126,7 @@ PickSetup read_pick(const YamlFields& fields, const std::filesystem::path& folde
   pick.lift = fields.number("lift", positive, pick.lift);
   pick.contact = fields.number("contact", not_negative, pick.contact);
   pick.margin = fields.number("margin", not_negative, pick.margin);
+  pick.depth = fields.number("depth", not_negative, pick.depth);
   if (fields.names("grip")) {
     const YamlFields grip = fields.map("grip");
     if (grip.keys().empty()) fields.fail("grip", "expected {joint: [open, closed]}, or no such key");

@@ -83,6 +83,7 @@ class PickCheck {
                       down = terms_.last_before_contact(leg(lower));
     add(terms_.standing(pick.map_from_object, false), map, approach, leg(approach));
     add(terms_.standing(pick.map_from_object, true), freed, reach, leg(reach));
+    add_open(pick.map_from_object, freed, reach);
     const auto first = leg(lift).begin();
     const std::vector<Configuration> on_support(first, first + static_cast<std::ptrdiff_t>(up) + 1);
     check_contact(carrying, freed, pick.map_from_object, lift, on_support, 0);
@@ -93,7 +94,19 @@ class PickCheck {
     check_contact(carrying, freed, pick.map_from_place, lower,
                   {begin + static_cast<std::ptrdiff_t>(down), leg(lower).end()}, down);
     add(terms_.standing(pick.map_from_place, true), freed, retreat, leg(retreat));
+    add_open(pick.map_from_place, freed, retreat);
     if (terms_.has_goal()) add(terms_.standing(pick.map_from_place, false), freed, leave, leg(leave));
+  }
+
+  /// While the hand is open it is not deep in the object.
+  void add_open(const Eigen::Isometry3d& map_from_object, const Snapshot& freed, Leg index) {
+    const std::optional<Robot> robot = terms_.standing_core(map_from_object);
+    if (!robot || !verdict_.valid) return;
+    const std::vector<Configuration>& path = leg(index);
+    const auto is_open = [&](const Configuration& q) { return terms_.is_open(q); };
+    const auto first = std::find_if(path.begin(), path.end(), is_open);
+    const auto last = std::find_if_not(first, path.end(), is_open);
+    add(*robot, freed, index, {first, last}, static_cast<std::size_t>(first - path.begin()));
   }
 
   /// The first or last metres of a leg, on which the load may touch the layer and nothing else may.
@@ -156,12 +169,20 @@ PathVerdict check_pick(const PickToCheck& plan, const std::map<std::string, Poli
   }
 }
 
-std::string place_note(const PickToCheck& plan, double padding) {
+std::vector<std::string> pick_notes(const PickToCheck& plan, double padding) {
   require_sound(plan.pick, plan.map.resolution(), padding);
   try {
     const PickTerms terms(plan, {}, padding, 0.0);
-    if (is_layer_occupied(terms, without_object(terms), plan.pick.map_from_place)) return {};
-    return "nothing that the map knows stands below the place of " + quote(plan.pick.object.name);
+    const std::string object = quote(plan.pick.object.name);
+    std::vector<std::string> notes;
+    if (!check::is_object_occupied(terms))
+      notes.push_back("nothing that the map knows stands where " + object + " is taken");
+    if (!is_layer_occupied(terms, without_object(terms), plan.pick.map_from_place))
+      notes.push_back("nothing that the map knows stands below the place of " + object);
+    const bool is_taken = plan.legs.size() > PickTerms::reach && !plan.legs[PickTerms::reach].empty();
+    if (const std::string hand = is_taken ? check::hold_note(terms) : ""; !hand.empty())
+      notes.push_back(hand);
+    return notes;
   } catch (const check::FileDisagrees&) {
     return {};  // which check_pick refuses
   }

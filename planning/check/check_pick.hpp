@@ -27,10 +27,14 @@ struct PickToCheck {
 PathVerdict check_pick(const PickToCheck& plan, const std::map<std::string, Policy>& policies, double padding,
                        double seen_within = 0.0);
 
-/// One sentence where the map has no obstacle in the layer on which the object is put down (Pick), or in
-/// voxels that reach into it from below, the object's own aside: it may not stand there. Else empty.
+/// What a pick takes for granted and neither map nor robot shows, a sentence each:
+/// - no obstacle is in the object's own voxels: it may not stand there;
+/// - no obstacle is in the layer on which the object is put down (Pick), or in voxels that reach into it from
+///   below, the object's own aside: it may not stay there;
+/// - at the grasp nothing of the hand (the link that carries the object and `touches`) is near it, or a hand
+///   with a `grip` closes deeper into it than Pick::depth.
 /// @throws std::invalid_argument for a pick that is not sound.
-std::string place_note(const PickToCheck& plan, double padding);
+std::vector<std::string> pick_notes(const PickToCheck& plan, double padding);
 
 /// Checks a motion along the path of a pick as check_motion does, with what Pick states for each leg about
 /// the curve itself: bodies, voxels, the straight ways, and how low the load comes while it may touch what it

@@ -54,12 +54,14 @@ class PickMotionCheck {
       require_no_bow(terms_, index, way, tubes_of(motion_.motion, knots[index], 1));
     prove(terms_.standing(pick.map_from_object, false), map, approach, knots[approach]);
     prove(terms_.standing(pick.map_from_object, true), freed, reach, knots[reach]);
+    prove_open(pick.map_from_object, freed, reach, knots[reach]);
     prove_contact(carrying, freed, pick.map_from_object, lift, {knots[lift].first, up});
     prove(carrying, freed, lift, {up, knots[lift].last});
     prove(carrying, freed, carry, knots[carry]);
     prove(carrying, freed, lower, {knots[lower].first, down});
     prove_contact(carrying, freed, pick.map_from_place, lower, {down, knots[lower].last});
     prove(terms_.standing(pick.map_from_place, true), freed, retreat, knots[retreat]);
+    prove_open(pick.map_from_place, freed, retreat, knots[retreat]);
     if (terms_.has_goal()) prove(terms_.standing(pick.map_from_place, false), freed, leave, knots[leave]);
   }
 
@@ -106,6 +108,17 @@ class PickMotionCheck {
     verdict_.leg = index;
     verdict_.fault = "motion: leg " + names_of_legs(true)[index] + ", " +
                      verdict_.fault.substr(std::string("motion: ").size());
+  }
+
+  /// While the hand is open it is not deep in the object.
+  void prove_open(const Eigen::Isometry3d& map_from_object, const Snapshot& freed, Leg index,
+                  KnotRange range) {
+    const std::optional<Robot> robot = terms_.standing_core(map_from_object);
+    if (!robot) return;
+    const auto is_open = [&](std::size_t knot) { return terms_.is_open(motion_.motion.positions[knot]); };
+    while (range.first < range.last && !is_open(range.first)) ++range.first;
+    while (range.first < range.last && !is_open(range.last)) --range.last;
+    prove(*robot, freed, index, range);
   }
 
   void prove_contact(const Robot& carrying, const Snapshot& freed, const Eigen::Isometry3d& map_from_object,

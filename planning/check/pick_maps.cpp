@@ -37,7 +37,9 @@ std::vector<Eigen::Vector3d> voxels_in(const Eigen::AlignedBox3d& box, double ed
 
 }  // namespace
 
-Snapshot without_object(const PickTerms& terms) {
+namespace {
+
+std::vector<Eigen::Vector3d> voxels_of_object(const PickTerms& terms) {
   const Pick& pick = terms.pick;
   const Eigen::Isometry3d& pose = pick.map_from_object;
   const double edge = terms.plan.map.resolution(), plane = lowest(terms.shape, pose);
@@ -49,8 +51,24 @@ Snapshot without_object(const PickTerms& terms) {
     if (pick.margin > 0.0) return bodies.cube_distance(body, pose, center, edge) <= pick.margin;
     return bodies.touches_cube(body, pose, center, edge - 2.0 * skin);
   };
-  const Eigen::AlignedBox3d about = box_of(terms.shape, pose, pick.margin);
-  return with_free_voxels(terms.plan.map, voxels_in(about, edge, is_own), false);
+  return voxels_in(box_of(terms.shape, pose, pick.margin), edge, is_own);
+}
+
+bool is_any_occupied(const Snapshot& map, const std::vector<Eigen::Vector3d>& voxels) {
+  return std::any_of(voxels.begin(), voxels.end(), [&](const Eigen::Vector3d& center) {
+    const VoxelState state = map.state(center);
+    return state == VoxelState::occupied || state == VoxelState::conflict;
+  });
+}
+
+}  // namespace
+
+bool is_object_occupied(const PickTerms& terms) {
+  return is_any_occupied(terms.plan.map, voxels_of_object(terms));
+}
+
+Snapshot without_object(const PickTerms& terms) {
+  return with_free_voxels(terms.plan.map, voxels_of_object(terms), false);
 }
 
 namespace {
@@ -80,11 +98,7 @@ Snapshot without_layer(const PickTerms& terms, const Snapshot& map,
 
 bool is_layer_occupied(const PickTerms& terms, const Snapshot& map,
                        const Eigen::Isometry3d& map_from_object) {
-  const std::vector<Eigen::Vector3d> layer = layer_at(terms, map_from_object, terms.plan.map.resolution());
-  return std::any_of(layer.begin(), layer.end(), [&](const Eigen::Vector3d& center) {
-    const VoxelState state = map.state(center);
-    return state == VoxelState::occupied || state == VoxelState::conflict;
-  });
+  return is_any_occupied(map, layer_at(terms, map_from_object, terms.plan.map.resolution()));
 }
 
 }  // namespace clearway::check

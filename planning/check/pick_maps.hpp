@@ -6,6 +6,9 @@
 
 namespace clearway::check {
 
+/// Whether the map has an obstacle in the object's own voxels.
+bool is_object_occupied(const PickTerms& terms);
+
 /// The map without the object's own voxels.
 Snapshot without_object(const PickTerms& terms);
 

@@ -5,6 +5,7 @@
 #include <locale>
 #include <sstream>
 
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/check/path_check_shape.hpp"
 
@@ -47,6 +48,21 @@ std::map<std::string, Policy> with_object(const PickToCheck& plan, std::map<std:
 }
 
 }  // namespace
+
+std::string hold_note(const PickTerms& terms) {
+  constexpr double held_within = 0.005, near_within = 0.02;  // m: of a hand that closes, of any other
+  const Pick& pick = terms.pick;
+  const std::string object = quote(pick.object.name);
+  const auto away = terms.from_hand(pick.object.shape);
+  if (away && *away > (pick.grip.empty() ? near_within : held_within))
+    return "nothing of the hand (link " + quote(pick.object.link) + " and what touches) is nearer to " +
+           object + " at the grasp than " + short_text(1e3 * *away, 3) + " mm: what holds it?";
+  const std::optional<Shape> core = core_of(pick);
+  if (core && terms.from_hand(*core) == 0.0)
+    return "the hand closes deeper than " + short_text(1e3 * pick.depth) + " mm into " + object +
+           ", where a real one stops before";
+  return {};
+}
 
 double lowest(const Shape& shape, const Eigen::Isometry3d& pose) {
   return -farthest(shape, pose, -Eigen::Vector3d::UnitZ());
@@ -221,6 +237,41 @@ Robot PickTerms::standing(const Eigen::Isometry3d& map_from_object, bool may_be_
   else
     load.touches.clear();
   return with_load(plan.robot, load);
+}
+
+std::optional<Robot> PickTerms::standing_core(const Eigen::Isometry3d& map_from_object) const {
+  const std::optional<Shape> core = core_of(pick);
+  if (!core) return std::nullopt;
+  Load load = standing(map_from_object, false).loads.back();
+  load.name = core_name(pick);
+  load.shape = *core;
+  return with_load(plan.robot, load);
+}
+
+std::optional<double> PickTerms::from_hand(const Shape& of) const {
+  Load load = standing(pick.map_from_object, false).loads.back();
+  load.shape = of;
+  const Robot robot = with_load(plan.robot, load);
+  const KdlArm arm(robot);
+  const FclBodies bodies(robot);
+  const std::size_t last = robot.bodies.size() - 1;
+  const Configuration& grasp = leg(reach).back();
+  std::optional<double> nearest;
+  for (std::size_t i = 0; i < last; ++i) {
+    const std::string& link = robot.links[static_cast<std::size_t>(robot.bodies[i].link)].name;
+    const auto& touches = pick.object.touches;
+    if (link != pick.object.link && std::find(touches.begin(), touches.end(), link) == touches.end())
+      continue;
+    const double away = bodies.distance(i, arm.place(grasp, i), last, arm.place(grasp, last), HUGE_VAL);
+    nearest = std::min(nearest.value_or(HUGE_VAL), std::max(0.0, away));
+  }
+  return nearest;
+}
+
+bool PickTerms::is_open(const Configuration& q) const {
+  for (const auto& [joint, grip] : hand())
+    if (std::abs(q[joint] - grip.open) > same_joint) return false;
+  return true;
 }
 
 Robot PickTerms::loaded() const {

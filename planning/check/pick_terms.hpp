@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,6 +26,12 @@ struct PickRefusal {
   std::string sentence;
   int leg = -1;  ///< -1: none
 };
+
+class PickTerms;
+
+/// What is odd about how the hand holds the object at the grasp: nothing of it is near, or it closes deep
+/// into it; empty where nothing is.
+std::string hold_note(const PickTerms& terms);
 
 /// Height of the lowest point of the placed shape, metres.
 double lowest(const Shape& shape, const Eigen::Isometry3d& pose);
@@ -80,7 +87,16 @@ class PickTerms {
 
   Robot standing(const Eigen::Isometry3d& map_from_object,
                  bool may_be_touched) const;  ///< object on the root
-  Robot loaded() const;                       ///< object as it rides
+  /// Of a hand with a grip: what lies too deep in the object for one that is open, on the root (Pick::depth).
+  std::optional<Robot> standing_core(const Eigen::Isometry3d& map_from_object) const;
+  Robot loaded() const;  ///< object as it rides
+
+  /// How far the hand (the link that carries the object and `touches`) is from a shape where the object is
+  /// taken, metres; 0 where it touches, none where it has no bodies. @pre require_legs()
+  std::optional<double> from_hand(const Shape& shape) const;
+
+  /// Whether the hand is open. @pre require_hand()
+  bool is_open(const Configuration& q) const;
 
   /// The first place of the lift that is `contact` above the plane. @throws PickRefusal
   std::size_t first_past_contact(const std::vector<Configuration>& path) const;

@@ -119,6 +119,7 @@ Json json_of(const Pick& pick) {
                {"lift_m", pick.lift},
                {"contact_m", pick.contact},
                {"margin_m", pick.margin}};
+  if (!pick.grip.empty()) json["depth_m"] = pick.depth;
   for (const auto& [joint, grip] : pick.grip) json["grip"][joint] = {grip.open, grip.closed};
   return json;
 }
@@ -137,6 +138,7 @@ Pick pick_of(const JsonField& field) {
   pick.lift = field.at("lift_m").number();
   pick.contact = field.at("contact_m").number();
   pick.margin = field.at("margin_m").number();
+  if (field.has("depth_m")) pick.depth = field.at("depth_m").number();
   if (field.has("grip"))
     for (const auto& [joint, values] : field.at("grip").members()) {
       const Eigen::VectorXd both = values.numbers(2);

@@ -22,7 +22,7 @@ nlohmann::ordered_json json_of(const std::vector<LegLoad>& loads);
 std::vector<LegLoad> loads_of(const JsonField& field);
 
 /// {"name", "link", "shape", "mass_kg", "touches", "pose", "place", "grasp" (4x4), "approach", "lift_m",
-/// "contact_m", "margin_m"} and, where the hand closes, "grip" {joint: [open, closed]}.
+/// "contact_m", "margin_m"} and, where the hand closes, "depth_m" and "grip" {joint: [open, closed]}.
 nlohmann::ordered_json json_of(const Pick& pick);
 /// @throws std::invalid_argument naming the field. Whether it is sound is for require_sound to say.
 Pick pick_of(const JsonField& field);

@@ -86,6 +86,10 @@ void PickScene::hold(const Eigen::Isometry3d& link_from_load, const std::optiona
 const ConfigurationSpace& PickScene::before() {
   return space_of(before_, with_standing(pick_.map_from_object, false), space_.map());
 }
+const ConfigurationSpace& PickScene::reaching() {
+  if (pick_.grip.empty()) return grasping();
+  return space_of(reaching_, with_core(with_standing(pick_.map_from_object, true)), without_object_);
+}
 const ConfigurationSpace& PickScene::grasping() {
   return space_of(grasping_, with_standing(pick_.map_from_object, true), without_object_);
 }
@@ -99,6 +103,10 @@ const ConfigurationSpace& PickScene::lowering() {
 }
 const ConfigurationSpace& PickScene::releasing() {
   return space_of(releasing_, with_standing(pick_.map_from_place, true), without_object_);
+}
+const ConfigurationSpace& PickScene::retreating() {
+  if (pick_.grip.empty()) return releasing();
+  return space_of(retreating_, with_core(with_standing(pick_.map_from_place, true)), without_object_);
 }
 const ConfigurationSpace& PickScene::after() {
   return space_of(after_, with_standing(pick_.map_from_place, false), without_object_);
@@ -136,6 +144,15 @@ Robot PickScene::with_standing(const Eigen::Isometry3d& map_from_object, bool ma
   standing.link = robot.links.front().name;
   standing.link_from_load = forward_kinematics(robot, any).front().inverse() * map_from_object;
   return with_load(robot, standing);
+}
+
+/// With the middle of the object that stands there, which nothing may touch.
+Robot PickScene::with_core(const Robot& robot) const {
+  Load core = robot.loads.back();
+  core.name = core_name(pick_);
+  core.shape = *core_of(pick_);
+  core.touches.clear();
+  return with_load(robot, core);
 }
 
 Snapshot PickScene::without_layer(const Eigen::Isometry3d& map_from_object) const {

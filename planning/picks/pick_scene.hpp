@@ -31,20 +31,23 @@ class PickScene {
   void hold(const Eigen::Isometry3d& link_from_load, const std::optional<Configuration>& grasp);
   const Load& load() const { return load_; }
 
-  const ConfigurationSpace& before();     ///< approach: the object stands, nothing may touch it
-  const ConfigurationSpace& grasping();   ///< reach: the object stands, without its voxels
-  const ConfigurationSpace& bare();       ///< the robot alone, without the object and its voxels
-  const ConfigurationSpace& carrying();   ///< with the load
-  const ConfigurationSpace& lifting();    ///< with the load, the layer at the object free
-  const ConfigurationSpace& lowering();   ///< with the load, the layer at the place free
-  const ConfigurationSpace& releasing();  ///< retreat: the object stands at its place
-  const ConfigurationSpace& after();      ///< leave: the same, nothing may touch it
+  const ConfigurationSpace& before();      ///< approach: the object stands, nothing may touch it
+  const ConfigurationSpace& reaching();    ///< reach: as `grasping`, the open hand not deep in the object
+  const ConfigurationSpace& grasping();    ///< the hand closes: the object stands, without its voxels
+  const ConfigurationSpace& bare();        ///< the robot alone, without the object and its voxels
+  const ConfigurationSpace& carrying();    ///< with the load
+  const ConfigurationSpace& lifting();     ///< with the load, the layer at the object free
+  const ConfigurationSpace& lowering();    ///< with the load, the layer at the place free
+  const ConfigurationSpace& releasing();   ///< the hand opens: the object stands at its place
+  const ConfigurationSpace& retreating();  ///< retreat: the same, the open hand not deep in the object
+  const ConfigurationSpace& after();       ///< leave: the same, nothing may touch it
 
  private:
   using Kept = std::unique_ptr<ConfigurationSpace>;
   const ConfigurationSpace& space_of(Kept& kept, const Robot& robot, const Snapshot& map);
   Robot loaded() const;
   Robot with_standing(const Eigen::Isometry3d& map_from_object, bool may_be_touched) const;
+  Robot with_core(const Robot& robot) const;
   Snapshot without_layer(const Eigen::Isometry3d& map_from_object) const;
 
   const ConfigurationSpace& space_;
@@ -53,7 +56,7 @@ class PickScene {
   Snapshot without_object_;
   Load load_;
   std::optional<Configuration> grasp_;
-  Kept before_, grasping_, bare_, carrying_, lifting_, lowering_, releasing_, after_;
+  Kept before_, reaching_, grasping_, bare_, carrying_, lifting_, lowering_, releasing_, retreating_, after_;
 };
 
 }  // namespace clearway

@@ -30,20 +30,21 @@ StraightLegs::StraightLegs(PickScene& scene, const ConfigurationSpace& space, co
 std::optional<Taking> StraightLegs::take(const Hold& grasp, std::string& why) {
   const Configuration open = with_grip(robot_, pick_, grasp.q, false),
                       closed = with_grip(robot_, pick_, grasp.q, true);
-  for (const Configuration& q : {open, closed}) {
-    why = "no grasp is free: " + scene_.grasping().check(q).sentence();
-    if (!scene_.grasping().is_free(q)) return std::nullopt;
+  for (const auto& [space, q] : {std::pair(&scene_.reaching(), &open), {&scene_.grasping(), &closed}}) {
+    why = "no grasp is free: " + space->check(*q).sentence();
+    if (!space->is_free(*q)) return std::nullopt;
   }
   const auto back = straight_motion(robot_, open, -pick_.approach, step_);
   const auto up = upwards(closed);
   why = "no arm configuration at the grasp can go the straight ways of approach and lift";
   if (!back || !up) return std::nullopt;
   Path reach(back->rbegin(), back->rend());
-  if (closed != open) reach.push_back(closed);
   why = "no free configuration before the grasp: " + scene_.before().check(reach.front()).sentence();
   if (!scene_.before().is_free(reach.front())) return std::nullopt;
   why = "the straight ways at the grasp are not free";
-  if (!is_path_free(scene_.grasping(), reach)) return std::nullopt;
+  if (!is_path_free(scene_.reaching(), reach)) return std::nullopt;
+  if (!scene_.grasping().is_edge_free(open, closed)) return std::nullopt;
+  if (closed != open) reach.push_back(closed);
   const Eigen::Isometry3d turned =
       pick_.map_from_object * Eigen::AngleAxisd(grasp.turn, Eigen::Vector3d::UnitZ());
   scene_.hold(link_pose(closed).inverse() * turned, closed);
@@ -62,11 +63,12 @@ std::optional<Putting> StraightLegs::put(const Taking& taking, const Configurati
   auto retreat = straight_motion(robot_, open, back, step_);
   why = "no arm configuration at the place can go the straight ways of lowering and retreat";
   if (!up || !retreat) return std::nullopt;
-  if (open != placed) retreat->insert(retreat->begin(), placed);
   why = "the straight ways at the place are not free";
   if (!is_contact_free(scene_.lowering(), pick_.map_from_place, up->first)) return std::nullopt;
   if (!is_path_free(scene_.carrying(), up->second)) return std::nullopt;
-  if (!is_path_free(scene_.releasing(), *retreat)) return std::nullopt;
+  if (!scene_.releasing().is_edge_free(placed, open)) return std::nullopt;
+  if (!is_path_free(scene_.retreating(), *retreat)) return std::nullopt;
+  if (open != placed) retreat->insert(retreat->begin(), placed);
   const Path upward = joined(up->first, up->second);
   return Putting{{upward.rbegin(), upward.rend()}, *retreat, back};
 }

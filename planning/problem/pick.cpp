@@ -90,6 +90,39 @@ std::vector<std::vector<Eigen::VectorXd>> stretches_of(const Robot& robot, const
   return stretches;
 }
 
+std::optional<Shape> core_of(const Pick& pick) {
+  if (pick.grip.empty()) return std::nullopt;
+  const Shape& shape = pick.object.shape;
+  switch (shape.kind()) {
+    case Shape::Kind::box: {
+      const double by = std::min(pick.depth, 0.25 * shape.edges().minCoeff());
+      return Shape::box(shape.edges().array() - 2.0 * by);
+    }
+    case Shape::Kind::sphere:
+      return Shape::sphere(shape.radius() - std::min(pick.depth, 0.5 * shape.radius()));
+    case Shape::Kind::capsule:
+      return Shape::capsule(shape.radius() - std::min(pick.depth, 0.5 * shape.radius()), shape.length());
+    case Shape::Kind::cylinder: {
+      const double by = std::min({pick.depth, 0.5 * shape.radius(), 0.25 * shape.length()});
+      return Shape::cylinder(shape.radius() - by, shape.length() - 2.0 * by);
+    }
+    default:
+      break;
+  }
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& corner : shape.vertices())
+    middle += corner / static_cast<double>(shape.vertices().size());
+  const double inner = std::max(-shape.signed_distance(middle), 1e-6);
+  std::vector<Eigen::Vector3d> corners;
+  for (const Eigen::Vector3d& corner : shape.vertices())
+    corners.push_back(middle + (1.0 - std::min(pick.depth / inner, 0.5)) * (corner - middle));
+  return Shape::convex(std::move(corners));
+}
+
+std::string core_name(const Pick& pick) {
+  return pick.object.name + "-deeper-than-" + short_text(1e3 * pick.depth) + "mm";
+}
+
 std::vector<int> legs_that_carry() { return {2, 3, 4}; }
 
 double contact_length(const Pick& pick, double resolution, double padding) {
@@ -110,6 +143,7 @@ void require_sound(const Pick& pick, double resolution, double padding) {
   require(pick.approach.norm() > 0.0 && pick.approach.norm() <= longest, "approach",
           "a way of more than 0 and at most 10 m");
   require(pick.margin >= 0.0 && pick.margin <= 0.1, "margin", "a length from 0 to 0.1 m");
+  require(pick.depth >= 0.0 && pick.depth <= 1.0, "depth", "a length from 0 to 1 m");
   for (const Eigen::Isometry3d& pose : {pick.map_from_object, pick.map_from_place}) {
     const Eigen::Array3d sizes =
         pick.object.shape.bounds(pose).sizes().array() + 2.0 * (pick.margin + padding);
@@ -130,7 +164,7 @@ bool is_same(const Pick& a, const Pick& b) {
   return is_same(first, second) && are_near(a.map_from_object, b.map_from_object) &&
          are_near(a.map_from_place, b.map_from_place) && are_near(a.object_from_tip, b.object_from_tip) &&
          (a.approach - b.approach).norm() <= same_pick && near(a.lift, b.lift) &&
-         near(a.contact, b.contact) && near(a.margin, b.margin) &&
+         near(a.contact, b.contact) && near(a.margin, b.margin) && near(a.depth, b.depth) &&
          std::equal(a.grip.begin(), a.grip.end(), b.grip.begin(), b.grip.end(),
                     [&](const auto& one, const auto& other) {
                       return one.first == other.first && near(one.second.open, other.second.open) &&

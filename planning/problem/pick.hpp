@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,8 @@ namespace clearway {
 /// Legs, and what holds on each beside the contract of check_path:
 ///   approach  from the start to the grasp less `approach`; the object is a body that nothing may touch
 ///   reach     straight to the grasp; the object's voxels have left the map, its shape stands in their place,
-///             and only the link that carries it and `touches` may touch it. There the hand closes
+///             and only the link that carries it and `touches` may touch it, an open hand at most `depth`
+///             deep. There the hand closes
 ///   lift      straight up; the object is the robot's load. On its first `contact` metres the load may touch
 ///             voxels of the support's layer, provided its lowest point never sinks below the plane that it
 ///             stood on by more than the padding (0.1 to 1 mm); the robot itself keeps clear of these
@@ -45,12 +47,23 @@ struct Pick {
   double lift = 0.1;                         ///< metres
   double contact = 0.0;                      ///< metres of the lift; 0: two voxels and twice the padding
   double margin = 0.0;                       ///< metres
+  /// So far may the open hand reach into the object (metres), of which a hull and a pose are never quite
+  /// true; at most a quarter of the object's least width. It is asked of hands with a `grip` alone: others
+  /// are not as they are when they come and go.
+  double depth = 0.005;
   /// The hand, by joint, of those that do not move the tip. It is open from the end of `approach` until it
   /// closes at the grasp, closed while the object rides, and open again before `retreat` leads away from the
   /// place; while it closes or opens nothing else moves. Joints that hold the object (grip_joints) and are
   /// not named stay from `reach` to `retreat` where the start has them.
   std::map<std::string, Grip> grip{};
 };
+
+/// What lies deeper than `depth` in the object, at its pose in the object's frame; none without a `grip`. Of
+/// a hull a part of that.
+std::optional<Shape> core_of(const Pick& pick);
+
+/// "can-deeper-than-5mm": the body of that core in refusals.
+std::string core_name(const Pick& pick);
 
 /// The configuration with the joints of `grip` open or closed. @pre require_grip
 Eigen::VectorXd with_grip(const Robot& robot, const Pick& pick, Eigen::VectorXd q, bool is_closed);

@@ -261,6 +261,78 @@ TEST_F(PickFingers, WhateverTouchesIsPlannedAsItIsChecked) {
   }
 }
 
+/// A box between whose sides an open hand fits or not: the fingers' inner faces are 0.015 m and the grip from
+/// the middle.
+TEST_F(PickFingers, AnOpenHandMayReachIntoTheObjectByItsDepthAlone) {
+  pick_.object.shape = Shape::box({0.04, 0.06, 0.1});
+  const auto plan_with = [&](double open, double depth) {
+    pick_.grip["grip"] = {open, 0.0};
+    pick_.depth = depth;
+    return plan_from(start(0.03), 1);
+  };
+  EXPECT_TRUE(plan_with(0.02, 0.0).is_proved());     // 5 mm beside it
+  EXPECT_TRUE(plan_with(0.012, 0.005).is_proved());  // 3 mm in it
+  const Plan narrow = plan_with(0.007, 0.005);
+  EXPECT_EQ(narrow.status(), PlanStatus::no_path);
+  EXPECT_NE(narrow.explanation().find("can-deeper-than-5mm"), std::string::npos) << narrow.explanation();
+  EXPECT_EQ(plan_with(0.012, 0.002).status(), PlanStatus::no_path);
+
+  Plan deep = plan_with(0.007, 0.0095);  // 8 mm in it
+  ASSERT_TRUE(deep.is_proved()) << deep.explanation();
+  give_motion(space(), deep);
+  ASSERT_TRUE(deep.motion.has_value()) << deep.motion_caveat;
+  EXPECT_TRUE(verdict(deep).valid);
+  const auto judged = [&] {
+    MotionToCheck motion{deep.motion->motion,
+                         deep.motion->leg_ends,
+                         {deep.legs.front().waypoints.front()},
+                         rate_limits(robot_)};
+    for (const PlanResult& leg : deep.legs) motion.stops.push_back(leg.waypoints.back());
+    return check_pick_motion(pick_of(deep, pick_, robot_, space().map()), motion, deep.policies,
+                             deep.padding);
+  };
+  EXPECT_TRUE(judged().valid) << judged().fault;
+  pick_.depth = 0.005;
+  EXPECT_NE(verdict(deep).first_contact.find("leg reach"), std::string::npos) << verdict(deep).first_contact;
+  EXPECT_NE(verdict(deep).first_contact.find("can-deeper-than-5mm"), std::string::npos);
+  EXPECT_FALSE(judged().valid);
+  EXPECT_NE(judged().fault.find("can-deeper-than-5mm"), std::string::npos) << judged().fault;
+}
+
+/// From the side on which a finger is, that finger would go through the object to its other side.
+TEST_F(PickFingers, NoFingerGoesThroughTheObject) {
+  pick_.object.shape = Shape::box({0.03, 0.03, 0.1});
+  pick_.grip["grip"] = {0.03, 0.0};
+  pick_.approach << 0.12, 0.0, 0.0;
+  EXPECT_TRUE(plan_from(start(0.03), 1).is_proved());
+  pick_.approach << 0.0, 0.12, 0.0;
+  const Plan through = plan_from(start(0.03), 1);
+  EXPECT_EQ(through.status(), PlanStatus::no_path) << through.explanation();
+}
+
+TEST_F(PickFingers, NotesAHandThatHoldsNothingOrClosesDeepAndAnObjectThatIsNotThere) {
+  const auto notes = [&](double radius, double closed, const Snapshot& map) {
+    pick_.object.shape = Shape::cylinder(radius, 0.1);
+    pick_.grip["grip"] = {0.03, closed};
+    pick_.margin = 0.0;
+    const Plan plan = plan_from(start(0.03), 1);
+    EXPECT_EQ(plan.status(), PlanStatus::solved) << plan.explanation();
+    std::string all;
+    for (const std::string& note : pick_notes(pick_of(plan, pick_, robot_, map), 0.001)) all += note + "\n";
+    return all;
+  };
+  pick_.map_from_place = pick_.map_from_object;
+  pick_.map_from_place.translation().x() += 0.1;
+  EXPECT_EQ(notes(0.015, 0.0, space().map()), "");
+  EXPECT_NE(notes(0.015, 0.008, space().map()).find("at the grasp than 8 mm: what holds it?"),
+            std::string::npos)
+      << notes(0.015, 0.008, space().map());
+  EXPECT_NE(notes(0.03, 0.0, space().map()).find("closes deeper than 5 mm into 'can'"), std::string::npos);
+  const Snapshot table =
+      VoxelScene{edge, {box_of(0.1, -0.5, top - edge, 0.6, 0.5, top - 0.001)}, {}, {}}.snapshot();
+  EXPECT_EQ(notes(0.015, 0.0, table), "nothing that the map knows stands where 'can' is taken\n");
+}
+
 TEST_F(PickFingers, AGripThatTheRobotDoesNotHaveIsRefused) {
   const auto refusal = [&](const std::string& joint, const Pick::Grip& grip) -> std::string {
     pick_.grip = {{joint, grip}};
