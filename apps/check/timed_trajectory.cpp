@@ -97,6 +97,38 @@ void add_start(const ForeignTrajectory& trajectory, const Robot& robot, TimedTra
                   " at the first point, expected a time_from_start above 0 in which it gets there";
 }
 
+/// Why no motion through points on straight lines keeps the limits of acceleration: the mean velocities of
+/// two edges that meet are both reached, somewhere, within the time of both, and rest within that of one.
+/// Empty where one may.
+std::string corner_fault(const TimedTrajectory& trajectory, const Robot& robot) {
+  constexpr double rounding = 0.01;  // of a limit
+  const std::vector<SplinePoint>& points = trajectory.points;
+  const auto is_line = [&](std::size_t edge) {
+    return edge + 1 < points.size() &&
+           (points[edge].velocity.size() == 0 || points[edge + 1].velocity.size() == 0);
+  };
+  const auto time_of = [&](std::size_t edge) { return points[edge + 1].time - points[edge].time; };
+  const auto velocity = [&](std::size_t edge, Eigen::Index j) {
+    return (points[edge + 1].position[j] - points[edge].position[j]) / time_of(edge);
+  };
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const bool after = is_line(i), before = i > 0 && is_line(i - 1);
+    if ((!after && !before) || (i > 0 && i + 1 < points.size() && !(after && before))) continue;
+    const double time = (before ? time_of(i - 1) : 0.0) + (after ? time_of(i) : 0.0);
+    for (std::size_t j = 0; j < robot.dof(); ++j) {
+      const auto joint = static_cast<Eigen::Index>(j);
+      const double from = before ? velocity(i - 1, joint) : 0.0, to = after ? velocity(i, joint) : 0.0;
+      const double limit = robot.joints[j].max_acceleration, asked = std::abs(to - from) / time;
+      if (limit <= 0.0 || asked <= (1.0 + rounding) * limit) continue;
+      return "motion: joint " + shortened(robot.joints[j].name) + " has to come from " + significant(from) +
+             " to " + significant(to) + " at the point at " + significant(points[i].time) +
+             " s: no motion through the points does so within its acceleration limit of " +
+             significant(limit);
+    }
+  }
+  return {};
+}
+
 std::string counted(std::size_t count, const std::string& one, const std::string& many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
 }
@@ -145,6 +177,7 @@ SplineVerdict check_timed(const TimedTrajectory& trajectory, const Robot& robot,
       if (verdict.path.valid && !other.path.valid) verdict.path = other.path;
     }
   }
+  if (verdict.fault.empty()) verdict.fault = corner_fault(trajectory, robot);
   if (!trajectory.fault.empty()) verdict.fault = trajectory.fault;
   if (trajectory.before.size() == 0 || !verdict.path.valid) return verdict;
   PathVerdict way = check_path(robot, map, policies, padding,
@@ -182,7 +215,9 @@ std::vector<std::string> notes_of(const TimedTrajectory& trajectory, const Splin
     if (const std::string names = joints_without(robot, &Joint::max_acceleration); !names.empty())
       notes.push_back("the robot states no acceleration limit of " + names + ", so none is compared");
   if (verdict.lines > 0)
-    notes.emplace_back("torques on straight lines without velocities are those of level speed");
+    notes.emplace_back(
+        "on straight lines without velocities, where these jump, torques are those of level speed and "
+        "accelerations the least that the points ask for");
   notes.insert(notes.end(), trajectory.notes.begin(), trajectory.notes.end());
   return notes;
 }

@@ -31,6 +31,8 @@ std::optional<TimedTrajectory> timed_trajectory(const ForeignTrajectory& traject
                                                 const std::filesystem::path& file);
 
 /// check_splines of it, from where the robot is before; `path` then covers the way to the first point, too.
+/// Where straight lines meet, and where they begin or end at rest, a limit of acceleration that no motion
+/// through the points keeps is exceeded.
 /// @param robot with the loads that it carries
 SplineVerdict check_timed(const TimedTrajectory& trajectory, const Robot& robot, const Snapshot& map,
                           const std::map<std::string, Policy>& policies, double padding, double seen_within);

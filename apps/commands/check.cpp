@@ -9,6 +9,7 @@
 #include "apps/console/commands.hpp"
 #include "apps/console/table.hpp"
 #include "apps/query/goal_poses.hpp"
+#include "apps/query/loads.hpp"
 #include "apps/query/query.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/maps/map_damage.hpp"
@@ -78,9 +79,9 @@ void note_tip_and_place(const Robot& robot, const Snapshot& map, const Plan& pla
   if (!contract.pick.value) return;
   const Robot placed = tipped_robot_of(contract, robot);
   require_grip(placed, *contract.pick.value);
-  const std::string note =
-      place_note(pick_of(plan, *contract.pick.value, placed, map), contract.padding.value);
-  if (!note.empty()) contract.notes.push_back(note);
+  for (const std::string& note :
+       pick_notes(pick_of(plan, *contract.pick.value, placed, map), contract.padding.value))
+    contract.notes.push_back(note);
 }
 
 void note_missing_masses(const Robot& robot, CheckReport& report) {
@@ -120,12 +121,22 @@ void check_motion_of(const Plan& plan, const Robot& robot, const Snapshot& map, 
   note_missing_masses(placed, report);
 }
 
+/// Where the robot is before a trajectory that says nothing of it, and comes to its first point in some time.
+void take_start(const CheckOptions& options, const Robot& robot, ForeignTrajectory& trajectory) {
+  const bool has_time = !trajectory.times.empty() && trajectory.times.front() > 0.0;
+  if (options.start.empty() || !has_time || !trajectory.start.empty()) return;
+  const Configuration q = choose_configuration(options.start, "--start", robot, options.degrees);
+  for (std::size_t j = 0; j < robot.dof(); ++j)
+    trajectory.start[robot.joints[j].name] = q[static_cast<Eigen::Index>(j)];
+}
+
 }  // namespace
 
 int run_check(const CheckOptions& options, Console& console) {
-  const std::optional<ForeignTrajectory> trajectory = read_trajectory(options.plan);
+  std::optional<ForeignTrajectory> trajectory = read_trajectory(options.plan);
   Plan plan = trajectory ? Plan{} : load_plan(options.plan);
   const Robot robot = robot_to_check(options, plan);
+  if (trajectory) take_start(options, robot, *trajectory);
   plan =
       trajectory ? plan_of_trajectory(*trajectory, robot, options.plan) : in_order_of(robot, std::move(plan));
   const Snapshot map = load_map(options.map, options.cloud_resolution);
@@ -144,6 +155,9 @@ int run_check(const CheckOptions& options, Console& console) {
   report.deviations = deviations(report.contract, plan, robot, options.accepted);
   adopt_accepted(report.deviations, plan, robot, report.contract);
   note_tip_and_place(robot, map, plan, report.contract);
+  if (!report.contract.pick.value)
+    for (const std::string& note : hold_notes(robot, carried_under(report.contract)))
+      report.contract.notes.push_back(note);
   std::vector<LegsToCheck> legs = legs_under(report.contract, robot, map, plan);
   if (timed && !report.contract.pick.value)
     check_timed_of(*timed, map, legs, report);

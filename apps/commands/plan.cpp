@@ -223,6 +223,7 @@ int run_plan(const PlanOptions& options, Console& console) {
   }
   const std::vector<LegLoad> loads = choose_loads(options.attach, robot);
   const std::optional<Pick> pick = pick_of(options, robot);
+  for (const std::string& note : hold_notes(robot, loads)) console.warn("note: " + note);
   const std::vector<LegLoad> riding = pick ? std::vector<LegLoad>{{pick->object, {}}} : loads;
   const Robot loaded = with_all_loads(robot, riding);
   const auto [policies, load_policies] =
@@ -268,7 +269,9 @@ int run_plan(const PlanOptions& options, Console& console) {
                          : plan_and_check(query);
   plan.map_caveat = joined(plan.map_caveat, cloud);
   if (pick || at_poses) plan.tip = tip_name(with_tip_of(robot, options.goal_poses.tip));
-  if (pick) plan.map_caveat = joined(plan.map_caveat, place_note(pick_of(plan, *pick, robot, map), padding));
+  if (pick)
+    for (const std::string& note : pick_notes(pick_of(plan, *pick, robot, map), padding))
+      plan.map_caveat = joined(plan.map_caveat, note);
   add_motion(options, space, plan, console);
   report_default_policy(options, plan, space, console);
   report_standing(plan, space, start, console);

@@ -2,6 +2,8 @@
 #include "apps/check/timed_trajectory.hpp"
 
 #include <cmath>
+#include <numbers>
+#include <random>
 
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/apps/check/check_command.hpp"
@@ -271,6 +273,51 @@ TEST_F(CheckTimed, JointsThatStandStillMayNotMoveBetweenItsPoints) {
   EXPECT_EQ(timed->points.front().acceleration.size(), 0);
   still.velocities[1][0] = 1e-3;  // a swing of up to 4/27 of 2 mm
   EXPECT_THROW(timed_trajectory(still, robot, "t.json"), std::invalid_argument);
+}
+
+/// Positions alone: what no motion through the points can do is refused, and no sampled motion that keeps its
+/// limits is.
+TEST(TimedCorners, ATrajectoryThatNoLimitedMotionFollowsIsRefused) {
+  Robot robot = load_robot("point");
+  const double limit = 2.0;
+  for (Joint& joint : robot.joints) joint.max_acceleration = limit, joint.max_velocity = 10.0;
+  const auto fault = [&](const std::vector<std::pair<double, double>>& points) {
+    TimedTrajectory trajectory;
+    for (const auto& [time, x] : points) trajectory.points.push_back({time, Eigen::Vector2d(x, 0.0)});
+    return check_timed(trajectory, robot, Snapshot(), {{"base", Policy::not_occupied}}, 0.0, 0.0).fault;
+  };
+  const std::string zigzag = fault({{0, 0}, {1, 0.78}, {2, 0}});
+  EXPECT_EQ(zigzag, "");  // 0.78 m/s each way can be turned in two seconds
+  EXPECT_NE(fault({{0, 0}, {1, 0.5}, {1.1, 0.578}, {1.2, 0.5}, {3, 0}})
+                .find("joint x has to come from 0.78 to -0.78 at the point at 1.1 s"),
+            std::string::npos);
+  EXPECT_NE(
+      fault({{0, 0}, {0.1, 0.05}, {3, 0.1}}).find("joint x has to come from 0 to 0.5 at the point at 0 s"),
+      std::string::npos);
+  EXPECT_NE(fault({{0, 0}, {3, 0.05}, {3.1, 0.1}}).find("from 0.5 to 0 at the point at 3.1 s"),
+            std::string::npos);
+  std::mt19937_64 random(7);
+  for (int trial = 0; trial < 40; ++trial) {  // from rest to rest, with an acceleration of at most `limit`
+    const double rate = std::uniform_real_distribution<double>(0.5, 6.0)(random),
+                 period = std::uniform_real_distribution<double>(0.004, 0.3)(random);
+    const double swing = limit / (rate * rate);
+    std::vector<std::pair<double, double>> points;
+    const double half = std::numbers::pi / rate;
+    for (double t = 0.0; t < half; t += period) points.emplace_back(t, swing * (1.0 - std::cos(rate * t)));
+    points.emplace_back(half, 2.0 * swing);
+    EXPECT_EQ(fault(points), "") << rate << " " << period;
+  }
+}
+
+/// `--start` says where the robot is before a first point that it reaches after some time.
+TEST_F(CheckTimed, AStartThatIsStatedIsGoneFrom) {
+  const std::vector<Point> one{{0.5, {0.2, 0.0}, {0, 0}}};
+  const auto from = [&](const std::string& start) { return check_points(one, {"--start=" + start}); };
+  EXPECT_EQ(from("0,0").status, exit_done) << from("0,0").out;
+  EXPECT_EQ(from("0,0").out.find("is not said"), std::string::npos) << from("0,0").out;
+  EXPECT_EQ(from("-0.3,0").status, exit_no);  // 0.5 m in 0.5 s by a cubic: 1.5 m/s
+  EXPECT_EQ(from("0.2,0").status, exit_done);
+  EXPECT_NE(check_points(one).out.find("is not said"), std::string::npos);
 }
 
 }  // namespace check_test
