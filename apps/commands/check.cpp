@@ -1,5 +1,6 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
+#include <stdexcept>
 #include <utility>
 
 #include "apps/check/check_contract.hpp"
@@ -136,6 +137,10 @@ int run_check(const CheckOptions& options, Console& console) {
   std::optional<ForeignTrajectory> trajectory = read_trajectory(options.plan);
   Plan plan = trajectory ? Plan{} : load_plan(options.plan);
   const Robot robot = robot_to_check(options, plan);
+  if (trajectory && !options.pick.empty())
+    throw std::invalid_argument("--pick: " + quote_path(options.plan.string()) +
+                                " is a trajectory, which does not say where its legs end; expected the "
+                                "plan's JSON, which holds the motion, too (plan --out --motion)");
   if (trajectory) take_start(options, robot, *trajectory);
   plan =
       trajectory ? plan_of_trajectory(*trajectory, robot, options.plan) : in_order_of(robot, std::move(plan));

@@ -104,6 +104,7 @@ int run_gate(const GateCommandOptions& options, Console& console) {
   const std::string cloud = cloud_remark(options.map, map, options.cloud_resolution.has_value());
   if (!cloud.empty()) console.warn("note: " + cloud);
   if (const std::string caveat = damage_caveat(map); !caveat.empty()) console.warn("warning: " + caveat);
+  if (const std::string caveat = contradiction_caveat(map); !caveat.empty()) console.warn("note: " + caveat);
   if (const std::string caveat = hand_edit_caveat(map); !caveat.empty()) console.warn("note: " + caveat);
   std::shared_ptr<const Provenance> history;
   if (auto found = load_provenance(options.map))

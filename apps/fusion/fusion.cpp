@@ -16,6 +16,7 @@
 #include "apps/fusion/scan_inserter.hpp"
 #include "apps/fusion/tag_search.hpp"
 #include "datasets/sources/ordered_frames.hpp"
+#include "mapping/maps/map_damage.hpp"
 #include "mapping/system/parallel.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -198,6 +199,8 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   if (!fusion.damage) require_content(fusion, recording);
   if (const std::string caveat = frames->time_caveat(); !caveat.empty()) fusion.warnings.push_back(caveat);
   warn_of_leftovers(fusion);
+  if (const std::string caveat = contradiction_caveat(fusion.map.snapshot()); !caveat.empty())
+    fusion.warnings.push_back(caveat);
   return fusion;
 }
 

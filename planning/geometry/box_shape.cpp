@@ -43,6 +43,9 @@ class BoxKind final : public ShapeKind {
   Shape grown(const Shape& s, double padding) const override {
     return Shape::box((s.edges().array() + 2 * padding).matrix());
   }
+  Shape core(const Shape& s, double depth) const override {
+    return Shape::box((s.edges().array() - 2 * std::min(depth, 0.25 * s.edges().minCoeff())).matrix());
+  }
   double signed_distance(const Shape& s, const Vector& point) const override {
     return boxed::signed_distance(s, point);
   }

@@ -54,6 +54,9 @@ class CapsuleKind final : public ShapeKind {
   Shape grown(const Shape& s, double padding) const override {
     return Shape::capsule(s.radius() + padding, s.length());
   }
+  Shape core(const Shape& s, double depth) const override {
+    return Shape::capsule(s.radius() - std::min(depth, 0.5 * s.radius()), s.length());
+  }
   double signed_distance(const Shape& s, const Vector& point) const override {
     const double beyond = std::max(std::abs(point.z()) - s.length() / 2, 0.0);
     return Vector(point.x(), point.y(), beyond).norm() - s.radius();

@@ -66,6 +66,21 @@ class ConvexKind final : public ShapeKind {
     }
     return Shape::convex(std::move(corners));
   }
+  Shape core(const Shape& s, double depth) const override {
+    const ShapeSurface hull = surface(s);
+    Vector middle = Vector::Zero();
+    for (const Vector& corner : s.vertices()) middle += corner / static_cast<double>(s.vertices().size());
+    double inner = hull.triangles.empty() ? 0.0 : HUGE_VAL;  // from the middle to the nearest face
+    for (const auto& [a, b, c] : hull.triangles) {
+      const auto corner = [&](int i) { return hull.corners[static_cast<std::size_t>(i)]; };
+      const Vector normal = (corner(b) - corner(a)).cross(corner(c) - corner(a));
+      if (normal.norm() > 0.0) inner = std::min(inner, normal.normalized().dot(corner(a) - middle));
+    }
+    const double share = depth < 0.5 * inner ? depth / inner : 0.5;
+    std::vector<Vector> corners;
+    for (const Vector& corner : s.vertices()) corners.push_back(middle + (1.0 - share) * (corner - middle));
+    return Shape::convex(std::move(corners));
+  }
   double signed_distance(const Shape& s, const Vector& point) const override {
     return boxed::signed_distance(s, point);
   }

@@ -84,6 +84,10 @@ class CylinderKind final : public ShapeKind {
   Shape grown(const Shape& s, double padding) const override {
     return Shape::cylinder(s.radius() + padding, s.length() + 2 * padding);
   }
+  Shape core(const Shape& s, double depth) const override {
+    const double by = std::min({depth, 0.5 * s.radius(), 0.25 * s.length()});
+    return Shape::cylinder(s.radius() - by, s.length() - 2 * by);
+  }
   double signed_distance(const Shape& s, const Vector& point) const override {
     return extents::distance(
         Eigen::Vector2d(point.head<2>().norm() - s.radius(), std::abs(point.z()) - s.length() / 2));

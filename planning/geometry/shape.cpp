@@ -71,6 +71,8 @@ std::vector<Sphere> Shape::sphere_cover() const {
 
 Shape Shape::grown(double padding) const { return padding == 0.0 ? *this : kind_->grown(*this, padding); }
 
+Shape Shape::core(double depth) const { return kind_->core(*this, depth); }
+
 Shape Shape::scaled(double factor) const {
   Shape shape = *this;
   checked_size(factor, "a scaled body", "factor");

@@ -95,6 +95,10 @@ class Shape {
   /// with edges that stay sharp else.
   Shape grown(double padding) const;
 
+  /// What lies `depth` (metres, >= 0) and more inside of this one, of which a quarter of its least width
+  /// stays at least; of a hull a part of that, the hull drawn together about its middle.
+  Shape core(double depth) const;
+
   /// Distance of a point (shape's frame) from the surface, negative inside. Where it is not exact it is that
   /// of the bounding box: a lower bound.
   double signed_distance(const Eigen::Vector3d& point) const;

@@ -50,6 +50,7 @@ class ShapeKind {
   virtual MedialSegment medial_segment(const Shape& shape) const = 0;
   virtual std::vector<Sphere> sphere_cover(const Shape& shape) const = 0;  ///< but for rounding
   virtual Shape grown(const Shape& shape, double padding) const = 0;       ///< @pre padding > 0
+  virtual Shape core(const Shape& shape, double depth) const = 0;
   virtual double signed_distance(const Shape& shape, const Vector& point) const = 0;
   virtual Vector offset_to(const Shape& shape, const Vector& point) const = 0;
   virtual ShapeSurface surface(const Shape& shape) const = 0;

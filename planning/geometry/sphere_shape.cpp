@@ -28,6 +28,9 @@ class SphereKind final : public ShapeKind {
   }
   std::vector<Sphere> sphere_cover(const Shape& s) const override { return {{Vector::Zero(), s.radius()}}; }
   Shape grown(const Shape& s, double padding) const override { return Shape::sphere(s.radius() + padding); }
+  Shape core(const Shape& s, double depth) const override {
+    return Shape::sphere(s.radius() - std::min(depth, 0.5 * s.radius()));
+  }
 
   double signed_distance(const Shape& s, const Vector& point) const override {
     return point.norm() - s.radius();

@@ -92,31 +92,7 @@ std::vector<std::vector<Eigen::VectorXd>> stretches_of(const Robot& robot, const
 
 std::optional<Shape> core_of(const Pick& pick) {
   if (pick.grip.empty()) return std::nullopt;
-  const Shape& shape = pick.object.shape;
-  switch (shape.kind()) {
-    case Shape::Kind::box: {
-      const double by = std::min(pick.depth, 0.25 * shape.edges().minCoeff());
-      return Shape::box(shape.edges().array() - 2.0 * by);
-    }
-    case Shape::Kind::sphere:
-      return Shape::sphere(shape.radius() - std::min(pick.depth, 0.5 * shape.radius()));
-    case Shape::Kind::capsule:
-      return Shape::capsule(shape.radius() - std::min(pick.depth, 0.5 * shape.radius()), shape.length());
-    case Shape::Kind::cylinder: {
-      const double by = std::min({pick.depth, 0.5 * shape.radius(), 0.25 * shape.length()});
-      return Shape::cylinder(shape.radius() - by, shape.length() - 2.0 * by);
-    }
-    default:
-      break;
-  }
-  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& corner : shape.vertices())
-    middle += corner / static_cast<double>(shape.vertices().size());
-  const double inner = std::max(-shape.signed_distance(middle), 1e-6);
-  std::vector<Eigen::Vector3d> corners;
-  for (const Eigen::Vector3d& corner : shape.vertices())
-    corners.push_back(middle + (1.0 - std::min(pick.depth / inner, 0.5)) * (corner - middle));
-  return Shape::convex(std::move(corners));
+  return pick.object.shape.core(pick.depth);
 }
 
 std::string core_name(const Pick& pick) {

@@ -58,8 +58,7 @@ struct Pick {
   std::map<std::string, Grip> grip{};
 };
 
-/// What lies deeper than `depth` in the object, at its pose in the object's frame; none without a `grip`. Of
-/// a hull a part of that.
+/// What lies deeper than `depth` in the object (Shape::core), in the object's frame; none without a `grip`.
 std::optional<Shape> core_of(const Pick& pick);
 
 /// "can-deeper-than-5mm": the body of that core in refusals.

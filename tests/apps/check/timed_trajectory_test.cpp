@@ -318,6 +318,9 @@ TEST_F(CheckTimed, AStartThatIsStatedIsGoneFrom) {
   EXPECT_EQ(from("-0.3,0").status, exit_no);  // 0.5 m in 0.5 s by a cubic: 1.5 m/s
   EXPECT_EQ(from("0.2,0").status, exit_done);
   EXPECT_NE(check_points(one).out.find("is not said"), std::string::npos);
+  EXPECT_NE(check_points(one, {"--pick", folder_.write("pick.yaml", "x")})
+                .log.find("does not say where its legs end"),
+            std::string::npos);
 }
 
 }  // namespace check_test

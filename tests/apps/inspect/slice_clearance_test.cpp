@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -36,12 +37,15 @@ TEST(SliceClearance, LinesLieWhereTheDistanceToTheObstacleIsAMultipleOfTheStep) 
   const double step = draw_clearance(image, canvas, map, {2, 0.25}, Policy::not_occupied);
   EXPECT_DOUBLE_EQ(step, 0.2);
   const int row = canvas.y(0.25);
+  const auto is_line = [&](int x) { return image.at(x, row)[0] > image.at(x, row)[2] + 20; };
   std::vector<double> at;
   for (int x = SliceCanvas::margin_left; x < SliceCanvas::margin_left + canvas.width() - 1; ++x)
-    if (image.at(x, row) != paper && image.at(x - 1, row) == paper) at.push_back(canvas.right_at(x));
-  ASSERT_GE(at.size(), 8U);
-  for (std::size_t line = 0; line < 8; ++line)
-    EXPECT_NEAR(at[line] - 0.3, step * static_cast<double>(line + 1), 0.04) << "line " << line;
+    if (is_line(x) && !is_line(x - 1)) at.push_back(canvas.right_at(x));
+  for (int line = 1; line < 9; ++line) {
+    if (line % 4 == 0) continue;  // may lie under its label
+    const auto is_there = [&](double x) { return std::abs(x - 0.3 - step * line) < 0.01; };
+    EXPECT_EQ(std::count_if(at.begin(), at.end(), is_there), 1) << "line " << line;
+  }
   const int inside = canvas.x(0.25);  // what is blocked has none
   EXPECT_EQ(image.at(inside, row), paper);
 }

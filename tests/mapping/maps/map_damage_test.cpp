@@ -34,5 +34,27 @@ TEST(MapDamage, StaysInTheFileAndInWhatIsMadeOfTheMap) {
   EXPECT_NE(damage_caveat(merge(loaded, map_of(1))).find("38 records"), std::string::npos);
 }
 
+/// Two walls of the same scene, the second `nearer` than the first by as much as a wrong pose makes it.
+TEST(MapContradiction, IsSaidOfScansThatHitWhatOthersSawFree) {
+  const auto caveat = [](float nearer, int edge) {
+    FreeSpaceMap map({.resolution = 0.02});
+    for (int scan = 0; scan < 4; ++scan) {
+      Scan wall;
+      wall.time = scan;
+      for (int y = -edge; y < edge; ++y)
+        for (int z = -edge; z < edge; ++z)
+          wall.points.push_back({2.01F - nearer * static_cast<float>(scan),
+                                 0.01F + 0.02F * static_cast<float>(y),
+                                 0.01F + 0.02F * static_cast<float>(z)});
+      map.insert(wall);
+    }
+    return map_caveat(map.snapshot());
+  };
+  EXPECT_EQ(caveat(0.0F, 25), "");
+  EXPECT_EQ(caveat(0.02F, 25), "");  // within the sensor's noise
+  EXPECT_NE(caveat(0.4F, 25).find("% of what its scans hit others had seen free"), std::string::npos);
+  EXPECT_EQ(caveat(0.4F, 3), "") << "too few looks";
+}
+
 }  // namespace map_damage_test
 }  // namespace clearway

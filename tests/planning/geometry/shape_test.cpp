@@ -172,6 +172,41 @@ TEST(Shape, GrownShapesHoldAllWithinThePadding) {
   }
 }
 
+TEST(Shape, CoresHoldWhatLiesDeepAndNothingElse) {
+  Random random(9);
+  int inside = 0, beyond = 0;
+  for (const Shape& shape : some_shapes(random)) {
+    double least = HUGE_VAL;  // half of the least width
+    for (int i = 0; i < 2000; ++i) {
+      const Eigen::Vector3d d =
+          i < 3 ? Eigen::Vector3d(Eigen::Vector3d::Unit(i)) : random.point(1.0).normalized();
+      least = std::min(least, 0.5 * (d.dot(shape.support(d)) - d.dot(shape.support(-d))));
+    }
+    for (const double depth : {0.0, 0.01, 1.0}) {
+      const Shape core = shape.core(depth);
+      const double by = std::min(depth, 0.49 * least);
+      for (int i = 0; i < 300; ++i) {
+        const Eigen::Vector3d d = random.point(1.0).normalized();
+        const double gap = d.dot(shape.support(d)) - d.dot(core.support(d));
+        EXPECT_GE(gap, -1e-12);
+        if (shape.has_exact_distance()) {
+          EXPECT_GE(gap, (shape.is_rounded() || shape.is_axial() ? 0.9 : 0.98) * by - 1e-9);
+          const Eigen::Vector3d point = shape.bounding_radius() * random.point(1.0);
+          const double deep = -shape.signed_distance(point), in_core = -core.signed_distance(point);
+          EXPECT_TRUE(deep < depth + 1e-9 || in_core > -1e-9);
+          EXPECT_TRUE(in_core < 1e-9 || deep > by - 1e-9);
+          inside += in_core > 0.0;
+          beyond += deep > 0.0 && in_core < 0.0;
+        } else if (depth < 0.02) {
+          EXPECT_GE(gap, std::min(depth, 0.2 * least) - 1e-9);
+        }
+      }
+    }
+  }
+  EXPECT_GT(inside, 300);
+  EXPECT_GT(beyond, 300);
+}
+
 TEST(Shape, SizesThatNoBodyCanHaveAreRefusedByName) {
   const auto message = [](auto make) -> std::string {
     try {
