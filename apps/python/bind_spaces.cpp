@@ -114,6 +114,7 @@ void bind_verdicts(py::module_& module) {
       .field("other", &Verdict::other)
       .field("point", &Verdict::point)
       .field("depth", &Verdict::depth)
+      .field("gap", &Verdict::gap)
       .computed("sentence", &Verdict::sentence);
   Record<PathVerdict>(module, "PathVerdict")
       .field("valid", &PathVerdict::valid, "Whether every configuration on every edge is proved free.")

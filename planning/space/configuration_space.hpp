@@ -58,9 +58,11 @@ struct Verdict {
   std::string part;                                 ///< body that is blocked
   std::string other;                                ///< the second body, or the joint
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< map frame: centre of the blocking voxel
-  double depth = 0.0;  ///< metres the body reaches in (estimate), or past the limit
+  double depth = 0.0;  ///< metres the body, with its padding, reaches in (estimate), or past the limit
+  double gap = 0.0;    ///< metres at least from the body to the voxel, where its padding alone reaches in
   bool is_free() const { return obstruction == Obstruction::none; }
-  std::string sentence() const;  ///< "tool touches an occupied voxel at (x, y, z), 3 mm deep"
+  std::string sentence() const;  ///< "tool touches an occupied voxel at (x, y, z), 3 mm deep"; or
+                                 ///< "…, with its padding alone: it is 0.6 mm away"
 };
 
 /// One nearby pair (robot point, blocked voxel or other body): a linear damper constraint of Lahouar et al.

@@ -65,6 +65,7 @@ Verdict blocked_by(const BodyCollision& collision, const Eigen::Isometry3d& pose
     verdict.obstruction = obstruction_of(map, collision.space().requirement(), cube);
     verdict.point = cube;
     verdict.depth = depth;
+    verdict.gap = std::max(lower, 0.0);
     return true;
   });
   return verdict;
@@ -139,7 +140,11 @@ std::string Verdict::sentence() const {
   text.imbue(std::locale::classic());
   const auto place = [&] {
     text << " at (" << std::setprecision(4) << point.x() << ", " << point.y() << ", " << point.z() << "), "
-         << std::setprecision(3) << depth * 1000.0 << " mm deep";
+         << std::setprecision(3);
+    if (gap > 0.0)
+      text << "with its padding alone: it is " << gap * 1000.0 << " mm away";
+    else
+      text << depth * 1000.0 << " mm deep";
   };
   switch (obstruction) {
     case Obstruction::none:

@@ -92,8 +92,9 @@ TEST(ConfigurationSpace, PaddingKeepsItsDistanceAndVerdictsNamePartPlaceAndDepth
   // The shortest way out of the cube, whose lower face is z = 0, is downwards: half the disc's thickness.
   EXPECT_EQ(tight.check(touching).sentence(),
             "base touches an occupied voxel at (1.025, 0.025, 0.025), 5 mm deep");
-  EXPECT_EQ(padded.check(near).sentence(),
-            "base touches an occupied voxel at (1.025, 0.025, 0.025), 50 mm deep");
+  EXPECT_EQ(
+      padded.check(near).sentence(),
+      "base touches an occupied voxel at (1.025, 0.025, 0.025), with its padding alone: it is 50 mm away");
   EXPECT_EQ(tight.check(Eigen::Vector2d(0.0, 100.5)).sentence(), "joint y is 0.5 (rad or m) past its limit");
   EXPECT_EQ(tight.check(Eigen::Vector2d(0.0, NAN)).obstruction, Obstruction::not_finite);
   EXPECT_EQ(tight.check(Eigen::Vector3d::Zero()).obstruction, Obstruction::not_finite);

@@ -25,6 +25,8 @@ TEST(Verdict, DescribesEachObstructionInASentenceOfItsOwn) {
   EXPECT_EQ(sentence(Obstruction::unknown), "tool reaches into unknown space" + there);
   EXPECT_EQ(sentence(Obstruction::stale), "tool reaches into space that was not seen lately enough" + there);
   EXPECT_EQ(sentence(Obstruction::outside_painted), "tool leaves its painted volume" + there);
+  EXPECT_EQ((Verdict{Obstruction::occupied, "tool", "", {0.5, -0.25, 1.0}, 4e-14, 0.001}.sentence()),
+            "tool touches an occupied voxel at (0.5, -0.25, 1), with its padding alone: it is 1 mm away");
 }
 
 /// All of the cubes in it would take minutes to look at.
