@@ -132,9 +132,8 @@ class DistanceTiles::Maker {
     }
     counted_.resize(words.size() * nx);
     axes_.count_steps(words.data(), ny, end - first, counted_.data());
-    known = std::make_unique<Steps>();
+    known = std::make_unique<Steps>();  // 0 above the block: no change there is near enough to reach
     ++memory_.kept;
-    known->fill(static_cast<std::uint8_t>(axes_.window() + 1));
     std::copy_n(&counted_[static_cast<std::size_t>((box.low.z() - first) * line_cells)],
                 (box.high.z() - box.low.z()) * line_cells, known->begin());
     return known.get();

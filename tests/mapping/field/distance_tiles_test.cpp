@@ -238,6 +238,22 @@ TEST(DistanceTiles, AChangeBehindWhatIsNearerReachesNoTile) {
   EXPECT_EQ(count_differences(without, before), 0U);
 }
 
+// The uppermost tiles hold only some layers of the block: what is above them is no reason to compute them
+// anew.
+TEST(DistanceTiles, AChangeFartherThanAllDistancesOfACutTileDoesNotReachIt) {
+  for (const int height : {9, 11, 15, 16}) {
+    BlockedCells blocked({96, 16, height}, false);
+    blocked.fill({0, 0, height - 1}, {96, 16, height}, true);
+    const DistanceTiles before(blocked, 2500);
+    before.complete();
+    blocked.fill({80, 5, 8}, {81, 6, 9}, true);
+    const DistanceTiles after(before, blocked);
+    for (int lane = 0; lane < 2; ++lane) EXPECT_EQ(before.line(lane, 8, 8), after.line(lane, 8, 8)) << height;
+    EXPECT_EQ(before.line(2, 5, 8) == after.line(2, 5, 8), height == 9) << height;  // the cell was blocked
+    EXPECT_EQ(count_differences(after, DistanceTiles(blocked, 2500)), 0U);
+  }
+}
+
 TEST(DistanceTiles, ASmallChangeCopiesFewTiles) {
   BlockedCells blocked({320, 160, 160}, false);
   blocked.fill({0, 0, 0}, {320, 160, 2}, true);
@@ -274,6 +290,23 @@ TEST(DistanceTiles, EmptySpaceTakesHardlyAnyMemory) {
   const DistanceTiles empty(BlockedCells({256, 256, 256}, false), 400);
   empty.complete();
   EXPECT_LT(empty.bytes(), 256U * 256U * 256U / 4U);
+}
+
+TEST(DistanceTiles, TheirBytesAreTheBitsAndWhatIsKeptOfEachLook) {
+  constexpr std::size_t tile_bytes = DistanceTiles::tile_cells * sizeof(std::uint16_t);
+  BlockedCells blocked({32, 8, 16}, false);  // two tiles
+  const DistanceTiles none(blocked, 25);
+  EXPECT_EQ(none.bytes(), blocked.bytes());
+  none.complete();
+  EXPECT_EQ(none.bytes(), blocked.bytes());
+  blocked.fill({3, 3, 3}, {4, 4, 4}, true);
+  const DistanceTiles one(blocked, 25);  // two cells: not the other tile
+  EXPECT_EQ(one.bytes(), blocked.bytes());
+  one.squared(0, 0, 0);
+  const std::size_t looked_at = one.bytes();
+  EXPECT_EQ(looked_at, blocked.bytes() + 3 * tile_bytes);  // and steps along z, and within planes
+  one.squared(31, 7, 7);
+  EXPECT_EQ(one.bytes(), looked_at);
 }
 
 }  // namespace distance_tiles_test
