@@ -60,6 +60,18 @@ TEST(DistanceTransform, IsExactlyTheDistanceToTheNearestCube) {
   }
 }
 
+TEST(DistanceTransform, RowsArePaddedToTheNextMultipleOfALane) {
+  for (int x = 1; x < 100; ++x) {
+    const DistanceBlock block(x, 3, 2, 7);
+    EXPECT_GE(block.stride, x);
+    EXPECT_LT(block.stride, x + DistanceBlock::lane);
+    EXPECT_EQ(block.stride % DistanceBlock::lane, 0);
+    EXPECT_EQ(block.squared.size(), static_cast<std::size_t>(block.stride) * 6);
+    EXPECT_EQ(block.index(x - 1, 2, 1),
+              static_cast<std::size_t>(block.stride) * 5 + static_cast<std::size_t>(x) - 1);
+  }
+}
+
 TEST(DistanceTransform, ReachesTheLargestCapAlongEveryAxis) {
   for (int axis = 0; axis < 3; ++axis) {
     DistanceBlock block(axis == 0 ? 200 : 1, axis == 1 ? 200 : 1, axis == 2 ? 200 : 1, largest_cap);

@@ -220,6 +220,52 @@ TEST(ScanRays, EachSettingOfTheFilterCountsAlone) {
   EXPECT_GT(dropped(filter), 0U);
 }
 
+/// Each ray against the rule: to its point, or to max_range; freeing up to there, in safe integration less
+/// the noise of that range.
+void expect_rays_by_the_rule(Dice& dice, Integration integration) {
+  const FusedTree tree(0.01);
+  ScanInsertion insertion{.integration = integration};
+  insertion.margins.noise_constant = dice.uniform(0.0, 0.2);
+  insertion.margins.noise_quadratic = dice.uniform(0.0, 0.1);
+  insertion.margins.noise_limit = dice.uniform(0.1, 0.5);
+  const ScanFilter filter{.max_range = dice.whole(0, 2) == 0 ? 0.0 : dice.uniform(0.5, 3.0)};
+  Scan scan = random_scan(dice, 60);
+  scan.clear_to = random_scan(dice, 60).points;
+  scan.clear_to.emplace_back(0.0F, 0.0F, 0.0F);
+  ScanWorkspace workspace;
+  ScanCounts counts;
+  const std::vector<RayEnd> rays = choose_rays(tree, scan, filter, insertion, workspace, counts).ends;
+  ASSERT_EQ(rays.size(), scan.points.size() + scan.clear_to.size());
+  ASSERT_EQ(counts.cleared, scan.clear_to.size());
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const bool is_hit = i < scan.points.size();
+    const Eigen::Vector3d way =
+        scan.map_from_sensor.linear() *
+        (is_hit ? scan.points[i] : scan.clear_to[i - scan.points.size()]).cast<double>();
+    const bool is_beyond = filter.max_range > 0.0 && way.norm() > filter.max_range;
+    const double length = is_beyond ? filter.max_range : way.norm();
+    const Eigen::Vector3d end = scan.map_from_sensor.translation() + length * way.normalized();
+    EXPECT_LT((rays[i].point.cast<double>() - end).norm(), 1e-5);
+    const double sigma =
+        std::min(insertion.margins.noise_constant + insertion.margins.noise_quadratic * length * length,
+                 insertion.margins.noise_limit);
+    const double reach =
+        integration == compatible ? length : std::max(0.0, length - insertion.margins.sigmas * sigma);
+    if (is_hit && (is_beyond || integration == compatible))
+      EXPECT_EQ(rays[i].reach, HUGE_VALF);
+    else
+      EXPECT_NEAR(rays[i].reach, reach, 1e-5) << i << " " << length;
+  }
+}
+
+TEST(ScanRays, OfHitsAndOfNothingMetEndAndFreeAsTheRuleSays) {
+  Dice dice(12);
+  for (int i = 0; i < 40; ++i) {
+    for (const Integration integration : {compatible, Integration::safe})
+      expect_rays_by_the_rule(dice, integration);
+  }
+}
+
 /// So many scans along x that end far behind it free a voxel just before what an earlier scan hit.
 int scans_until_free(const ScanAgreement& so_far, double most_called_free) {
   FusedTree tree(0.1);
