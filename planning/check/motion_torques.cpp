@@ -92,8 +92,7 @@ class Greatest {
         limits_(terms.limits),
         rest_(Eigen::VectorXd::Zero(limits_.size())),
         is_overloaded_(static_cast<std::size_t>(limits_.size()), false) {
-    if (limits_.size() > 0 && (limits_.array() < std::numeric_limits<double>::infinity()).any())
-      tree_.emplace(robot, terms);
+    if ((limits_.array() < std::numeric_limits<double>::infinity()).any()) tree_.emplace(robot, terms);
   }
 
   void add(double place, const MotionState& state) {

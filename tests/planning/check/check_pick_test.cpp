@@ -169,5 +169,58 @@ TEST(CheckPick, AllOfTheLiftIsProved) {
       << errand.motion(world(0.18)).fault;
 }
 
+/// What one leg alone meets is met by path and motion, and named with that leg.
+TEST(CheckPick, EachLegIsProvedAgainstWhatItAloneMeets) {
+  constexpr double middle = Errand::middle;
+  const auto box_about = [](double x, double y, double z, double half) {
+    return box_of(x - half, y - half, z - half, x + half, y + half, z + half);
+  };
+  const std::vector<std::pair<std::string, Eigen::AlignedBox3d>> met{
+      {"approach", box_about(0.05, 0.11, middle + 0.01, 0.009)},
+      {"reach", box_about(0.13, 0.11, middle + 0.01, 0.009)},
+      {"lift", box_about(0.21, 0.11, 0.31, 0.009)},
+      {"carry", box_about(0.21, 0.01, 0.25, 0.009)},
+      {"lower", box_about(0.21, -0.11, 0.17, 0.009)},
+      {"retreat", box_about(0.13, -0.11, middle + 0.01, 0.009)},
+      {"leave", box_about(0.03, -0.11, middle + 0.01, 0.009)}};
+  Errand errand(-0.3);
+  errand.legs.push_back({Errand::at(0.1, -0.1, 0), Errand::at(0.0, -0.1, 0)});
+  EXPECT_TRUE(errand.path(shelf()).valid) << errand.path(shelf()).first_contact;
+  EXPECT_TRUE(errand.motion(shelf()).valid) << errand.motion(shelf()).fault;
+  for (std::size_t leg = 0; leg < met.size(); ++leg) {
+    const auto& [name, box] = met[leg];
+    const Snapshot map = VoxelScene{
+        edge,
+        {box_of(0.1, -0.2, top - edge, 0.3, 0.2, top - 0.001),
+         box_of(0.175, 0.075, top, 0.225, 0.125, top + 0.119), box},
+        {},
+        {}}.snapshot();
+    const PathVerdict path = errand.path(map);
+    EXPECT_FALSE(path.valid) << name;
+    EXPECT_NE(path.first_contact.find("leg " + name + ", its edge"), std::string::npos) << path.first_contact;
+    const MotionVerdict motion = errand.motion(map);
+    EXPECT_FALSE(motion.valid) << name;
+    EXPECT_EQ(motion.leg, static_cast<int>(leg)) << motion.fault;
+    EXPECT_NE(motion.fault.find("leg " + name + ", "), std::string::npos) << motion.fault;
+  }
+}
+
+/// As above with the fork that goes through the support's layer, which is under the place alone.
+TEST(CheckPick, TheRobotItselfKeepsClearOfWhatIsUnderThePlace) {
+  const Errand through(0.06 + edge + 0.007);
+  for (const double y : {-0.2, 0.0}) {
+    const Snapshot map = VoxelScene{
+        edge,
+        {box_of(0.1, y, top - edge, 0.3, y + 0.2, top - 0.001),
+         box_of(0.175, 0.075, top, 0.225, 0.125, top + 0.119)},
+        {},
+        {}}.snapshot();
+    const std::string leg = y < 0.0 ? "leg lower" : "leg lift";
+    EXPECT_NE(through.path(map).first_contact.find(leg), std::string::npos)
+        << through.path(map).first_contact;
+    EXPECT_NE(through.motion(map).fault.find(leg), std::string::npos) << through.motion(map).fault;
+  }
+}
+
 }  // namespace check_pick_test
 }  // namespace clearway

@@ -2,9 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
+#include "mapping/system/plain_text.hpp"
 #include "planning/robot/inverse_dynamics.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/robot_files/torque_terms.hpp"
+#include "tests/worlds/random_world.hpp"
+#include "tests/worlds/slide_robot.hpp"
 
 namespace clearway {
 namespace motion_torques_test {
@@ -45,6 +51,87 @@ TEST(GreatestTorques, EachJointThatGravityAloneOverloadsIsNamedByItself) {
     }
     EXPECT_GE(tried, 5) << name;
   }
+}
+
+/// Knots and places between them as the header says, one by one, by the torques that plan motions.
+TEST(GreatestTorques, AreThoseOfTheFirstGreatestSampleOfAMotion) {
+  const Robot robot = load_robot("panda");
+  TorqueTerms terms = torque_terms(robot, {.payload = 1.5, .gravity = {3.0, 2.0, -8.0}});
+  Random random(6);
+  int between = 0;
+  for (int trial = 0; trial < 20; ++trial) {
+    const double period = random.between(0.004, 0.04);
+    const Configuration q = random.configuration(robot);
+    const Eigen::VectorXd way = 0.3 * (random.configuration(robot) - q), rest = 0.0 * way;
+    const Motion motion{period,
+                        {q, q + way, q + 2 * way},
+                        {way / period, way / period, way / period},
+                        {rest, rest, rest}};  // as fast everywhere
+    int pieces = 1;
+    while (period / pieces > 0.008 + 1e-9) ++pieces;
+    TorqueFinding expected;
+    const int last = static_cast<int>(motion.positions.size() - 1) * pieces;
+    for (int i = 0; i <= last; ++i) {
+      const MotionState state = motion.at(motion.duration() * i / last);
+      const Eigen::VectorXd torques =
+          joint_torques(robot, state.position, state.velocity, state.acceleration, terms);
+      for (Eigen::Index j = 0; j < torques.size(); ++j) {
+        const double share = std::abs(torques[j]) / terms.limits[j];
+        if (share > expected.share * (1.0 + 1e-9)) expected = {share, torques[j], double(i) / pieces, j, {}};
+      }
+    }
+    between += std::floor(expected.place) != expected.place;
+    const TorqueFinding found = greatest_torques(robot, motion, terms);
+    EXPECT_NEAR(found.share, expected.share, 1e-6 * expected.share) << trial;
+    EXPECT_NEAR(found.torque, expected.torque, 1e-6 * std::abs(expected.torque)) << trial;
+    EXPECT_NEAR(found.place, expected.place, 1e-9) << trial;
+    EXPECT_EQ(found.joint, expected.joint) << trial;
+  }
+  EXPECT_GT(between, 3);
+}
+
+TEST(GreatestTorques, OfMomentsAreThatOfTheGreatestAndOfNoNumberAreNone) {
+  const Robot robot = load_robot("panda");
+  TorqueTerms terms = torque_terms(robot);
+  const Configuration q = Configuration::Constant(7, 0.5);
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(7), lost = Eigen::VectorXd::Constant(7, std::nan(""));
+  const MotionState still{q, rest, rest, {}}, fast{q, rest, Eigen::VectorXd::Constant(7, 3.0), {}};
+  const TorqueFinding found = greatest_torques(robot, {{0.5, still}, {0.75, fast}, {1.0, still}}, terms);
+  EXPECT_EQ(found.place, 0.75);
+  EXPECT_NEAR(found.torque, joint_torques(robot, q, rest, fast.acceleration, terms)[found.joint], 1e-9);
+  const TorqueFinding none = greatest_torques(robot, {{0.5, {q, rest, lost, {}}}, {0.75, fast}}, terms);
+  EXPECT_TRUE(std::isnan(none.share));
+  EXPECT_EQ(none.place, 0.5);
+  EXPECT_NE(torque_fault(robot, 1.0, terms, none), "");
+  terms.limits.setConstant(std::numeric_limits<double>::infinity());
+  EXPECT_EQ(greatest_torques(robot, {{0.75, fast}}, terms).share, 0.0);
+  terms.limits[6] = 1e-3;  // one limit alone is looked at
+  EXPECT_EQ(greatest_torques(robot, {{0.75, fast}}, terms).joint, 6);
+  EXPECT_GT(greatest_torques(robot, {{0.75, fast}}, terms).share, 1.0);
+  terms.limits.resize(0);
+  EXPECT_EQ(greatest_torques(robot, {{0.75, fast}}, terms).share, 0.0);
+}
+
+TEST(GreatestTorques, OfARobotOfOneJointAreLookedAtToo) {
+  Robot robot = worlds::slide_robot();
+  robot.links[1].mass = 2.0;
+  const TorqueTerms terms{
+      {Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Zero()}, Eigen::VectorXd::Constant(1, 8.0), {}};
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(1), fast = Eigen::VectorXd::Constant(1, 3.0);
+  const TorqueFinding found = greatest_torques(robot, {{1.0, {zero, zero, fast, {}}}}, terms);
+  EXPECT_NEAR(found.torque, 6.0, 1e-9);
+  EXPECT_NEAR(found.share, 0.75, 1e-9);
+}
+
+TEST(GreatestTorques, TheSentenceNamesTimeJointTorqueAndLimit) {
+  const Robot robot = load_robot("panda");
+  TorqueTerms terms = torque_terms(robot);
+  terms.limits[2] = 12.0;
+  EXPECT_EQ(torque_fault(robot, 0.25, terms, {1.5, -18.0, 5.0, 2, {}}),
+            "motion: after 1.25 s the torque of joint " + shortened(robot.joints[2].name) +
+                " is -18, its limit 12");
+  EXPECT_EQ(torque_fault(robot, 0.25, terms, {1.1, 13.2, 5.0, 2, {}}, 0.2), "");
+  EXPECT_NE(torque_fault(robot, 0.25, terms, {1.3, 13.2, 5.0, 2, {}}, 0.2), "");
 }
 
 }  // namespace motion_torques_test

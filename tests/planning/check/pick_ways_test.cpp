@@ -1,0 +1,169 @@
+// How far a load may stray between waypoints, against what its way and heights are by arithmetic.
+#include "planning/check/pick_ways.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+
+#include "mapping/free_space_map.hpp"
+#include "planning/check/motion_check.hpp"
+
+namespace clearway::check {
+namespace pick_ways_test {
+
+constexpr double radius = 0.1, edge = 0.05, length = 0.2;
+
+/// A hand that slides along x, y and z and turns about z.
+Robot gantry() {
+  Robot robot;
+  robot.name = "gantry";
+  robot.joints.resize(4);
+  robot.links.resize(5);
+  robot.links[0].name = "base";
+  for (int i = 0; i < 4; ++i) {
+    Joint& joint = robot.joints[static_cast<std::size_t>(i)];
+    joint.name = "j" + std::to_string(i);
+    joint.kind = i < 3 ? JointKind::prismatic : JointKind::revolute;
+    joint.axis = Eigen::Vector3d::Unit(std::min(i, 2));
+    joint.lower = -1.0;
+    joint.upper = 1.0;
+    Link& link = robot.links[static_cast<std::size_t>(i + 1)];
+    link.name = i < 3 ? "slide" + std::to_string(i) : "hand";
+    link.parent = link.joint = i;
+  }
+  robot.bodies.resize(1);
+  robot.bodies[0].part = "hand";
+  robot.bodies[0].link = robot.tip_link = 4;
+  robot.bodies[0].shape = Shape::sphere(0.01);
+  return robot;
+}
+
+Pick ball() {
+  Pick pick;
+  pick.object.name = "ball";
+  pick.object.link = "hand";
+  pick.object.shape = Shape::sphere(radius);
+  return pick;
+}
+
+Configuration at(double x, double y, double z, double turn = 0.0) { return Eigen::Vector4d(x, y, z, turn); }
+
+/// The largest number from 0 to 0.5 m that is accepted, where all smaller ones are.
+double largest(const std::function<bool(double)>& is_accepted) {
+  double accepted = 0.0, refused = 0.5;
+  while (refused - accepted > 1e-10) {
+    const double middle = (accepted + refused) / 2;
+    (is_accepted(middle) ? accepted : refused) = middle;
+  }
+  return accepted;
+}
+
+/// A ball that the hand holds by its middle, on its way up.
+class PickWays : public ::testing::Test {
+ protected:
+  PickTerms terms(double padding) { return {plan_, {}, padding, 0.0}; }
+
+  bool is_straight(const MotionTubes& curve) {
+    try {
+      require_no_bow(terms(0.0), PickTerms::lift, {0.0, 0.0, length}, curve);
+    } catch (const PickRefusal& refusal) {
+      EXPECT_EQ(refusal.leg, PickTerms::lift);
+      return false;
+    }
+    return true;
+  }
+
+  bool keeps_heights(double padding, const MotionTubes& curve) {
+    try {
+      require_heights(terms(padding), carrying_, pick_.map_from_object, PickTerms::lower, curve);
+    } catch (const PickRefusal& refusal) {
+      EXPECT_EQ(refusal.leg, PickTerms::lower);
+      return false;
+    }
+    return true;
+  }
+
+  const Robot robot_ = gantry();
+  const Snapshot map_ = FreeSpaceMap({.resolution = edge}).snapshot();
+  const Pick pick_ = ball();
+  const PickToCheck plan_{robot_, map_, pick_, Eigen::Isometry3d::Identity(),
+                          std::vector<std::vector<Configuration>>(6, {at(0, 0, 0)})};
+  const Robot carrying_ = terms(0.0).loaded();
+};
+
+/// A millimetre, and so much of the ball as its middle's millirad would move it.
+constexpr double most_aside = 1e-3 * (2.0 + radius);
+
+TEST_F(PickWays, TheLoadMayStrayFromItsLineByATipsToleranceToEachSide) {
+  ASSERT_TRUE(is_straight({{at(0, 0, 0), at(0, 0, length)}, {}}));
+  for (const double around : {0.0, 1.0, 2.5, 4.0}) {
+    const auto strays = [&](double off) {
+      const double x = off * std::cos(around), y = off * std::sin(around);
+      return is_straight({{at(0, 0, 0), at(x, y, 0.12), at(0, 0, length)}, {}});
+    };
+    EXPECT_NEAR(largest(strays), most_aside, 1e-8) << around;
+  }
+  const auto goes_back = [&](double off) {
+    return is_straight({{at(0, 0, 0), at(0, 0, -off), at(0, 0, 0.1)}, {}});
+  };
+  const auto goes_beyond = [&](double off) {
+    return is_straight({{at(0, 0, 0), at(0, 0, length + off)}, {}});
+  };
+  EXPECT_NEAR(largest(goes_back), most_aside, 1e-8);
+  EXPECT_NEAR(largest(goes_beyond), most_aside, 1e-8);
+}
+
+TEST_F(PickWays, TheLoadMayTurnUntilAPointOfItStraysAsFar) {
+  for (const double sign : {1.0, -1.0}) {
+    const auto turns = [&](double by) {
+      return is_straight({{at(0, 0, 0), at(0, 0, 0.12, sign * by), at(0, 0, length)}, {}});
+    };
+    EXPECT_NEAR(2.0 * radius * std::sin(largest(turns) / 2), most_aside, 1e-8);
+  }
+}
+
+TEST_F(PickWays, WhatTheCurveMayBeOffItsChordIsTakenFromThatPieceAlone) {
+  const auto left = [&](const Eigen::Vector4d& first, const Eigen::Vector4d& second,
+                        const Eigen::Vector4d& third) {
+    return largest([&](double off) {
+      return is_straight(
+          {{at(0, 0, 0), at(0, 0, 0.1), at(off, 0, 0.12), at(0, 0, length)}, {first, second, third}});
+    });
+  };
+  const Eigen::Vector4d none = Eigen::Vector4d::Zero(), slide(4e-4, 0.0, 0.0, 0.0), turn(0.0, 0.0, 0.0, 4e-3);
+  EXPECT_NEAR(left(none, none, none), most_aside, 1e-8);
+  EXPECT_NEAR(left(slide, none, none), most_aside, 1e-8);
+  EXPECT_NEAR(left(none, slide, none), most_aside - 4e-4, 1e-8);
+  EXPECT_NEAR(left(none, none, slide), most_aside - 4e-4, 1e-8);
+  EXPECT_NEAR(left(none, turn, none), most_aside - 4e-3 * radius, 1e-8);
+  EXPECT_EQ(left(2.1e-3 * Eigen::Vector4d::UnitX(), none, none), 0.0);
+}
+
+TEST_F(PickWays, OnTheContactTheLoadSinksAndRisesByThePaddingWithinItsBoundsAtMost) {
+  for (const auto& [padding, sinking] :
+       {std::pair(0.0, 1e-4), std::pair(4e-4, 4e-4), std::pair(0.01, 1e-3)}) {
+    const double contact = contact_length(pick_, edge, padding);
+    for (const double off : {0.0, 5e-5}) {
+      const Eigen::Vector4d along(0.0, 0.0, off, 0.0), beside(off, 0.0, 0.0, 0.0),
+          none = Eigen::Vector4d::Zero();
+      const auto sinks = [&](double by) {
+        return keeps_heights(padding, {{at(0, 0, 0), at(0, 0, -by), at(0, 0, 0)}, {along, along}});
+      };
+      const auto rises = [&](double by) {
+        return keeps_heights(padding, {{at(0, 0, 0), at(0, 0, by), at(0, 0, 0)}, {along, along}});
+      };
+      EXPECT_NEAR(largest(sinks), sinking - off, 1e-8) << padding;
+      EXPECT_NEAR(largest(rises), contact + sinking - off, 1e-8) << padding;
+      const auto with_plain_end = [&](double by) {
+        return keeps_heights(padding, {{at(0, 0, 0), at(0.1, 0, 0), at(0.1, 0, -by)}, {along, none}});
+      };
+      EXPECT_NEAR(largest(with_plain_end), sinking, 1e-8) << padding;
+      EXPECT_TRUE(keeps_heights(padding, {{at(0, 0, 0), at(0.5, 0.2, 0, 0.5)}, {beside * 0.1}}));
+    }
+    EXPECT_TRUE(keeps_heights(padding, {{at(0, 0, 0), at(0, 0, 0)}, {}}));
+  }
+}
+
+}  // namespace pick_ways_test
+}  // namespace clearway::check
