@@ -79,4 +79,27 @@ inline Snapshot voxels_about(const Robot& robot, std::uint64_t seed, double edge
   return map.snapshot();
 }
 
+/// Pairs of configurations on both sides of where random ways leave or enter what is free by shapes: a
+/// nanometre or so from contact.
+inline std::vector<Configuration> on_borders(const CollisionModel& model, std::uint64_t seed,
+                                             std::size_t count) {
+  Random random(seed);
+  std::vector<Configuration> sides;
+  for (std::size_t i = 0; i < 20 * count && sides.size() < count; ++i) {
+    const Configuration from = random.configuration(model.robot), to = random.configuration(model.robot);
+    const auto is_free = [&](double part) { return model.is_free_by_shapes(from + part * (to - from)); };
+    const bool begin = is_free(0.0);
+    double same = 0.0, other = 0.0;
+    for (int k = 1; k <= 12 && other == 0.0; ++k) (is_free(k / 12.0) == begin ? same : other) = k / 12.0;
+    if (!(other > same)) continue;
+    while (other - same > 1e-9) {
+      const double middle = (same + other) / 2;
+      (is_free(middle) == begin ? same : other) = middle;
+    }
+    sides.push_back(from + same * (to - from));
+    sides.push_back(from + other * (to - from));
+  }
+  return sides;
+}
+
 }  // namespace clearway::worlds

@@ -29,10 +29,8 @@ struct Counts {
 };
 
 /// What is clear is free by shapes, member by member, and what is blocked is not.
-Counts judge(const ConfigurationSpace& space, std::uint64_t seed, std::size_t count) {
-  const CollisionModel& model = space.collision_model();
+Counts judge(const CollisionModel& model, const std::vector<Configuration>& qs) {
   ConfigurationBlock block(*model.spheres);
-  const std::vector<Configuration> qs = draw(model.robot, seed, count);
   look_at(*model.spheres, qs, block);
   Counts counts;
   for (std::size_t i = 0; i < qs.size(); ++i) {
@@ -55,6 +53,25 @@ Counts judge(const ConfigurationSpace& space, std::uint64_t seed, std::size_t co
   }
   EXPECT_EQ(block.undecided(), static_cast<std::size_t>(counts.open)) << model.robot.name;
   return counts;
+}
+
+Counts judge(const ConfigurationSpace& space, std::uint64_t seed, std::size_t count) {
+  return judge(space.collision_model(), draw(space.collision_model().robot, seed, count));
+}
+
+TEST(ConfigurationBlock, WhatIsClearIsFreeAndWhatIsBlockedIsNotOnTheVeryBorder) {
+  Counts all;
+  for (const Robot& robot : worlds::robots_of_all_kinds()) {
+    const Snapshot map = worlds::voxels_about(robot, 2);
+    for (const double padding : {0.0, 0.02}) {
+      const Policies policies{.other = padding > 0.0 ? Policy::painted : Policy::not_occupied};
+      const ConfigurationSpace space(robot, map, policies, {.padding = padding});
+      const CollisionModel& model = space.collision_model();
+      const Counts counts = judge(model, worlds::on_borders(model, 16, 60));
+      all.clear += counts.clear, all.blocked += counts.blocked, all.open += counts.open;
+    }
+  }
+  EXPECT_GT(all.open, 300);
 }
 
 TEST(ConfigurationBlock, WhatIsClearIsFreeAndWhatIsBlockedIsNot) {

@@ -57,6 +57,28 @@ TEST(CoreLanes, WhatTheyRefuseIsNotFreeAndTheyRefuseMuchOfIt) {
   EXPECT_GT(2 * refused, missed);
 }
 
+TEST(CoreLanes, WhatIsFreeByAHairIsNotRefused) {
+  std::size_t sides = 0;
+  for (const Robot& robot : worlds::robots_of_all_kinds()) {
+    const Snapshot map = worlds::voxels_about(robot, 2);
+    for (const double padding : {0.0, 0.02}) {
+      const ConfigurationSpace space(robot, map, {.critical_by_default = false}, {.padding = padding});
+      const CollisionModel& model = space.collision_model();
+      PieceLanes pieces(*model.spheres);
+      Random random(1);
+      for (const Configuration& q : worlds::on_borders(model, 17, 40)) {
+        if (!model.is_free_by_shapes(q)) continue;
+        ++sides;
+        draw(random, model.robot, pieces);
+        for (std::size_t j = 0; j < model.robot.dof(); ++j)
+          pieces.q[j].at[sides % lanes] = q[static_cast<Eigen::Index>(j)];
+        EXPECT_EQ(touching_lanes(*model.spheres, pieces, none) >> (sides % lanes) & 1U, 0U) << robot.name;
+      }
+    }
+  }
+  EXPECT_GT(sides, 100U);
+}
+
 TEST(CoreLanes, AllRegistersFindTheSameAndPlaceTheFramesAsTheLookDoes) {
   const std::vector<InstructionSet> kinds = worlds::instruction_sets();
   for (const Robot& robot : worlds::robots_of_all_kinds()) {

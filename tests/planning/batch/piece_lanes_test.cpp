@@ -84,6 +84,30 @@ TEST(PieceLanes, SpheresAreWhereKinematicsHaveThemButForATenthOfTheSlack) {
 struct Counts {
   int proved = 0, blocked = 0, open = 0;
 };
+void judge(const CollisionModel& model, PieceLanes& pieces, Counts& counts) {
+  look(*model.spheres, pieces);
+  for (std::size_t lane = 0; lane < lanes; ++lane) {
+    const LinkPoses poses = forward_kinematics(model.robot, middle(pieces, lane));
+    const auto is_open = [&](std::size_t member) { return (pieces.failed[member] >> lane & 1U) != 0; };
+    bool is_free = true;
+    for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+      const bool clear = model.bodies[i].is_clear(model.pose(poses, i), model.options.padding);
+      EXPECT_TRUE(clear || is_open(i)) << model.robot.name << " " << model.bodies[i].body().part;
+      is_free = is_free && clear;
+      (is_open(i) ? counts.open : counts.proved)++;
+    }
+    for (std::size_t i = 0; i < model.pairs.size(); ++i) {
+      const bool apart = is_apart(model.robot, model.pairs[i], poses, 0.0);
+      EXPECT_TRUE(apart || is_open(model.bodies.size() + i)) << model.robot.name << " pair " << i;
+      is_free = is_free && apart;
+      (is_open(model.bodies.size() + i) ? counts.open : counts.proved)++;
+    }
+    if ((pieces.blocked >> lane & 1U) == 0) continue;
+    EXPECT_FALSE(is_free) << model.robot.name;
+    ++counts.blocked;
+  }
+}
+
 Counts judge(const ConfigurationSpace& space, std::uint64_t seed, int rounds) {
   const CollisionModel& model = space.collision_model();
   PieceLanes pieces(*model.spheres);
@@ -91,29 +115,33 @@ Counts judge(const ConfigurationSpace& space, std::uint64_t seed, int rounds) {
   Counts counts;
   for (int round = 0; round < rounds; ++round) {
     draw(random, model.robot, 0.0, pieces);
-    look(*model.spheres, pieces);
-    for (std::size_t lane = 0; lane < lanes; ++lane) {
-      const LinkPoses poses = forward_kinematics(model.robot, middle(pieces, lane));
-      const auto is_open = [&](std::size_t member) { return (pieces.failed[member] >> lane & 1U) != 0; };
-      bool is_free = true;
-      for (std::size_t i = 0; i < model.bodies.size(); ++i) {
-        const bool clear = model.bodies[i].is_clear(model.pose(poses, i), model.options.padding);
-        EXPECT_TRUE(clear || is_open(i)) << model.robot.name << " " << model.bodies[i].body().part;
-        is_free = is_free && clear;
-        (is_open(i) ? counts.open : counts.proved)++;
-      }
-      for (std::size_t i = 0; i < model.pairs.size(); ++i) {
-        const bool apart = is_apart(model.robot, model.pairs[i], poses, 0.0);
-        EXPECT_TRUE(apart || is_open(model.bodies.size() + i)) << model.robot.name << " pair " << i;
-        is_free = is_free && apart;
-        (is_open(model.bodies.size() + i) ? counts.open : counts.proved)++;
-      }
-      if ((pieces.blocked >> lane & 1U) == 0) continue;
-      EXPECT_FALSE(is_free) << model.robot.name;
-      ++counts.blocked;
-    }
+    judge(model, pieces, counts);
   }
   return counts;
+}
+
+TEST(PieceLanes, WhatIsProvedFreeIsFreeAndWhatIsBlockedIsNotOnTheVeryBorder) {
+  Counts all;
+  for (const Robot& robot : worlds::robots_of_all_kinds()) {
+    const Snapshot map = worlds::voxels_about(robot, 2);
+    for (const double padding : {0.0, 0.02}) {
+      const Policies policies{.other = padding > 0.0 ? Policy::painted : Policy::not_occupied};
+      const ConfigurationSpace space(robot, map, policies, {.padding = padding});
+      const CollisionModel& model = space.collision_model();
+      const std::vector<Configuration> sides = worlds::on_borders(model, 16, 4 * lanes);
+      PieceLanes pieces(*model.spheres);
+      Random random(1);
+      for (std::size_t first = 0; first + lanes <= sides.size(); first += lanes) {
+        draw(random, model.robot, 0.0, pieces);
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+          for (std::size_t j = 0; j < model.robot.dof(); ++j)
+            pieces.q[j].at[lane] = sides[first + lane][static_cast<Eigen::Index>(j)];
+        }
+        judge(model, pieces, all);
+      }
+    }
+  }
+  EXPECT_GT(all.open, 300);
 }
 
 TEST(PieceLanes, WhatIsProvedFreeIsFreeAndWhatIsBlockedIsNot) {

@@ -4,9 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
+#include <tuple>
 
 #include "mapping/free_space_map.hpp"
+#include "planning/check/check_pick.hpp"
 #include "planning/check/motion_check.hpp"
 
 namespace clearway::check {
@@ -162,6 +165,77 @@ TEST_F(PickWays, OnTheContactTheLoadSinksAndRisesByThePaddingWithinItsBoundsAtMo
       EXPECT_TRUE(keeps_heights(padding, {{at(0, 0, 0), at(0.5, 0.2, 0, 0.5)}, {beside * 0.1}}));
     }
     EXPECT_TRUE(keeps_heights(padding, {{at(0, 0, 0), at(0, 0, 0)}, {}}));
+  }
+}
+
+/// An errand of the gantry's ball in an empty map: reach, lift, carry, lower and retreat by three waypoints
+/// each.
+struct Errand {
+  Errand() {
+    pick.map_from_place.translation() << 0.0, 0.4, 0.0;
+    pick.approach << length, 0.0, 0.0;
+    pick.lift = length;
+    const auto leg = [&](const Configuration& from, const Configuration& to) {
+      legs.push_back({from, (from + to) / 2, to});
+    };
+    leg(at(-0.3, 0, 0), at(-length, 0, 0));
+    leg(at(-length, 0, 0), at(0, 0, 0));
+    leg(at(0, 0, 0), at(0, 0, length));
+    leg(at(0, 0, length), at(0, 0.4, length));
+    leg(at(0, 0.4, length), at(0, 0.4, 0));
+    leg(at(0, 0.4, 0), at(-length, 0.4, 0));
+  }
+
+  std::string refusal() const {
+    return check_pick({robot, map, pick, Eigen::Isometry3d::Identity(), legs}, {}, 0.0).first_contact;
+  }
+
+  const Robot robot = gantry();
+  const Snapshot map = FreeSpaceMap({.resolution = edge}).snapshot();
+  Pick pick = ball();
+  std::vector<std::vector<Configuration>> legs;
+};
+
+TEST(StraightWaysOfAPick, WaypointsMayBeOffByATipsToleranceAndByNothingMore) {
+  EXPECT_EQ(Errand().refusal(), "");
+  for (const auto& [leg, along, name] : {std::tuple(1, 0, "reach"), std::tuple(2, 2, "lift"),
+                                         std::tuple(4, 2, "lower"), std::tuple(5, 0, "retreat")}) {
+    for (int joint = 0; joint < 4; ++joint) {
+      for (const double sign : {1.0, -1.0}) {
+        const auto refusal_of = [&, leg = leg, along = along](double off) {
+          Errand errand;
+          Configuration& middle = errand.legs[static_cast<std::size_t>(leg)][1];
+          if (joint == along) {  // back before its begin, or beyond its end
+            const auto& path = errand.legs[static_cast<std::size_t>(leg)];
+            const double way = path[2][joint] - path[0][joint];
+            middle[joint] = sign > 0.0 ? path[2][joint] + std::copysign(off, way)
+                                       : path[0][joint] - std::copysign(off, way);
+          } else {
+            middle[joint] += sign * off;
+          }
+          return errand.refusal();
+        };
+        EXPECT_EQ(refusal_of(0.999e-3).find("straight way"), std::string::npos) << name << " joint " << joint;
+        EXPECT_NE(
+            refusal_of(1.001e-3).find("a waypoint of " + std::string(name) + " is off its straight way"),
+            std::string::npos)
+            << name << " joint " << joint << ": " << refusal_of(1.001e-3);
+      }
+    }
+  }
+}
+
+TEST(StraightWaysOfAPick, TheirLengthsMayBeOffByATipsToleranceAndByNothingMore) {
+  for (const double sign : {1.0, -1.0}) {
+    const auto refusal_of = [&](double lift, double approach) {
+      Errand errand;
+      errand.pick.lift += sign * lift;
+      errand.pick.approach.x() += sign * approach;
+      return errand.refusal();
+    };
+    EXPECT_EQ(refusal_of(0.999e-3, 0.999e-3), "");
+    EXPECT_NE(refusal_of(1.001e-3, 0.0), "");
+    EXPECT_NE(refusal_of(0.0, 1.001e-3), "");
   }
 }
 
