@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -77,6 +78,22 @@ inline Snapshot voxels_about(const Robot& robot, std::uint64_t seed, double edge
     ++blocked;
   }
   return map.snapshot();
+}
+
+/// Where the way from a free configuration first leaves those that are free by shapes: all of the edge to
+/// there is free (at the samples), but for its very end. None where it does not leave them.
+inline std::optional<Configuration> just_inside(const CollisionModel& model, const Configuration& from,
+                                                const Configuration& to) {
+  const auto is_free = [&](double part) { return model.is_free_by_shapes(from + part * (to - from)); };
+  if (!is_free(0.0)) return std::nullopt;
+  double free = 0.0, blocked = 0.0;
+  for (int i = 1; i <= 60 && blocked == 0.0; ++i) (is_free(i / 60.0) ? free : blocked) = i / 60.0;
+  if (!(blocked > free)) return std::nullopt;
+  while (blocked - free > 1e-7) {
+    const double middle = (free + blocked) / 2;
+    (is_free(middle) ? free : blocked) = middle;
+  }
+  return from + blocked * (to - from);
 }
 
 /// Pairs of configurations on both sides of where random ways leave or enter what is free by shapes: a

@@ -80,26 +80,6 @@ TEST(EdgePieces, WhatTheyProveIsFreeAndWhatTheyRefuseCannotBeProved) {
   EXPECT_GT(all.parts, 100);
 }
 
-/// Where the way from a free configuration first leaves the free ones, by as little as doubles tell apart:
-/// its end is not free, all else is.
-std::optional<Configuration> just_inside(const ConfigurationSpace& space, const Configuration& from,
-                                         const Configuration& to) {
-  double free = 0.0, blocked = 0.0;
-  for (int i = 0; i <= 60 && blocked == 0.0; ++i) {
-    const double part = i / 60.0;
-    if (!space.is_free(from + part * (to - from)))
-      blocked = part;
-    else
-      free = part;
-  }
-  if (!(blocked > free)) return std::nullopt;
-  while (blocked - free > 1e-7) {
-    const double middle = (free + blocked) / 2;
-    (space.is_free(from + middle * (to - from)) ? free : blocked) = middle;
-  }
-  return from + blocked * (to - from);
-}
-
 /// Bounds on motion that are too small by little are seen here: the last touch is all that blocks the edge.
 TEST(EdgePieces, AnEdgeThatEndsJustInsideOfWhatBlocksIsNotFreeFromEitherEnd) {
   int edges = 0;
@@ -110,7 +90,8 @@ TEST(EdgePieces, AnEdgeThatEndsJustInsideOfWhatBlocksIsNotFreeFromEitherEnd) {
     Random random(31);
     for (int i = 0; i < 150; ++i) {
       const Configuration from = random.configuration(model.robot);
-      const std::optional<Configuration> end = just_inside(space, from, random.configuration(model.robot));
+      const std::optional<Configuration> end =
+          worlds::just_inside(model, from, random.configuration(model.robot));
       if (!end) continue;
       ++edges;
       for (const double part : {0.0, 0.7, 0.97}) {

@@ -4,6 +4,7 @@
 
 #include "planning/check/path_check_model.hpp"
 #include "planning/robot_files/load_robot.hpp"
+#include "tests/worlds/batch_worlds.hpp"
 #include "tests/worlds/fcl_truth.hpp"
 #include "tests/worlds/random_world.hpp"
 #include "tests/worlds/trials.hpp"
@@ -367,6 +368,25 @@ TEST(PathCheck, NoBodyMovesFartherAndNoPairComesNearerThanItsBoundsForEveryKindO
     }
     EXPECT_GT(tightest_motion, 0.5) << robot.name;
     EXPECT_GT(tightest_approach, 0.4) << robot.name;
+  }
+}
+
+TEST(PathCheck, AnEdgeThatEndsJustInsideOfWhatBlocksIsRefusedAndOneJustBeforeItIsNot) {
+  for (const char* name : {"puma560", "arm5", "planar2"}) {
+    const Robot robot = load_robot(name);
+    const Snapshot map = worlds::voxels_about(robot, 4);
+    const ConfigurationSpace space(robot, map, {.critical_by_default = false}, {.padding = 0.01});
+    Random random(35);
+    for (int edges = 0; edges < 12;) {
+      const Configuration from = random.configuration(robot), to = random.configuration(robot);
+      const auto end = worlds::just_inside(space.collision_model(), from, from + 0.3 * (to - from));
+      if (!end) continue;
+      const Configuration inside = *end + 1e-5 * (*end - from), before = *end - 0.02 * (*end - from);
+      EXPECT_FALSE(check_path(robot, map, {}, 0.01, {from, inside}).valid) << name << ' ' << edges;
+      const PathVerdict free = check_path(robot, map, {}, 0.01, {from, before});
+      EXPECT_EQ(free.valid, space.is_edge_free(from, before)) << name << ' ' << edges << free.first_contact;
+      ++edges;
+    }
   }
 }
 

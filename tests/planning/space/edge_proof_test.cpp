@@ -6,6 +6,7 @@
 #include "planning/robot/self_collision.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/space/configuration_space.hpp"
+#include "tests/worlds/batch_worlds.hpp"
 #include "tests/worlds/fcl_truth.hpp"
 #include "tests/worlds/random_world.hpp"
 #include "tests/worlds/trials.hpp"
@@ -255,6 +256,33 @@ TEST(EdgeProof, ATubeWithoutWidthIsTheEdgeAndOneThatIsNoTubeIsRefused) {
   EXPECT_FALSE(space.is_edge_free(from, to, Eigen::Vector2d(0.0, std::nan(""))));
   EXPECT_FALSE(space.is_edge_free(from, to, Eigen::Vector2d(HUGE_VAL, 0.0)));
   EXPECT_FALSE(space.is_edge_free(from, to, Eigen::Vector3d::Zero()));
+}
+
+TEST(EdgeProof, AnEdgeThatEndsJustInsideOfWhatBlocksIsRefusedFromEitherEnd) {
+  int edges = 0, proved_before = 0;
+  for (const Robot& robot : worlds::robots_of_all_kinds()) {
+    for (const double padding : {0.0, 0.02}) {
+      const Policies policies{.other = padding > 0.0 ? Policy::painted : Policy::not_occupied};
+      const ConfigurationSpace space(robot, worlds::voxels_about(robot, 4), policies, {.padding = padding});
+      const CollisionModel& model = space.collision_model();
+      Random random(33);
+      for (int i = 0; i < 150; ++i) {
+        const Configuration from = random.configuration(model.robot);
+        const auto end = worlds::just_inside(model, from, random.configuration(model.robot));
+        if (!end) continue;
+        ++edges;
+        for (const double part : {0.0, 0.8, 0.99}) {
+          const Configuration start = from + part * (*end - from), before = start + 0.9 * (*end - start);
+          EXPECT_FALSE(model.is_edge_free_by_shapes(start, *end)) << robot.name << " edge " << i;
+          EXPECT_FALSE(model.is_edge_free_by_shapes(*end, start)) << robot.name << " edge " << i;
+          EXPECT_LT(space.free_share(start, *end), 1.0) << robot.name << " edge " << i;
+          proved_before += model.is_edge_free_by_shapes(start, before);
+        }
+      }
+    }
+  }
+  EXPECT_GT(edges, 100);
+  EXPECT_GT(2 * proved_before, 3 * edges);  // or their ends would not be what is refused
 }
 
 }  // namespace edge_proof_test
