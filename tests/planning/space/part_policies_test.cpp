@@ -4,8 +4,16 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <set>
+#include <stdexcept>
+
+#include "mapping/free_space_map.hpp"
 #include "mapping/voxels/fused_tree.hpp"
+#include "planning/robot/load.hpp"
 #include "planning/robot_files/load_robot.hpp"
+#include "tests/worlds/random_world.hpp"
 
 namespace clearway {
 namespace part_policies_test {
@@ -48,6 +56,110 @@ TEST(PartPolicies, ARobotWithoutCriticalPartsStaysInFreeSpaceWhereThereIsAnyBeIt
   EXPECT_EQ(policy_of(robot, one_voxel(false, Seen::never)), Policy::not_occupied);
   EXPECT_EQ(policy_of(robot, one_voxel(false, Seen::free), {.critical_by_default = false}),
             Policy::not_occupied);
+}
+
+/// By the header's words, part by part.
+Policy expected_policy(const Robot& robot, const Snapshot& map, const Policies& policies,
+                       const std::string& part) {
+  if (const auto given = policies.parts.find(part); given != policies.parts.end()) return given->second;
+  if (robot.loads.size() == 1 && robot.loads[0].name == part) {
+    Policy strictest = Policy::not_occupied;  // painted, known_free, not_occupied: from the strictest on
+    for (const std::string& holder : {robot.loads[0].link, robot.loads[0].touches[0]}) {
+      for (const Body& body : robot.bodies)
+        if (robot.links[static_cast<std::size_t>(body.link)].name == holder)
+          strictest = std::min(strictest, expected_policy(robot, map, policies, body.part));
+    }
+    return strictest;
+  }
+  const bool is_listed =
+      std::find(robot.critical_parts.begin(), robot.critical_parts.end(), part) != robot.critical_parts.end();
+  if (policies.critical_by_default && (is_listed || map.volumes_of_part(part) != 0))
+    return map.volumes().empty() ? Policy::known_free : Policy::painted;
+  if (policies.other) return *policies.other;
+  return policies.critical_by_default && robot.critical_parts.empty() && !map.bounds().isEmpty()
+             ? Policy::known_free
+             : Policy::not_occupied;
+}
+
+TEST(PartPolicies, AreAsTheirDefinitionSaysForAnyChoiceOfPartsVolumesAndLoads) {
+  const Robot plain = load_robot("puma560");
+  const std::array all{Policy::painted, Policy::known_free, Policy::not_occupied};
+  Random random(8);
+  std::set<Policy> of_loads;
+  for (int trial = 0; trial < 200; ++trial) {
+    Robot robot = plain;
+    robot.critical_parts.clear();
+    const auto some_part = [&] {
+      return plain.bodies[static_cast<std::size_t>(random.below(static_cast<int>(plain.bodies.size())))].part;
+    };
+    for (int i = random.below(3); i > 0; --i) robot.critical_parts.push_back(some_part());
+    if (trial % 2 == 0) {
+      Load load;
+      load.name = "box";
+      load.shape = Shape::sphere(0.05);
+      load.link = plain.links[static_cast<std::size_t>(plain.bodies.back().link)].name;
+      load.touches = {plain.links[static_cast<std::size_t>(plain.bodies[plain.bodies.size() - 2].link)].name};
+      robot = with_load(robot, load);
+    }
+    FreeSpaceMap builder({.resolution = 0.1});
+    for (int i = random.below(3); i > 0; --i) {
+      const int volume = builder.add_volume("v" + std::to_string(i), {some_part()});
+      builder.paint(volume, {Eigen::Vector3d::Zero(), 0.3});
+    }
+    Policies policies{.critical_by_default = random.below(3) > 0};
+    if (random.below(2) == 0) policies.other = all[static_cast<std::size_t>(random.below(3))];
+    for (int i = random.below(3); i > 0; --i)
+      policies.parts[some_part()] = all[static_cast<std::size_t>(random.below(3))];
+    if (trial % 8 == 0) policies.parts["box"] = all[static_cast<std::size_t>(random.below(3))];
+    const Snapshot map = builder.snapshot();
+    const std::map<std::string, Policy> chosen = part_policies(robot, map, policies);
+    for (const Body& body : robot.bodies)
+      EXPECT_EQ(chosen.at(body.part), expected_policy(robot, map, policies, body.part)) << trial << body.part;
+    if (trial % 2 == 0) of_loads.insert(chosen.at("box"));
+  }
+  EXPECT_EQ(of_loads.size(), 3U);
+}
+
+TEST(PartPolicies, OfAPartThatTheRobotLacksAreRefusedNamingThoseThatItHas) {
+  const Robot robot = load_robot("point");
+  try {
+    part_policies(robot, Snapshot(), {.parts = {{"wing", Policy::painted}}});
+    ADD_FAILURE();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("'wing', expected a part of point: "), std::string::npos)
+        << error.what();
+    EXPECT_NE(std::string(error.what()).find(robot.bodies[0].part), std::string::npos) << error.what();
+  }
+}
+
+TEST(PartPolicies, RequirementsNameTheVolumesOfThePartElseOfItsFirstHolderThatHasSomeElseAll) {
+  const Robot plain = load_robot("puma560");
+  const std::string carrier = plain.bodies.back().part, beside = plain.bodies[plain.bodies.size() - 2].part;
+  Load load;
+  load.name = "box";
+  load.shape = Shape::sphere(0.05);
+  load.link = plain.links[static_cast<std::size_t>(plain.bodies.back().link)].name;
+  load.touches = {plain.links[static_cast<std::size_t>(plain.bodies[plain.bodies.size() - 2].link)].name};
+  const Robot robot = with_load(plain, load);
+  const auto volumes_of_box = [&](const std::vector<std::string>& parts) {
+    FreeSpaceMap builder({.resolution = 0.1});
+    for (std::size_t i = 0; i < parts.size(); ++i)
+      builder.add_volume("v" + std::to_string(i),
+                         parts[i].empty() ? std::vector<std::string>{} : std::vector{parts[i]});
+    const Requirement requirement = part_requirement(robot, builder.snapshot(), "box", Policy::painted, 5.0);
+    EXPECT_EQ(requirement.policy, Policy::painted);
+    EXPECT_EQ(requirement.seen_within, 0.0);
+    return requirement.volumes;
+  };
+  EXPECT_EQ(volumes_of_box({}), 0xffff);
+  EXPECT_EQ(volumes_of_box({""}), 0xffff);
+  EXPECT_EQ(volumes_of_box({"", beside}), 0b10);
+  EXPECT_EQ(volumes_of_box({carrier, beside}), 0b1);
+  EXPECT_EQ(volumes_of_box({carrier, beside, "box", "box"}), 0b1100);
+  const Requirement free = part_requirement(robot, Snapshot(), "box", Policy::known_free, 5.0);
+  EXPECT_EQ(free.seen_within, 5.0);
+  EXPECT_EQ(free.volumes, 0xffff);
+  EXPECT_EQ(part_requirement(robot, Snapshot(), "box", Policy::not_occupied, 5.0).seen_within, 0.0);
 }
 
 }  // namespace part_policies_test

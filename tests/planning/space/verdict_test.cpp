@@ -1,8 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <array>
+#include <set>
+
 #include "mapping/free_space_map.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/space/configuration_space.hpp"
+#include "tests/worlds/random_world.hpp"
 
 namespace clearway {
 namespace verdict_test {
@@ -50,6 +54,90 @@ TEST(Verdict, OfABodyAsLargeAsAHouseNamesOneOfTheCubesThatItMeets) {
 TEST(Verdict, CutsNamesThatAreLongerThanASentence) {
   const std::string part(5000, 'x');
   EXPECT_LT((Verdict{Obstruction::self_collision, part, part, {}, 0.0}.sentence().size()), 200U);
+}
+
+/// How deep a ball is in a cube of edge 0.1, with the padding, by the header's words; below 0: it is not.
+double depth_of(const Eigen::Vector3d& ball, double radius, const Eigen::Vector3d& cube, double padding) {
+  const Eigen::Array3d apart = (ball - cube).cwiseAbs();
+  const double distance = (apart - 0.05).max(0.0).matrix().norm() - radius;
+  const double way_out = (radius + 0.05 - apart).minCoeff();  // along an axis, of the box around the ball
+  return distance > 0.0 ? padding - distance : padding + std::max(0.0, way_out);
+}
+
+TEST(Verdict, NamesTheDeepestVoxelOfTheFirstBodyThatIsNotClear) {
+  Random random(3);
+  std::set<Obstruction> seen;
+  for (int trial = 0; trial < 36; ++trial) {
+    FreeSpaceMap builder({.resolution = 0.1});
+    const int volume = builder.add_volume("all", {});
+    std::vector<Eigen::Vector3d> voxels;
+    for (int x = -6; x < 6; ++x)
+      for (int y = -6; y < 6; ++y)
+        for (int z = -6; z < 6; ++z) voxels.push_back((Eigen::Array3d(x, y, z) + 0.5) * 0.1);
+    for (int i = 0; i < trial % 7; ++i) builder.paint(volume, {random.point(0.5), random.between(0.1, 0.4)});
+    for (int i = 0; i < 40 * (trial % 5); ++i)
+      occupy(builder, voxels[static_cast<std::size_t>(random.below(1728))]);
+    Robot robot = load_robot("point");
+    robot.bodies[0].shape = Shape::sphere(random.between(0.05, 0.2));
+    robot.bodies[0].cover = robot.bodies[0].shape.sphere_cover();
+    robot.bodies[0].link_from_shape.setIdentity();
+    const double padding = trial % 2 == 0 ? 0.0 : 0.03;
+    const Policy policy = std::array{Policy::painted, Policy::known_free,
+                                     Policy::not_occupied}[static_cast<std::size_t>(trial % 3)];
+    const ConfigurationSpace space(robot, builder.snapshot(), {.other = policy, .critical_by_default = false},
+                                   {.padding = padding});
+    for (int i = 0; i < 10; ++i) {
+      const Configuration q = Eigen::Vector2d(random.between(-0.3, 0.3), random.between(-0.3, 0.3));
+      const Eigen::Vector3d at =
+          forward_kinematics(robot, q)[static_cast<std::size_t>(robot.bodies[0].link)].translation();
+      const Requirement requirement{policy};
+      double deepest = 0.0;
+      for (const Eigen::Vector3d& voxel : voxels) {
+        const double depth = depth_of(at, robot.bodies[0].shape.radius(), voxel, padding);
+        const VoxelState state = space.map().state(voxel);
+        const std::uint16_t mask = state == VoxelState::painted ? 1 : 0;
+        if (!allows(requirement, state, mask)) deepest = std::max(deepest, depth);
+      }
+      const Verdict verdict = space.check(q);
+      ASSERT_EQ(verdict.is_free(), deepest == 0.0) << trial;
+      ASSERT_NEAR(verdict.depth, deepest, 1e-9) << trial;
+      seen.insert(verdict.obstruction);
+      if (verdict.is_free()) continue;
+      EXPECT_NEAR(depth_of(at, robot.bodies[0].shape.radius(), verdict.point, padding), deepest, 1e-9);
+      const VoxelState state = space.map().state(verdict.point);
+      EXPECT_EQ(verdict.obstruction, state == VoxelState::occupied   ? Obstruction::occupied
+                                     : state == VoxelState::conflict ? Obstruction::conflict
+                                     : policy == Policy::painted     ? Obstruction::outside_painted
+                                                                     : Obstruction::unknown);
+      EXPECT_EQ(verdict.part, robot.bodies[0].part);
+    }
+  }
+  EXPECT_EQ(seen.size(), 5U);  // all but what is of joints, of another body or too old
+}
+
+TEST(Verdict, NamesTheJointThatIsFarthestPastItsLimits) {
+  const Robot robot = load_robot("puma560");
+  const ConfigurationSpace space(robot, Snapshot(), {.critical_by_default = false});
+  Random random(4);
+  for (int trial = 0; trial < 100; ++trial) {
+    Configuration q = random.configuration(robot);
+    double past = 0.0;
+    std::string name;
+    for (int i = 0; i < 3; ++i) {
+      const auto j = static_cast<std::size_t>(random.below(6));
+      const double by = random.between(0.01, 1.0);
+      q[static_cast<Eigen::Index>(j)] = i % 2 == 0 ? robot.joints[j].upper + by : robot.joints[j].lower - by;
+    }
+    for (std::size_t j = 0; j < 6; ++j) {
+      const double value = q[static_cast<Eigen::Index>(j)];
+      for (const double beyond : {value - robot.joints[j].upper, robot.joints[j].lower - value})
+        if (beyond > past) past = beyond, name = robot.joints[j].name;
+    }
+    const Verdict verdict = space.check(q);
+    EXPECT_EQ(verdict.obstruction, Obstruction::joint_limit);
+    EXPECT_EQ(verdict.other, name);
+    EXPECT_NEAR(verdict.depth, past, 1e-12);
+  }
 }
 
 }  // namespace verdict_test
