@@ -2,6 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <regex>
+#include <sstream>
 
 #include "planning/check/path_check.hpp"
 #include "planning/check/path_check_links.hpp"
@@ -48,6 +51,11 @@ UrdfRobot menagerie() {
           "<joint name='weld' type='fixed'><parent link='g'/><child link='h'/>"
           "<origin xyz='0.1 0.2 0.3' rpy='1 -2 3'/></joint>"
           "<transmission name='t'><type>x</type></transmission>"};
+}
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 std::string contact(const Robot& robot) {
@@ -175,11 +183,7 @@ TEST(PathCheckUrdf, AFileThatChangedAfterItWasLoadedRefusesThePlanAndOneThatIsGo
   const UrdfRobot whip = worlds::whip();
   const Robot robot = whip.robot();
   ASSERT_EQ(contact(robot), "");
-  std::string text;
-  {
-    std::ifstream stream(robot.source);
-    text.assign(std::istreambuf_iterator<char>(stream), {});
-  }
+  const std::string text = text_of(robot.source);
   std::string longer = text;
   longer.replace(longer.find("0.4"), 3, "0.5");
   for (const std::string& now :
@@ -189,6 +193,59 @@ TEST(PathCheckUrdf, AFileThatChangedAfterItWasLoadedRefusesThePlanAndOneThatIsGo
   }
   std::filesystem::remove(robot.source);
   EXPECT_THROW(contact(robot), std::invalid_argument);
+}
+
+TEST(PathCheckUrdf, AnyNumberThatPlacesAnythingIsComparedWithTheFile) {
+  const UrdfRobot many = menagerie();
+  const Robot robot = many.robot();
+  const std::string text = text_of(robot.source);
+  const std::regex attribute("(<axis )?(xyz|rpy|multiplier|offset)='([^']*)'");
+  int changed = 0;
+  for (auto found = std::sregex_iterator(text.begin(), text.end(), attribute);
+       found != std::sregex_iterator(); ++found) {
+    const std::string values = found->str(3);
+    std::istringstream words(values);
+    std::vector<double> numbers;
+    for (double number = 0.0; words >> number;) numbers.push_back(number);
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      std::vector<double> others = numbers;
+      others[i] += 0.01;
+      if (found->length(1) > 0 &&
+          Eigen::Vector3d(others.data()).cross(Eigen::Vector3d(numbers.data())).norm() == 0.0)
+        continue;  // only its length
+      std::ostringstream now;
+      for (const double number : others) now << number << ' ';
+      std::string other = text;
+      other.replace(static_cast<std::size_t>(found->position(3)), values.size(), now.str());
+      std::ofstream(robot.source) << other;
+      EXPECT_NE(contact(robot).find("read again"), std::string::npos)
+          << found->str() << " with " << now.str();
+      ++changed;
+    }
+  }
+  EXPECT_GT(changed, 100);
+  std::ofstream(robot.source) << text;
+  EXPECT_EQ(contact(robot).find("read again"), std::string::npos) << contact(robot);
+}
+
+TEST(PathCheckUrdf, AChainMayHaveFiveHundredJointsAndNoMore) {
+  const TemporaryFolder folder;
+  const auto chain = [](int joints) {
+    std::string text =
+        "<robot name='chain'><link name='l0'/>" + urdf_link("l1", "0 0 0", "<sphere radius='0.1'/>");
+    for (int i = 1; i <= joints; ++i) {
+      const std::string number = std::to_string(i);
+      text += (i == 1 ? "" : "<link name='l" + number + "'/>") +
+              urdf_joint("j" + number, i == 1 ? "revolute" : "fixed", "l" + std::to_string(i - 1),
+                         "l" + number, "0 0 0.01", "0 0 1", i == 1 ? urdf_limit(-1, 1) : "");
+    }
+    return text + "</robot>";
+  };
+  const auto file = folder.write("chain.urdf", chain(500));
+  const Robot robot = load_robot(file);
+  EXPECT_EQ(check::model_of_file(robot).links.size(), 501U);
+  folder.write("chain.urdf", chain(501));
+  EXPECT_NE(contact(robot).find("more than 500 joints"), std::string::npos) << contact(robot);
 }
 
 TEST(PathCheckUrdf, ALimitIsBeyondThatOfTheFileByItsToleranceAtMost) {
