@@ -80,6 +80,41 @@ TEST(BallTree, ASphereAroundSpheresHoldsThemAndIsNotMuchLargerThanItMustBe) {
   EXPECT_LT(sphere_around({}).radius, 0.0F);
 }
 
+/// The least radius of a sphere around all, by many small steps toward the farthest.
+double least_radius(const std::vector<BallTree::FloatSphere>& spheres) {
+  Eigen::Vector3d middle(spheres[0].x, spheres[0].y, spheres[0].z);
+  double least = 1e9;
+  for (int step = 1; step < 1'500; ++step) {
+    double radius = 0.0;
+    Eigen::Vector3d farthest = middle;
+    for (const BallTree::FloatSphere& sphere : spheres) {
+      const Eigen::Vector3d at(sphere.x, sphere.y, sphere.z);
+      const double reach = (at - middle).norm() + double(sphere.radius);
+      if (reach > radius) radius = reach, farthest = at;
+    }
+    least = std::min(least, radius);
+    if (farthest == middle) return least;
+    middle += (farthest - middle).normalized() * (radius / (step + 1));
+  }
+  return least;
+}
+
+TEST(BallTree, ASphereAroundSpheresIsNearlyTheLeastOne) {
+  Random random(3);
+  double sum = 0.0, worst = 1.0;
+  constexpr int rounds = 200;
+  for (int round = 0; round < rounds; ++round) {
+    std::vector<BallTree::FloatSphere> spheres;
+    for (const BallTree::Leaf& leaf : draw(random, 2 + round % 9)) spheres.push_back(leaf.sphere);
+    const double ratio = double(sphere_around(spheres).radius) / least_radius(spheres);
+    EXPECT_GT(ratio, 0.998);
+    worst = std::max(worst, ratio);
+    sum += ratio;
+  }
+  EXPECT_LT(sum / rounds, 1.0145);  // of a dozen steps
+  EXPECT_LT(worst, 1.045);
+}
+
 TEST(BallTree, HalvesDifferByOneBallAtMostSoThatLeavesAreFull) {
   Random random(2);
   for (const auto& [balls, nodes] :

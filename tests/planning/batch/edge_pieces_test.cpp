@@ -6,11 +6,16 @@
 
 #include <limits>
 #include <numeric>
+#include <set>
 
 #include "tests/worlds/batch_worlds.hpp"
 
 namespace clearway {
 namespace edge_pieces_test {
+
+using worlds::urdf_joint;
+using worlds::urdf_limit;
+using worlds::urdf_link;
 
 /// The same answer without the batch.
 bool is_proved_exactly(const CollisionModel& model, const Configuration& from, const Configuration& to) {
@@ -105,6 +110,48 @@ TEST(EdgePieces, AnEdgeThatEndsJustInsideOfWhatBlocksIsNotFreeFromEitherEnd) {
     }
   }
   EXPECT_GT(edges, 300);
+}
+
+/// Two links of this length, a post on the way of the ball at their end: it moves straight toward the base,
+/// ever faster, while the links fold.
+worlds::UrdfRobot folding_arm(double length, double post) {
+  const std::string ball = "<sphere radius='0.05'/>", along = std::to_string(length) + " 0 0";
+  return {"folding",
+          urdf_link("base", std::to_string(post) + " 0 0", ball) + "<link name='upper'/>" +
+              urdf_link("tip", along, ball) +
+              urdf_joint("fold", "revolute", "base", "upper", "0 0 0", "0 0 1", urdf_limit(-3, 3)) +
+              urdf_joint("back", "revolute", "upper", "tip", along, "0 0 1", urdf_limit(-3, 3))};
+}
+
+/// How the answers to the edge along which the ball gets from 2 length to this distance from the base are:
+/// from either end, of examine() and is_free().
+std::set<bool> free_folding_to(const ConfigurationSpace& space, double length, double distance) {
+  const double angle = std::acos(distance / (2.0 * length));
+  const Configuration straight = Eigen::Vector2d::Zero(), folded = Eigen::Vector2d(angle, -2.0 * angle);
+  EdgePieces pieces(*space.collision_model().spheres);
+  return {pieces.examine(straight, folded) == EdgePieces::Finding::free,
+          pieces.examine(folded, straight) == EdgePieces::Finding::free, pieces.is_free(straight, folded),
+          pieces.is_free(folded, straight)};
+}
+
+/// The speed in the middle of a piece is less than at its end.
+TEST(EdgePieces, WhatMovesEverFasterIsNotTakenForWhatMovesAsInTheMiddleOfAPiece) {
+  constexpr double most_rounded = 1e-6;  // metres, of the file's numbers
+  for (const double post : {1.8, 1.4, 1.0, 0.6}) {
+    const worlds::UrdfRobot arm = folding_arm(1.0, post);
+    const ConfigurationSpace space(arm.robot(), Snapshot(), {.critical_by_default = false});
+    EXPECT_EQ(free_folding_to(space, 1.0, post + 0.1 - 2 * most_rounded), std::set{false}) << post;
+    EXPECT_TRUE(free_folding_to(space, 1.0, post + 0.11).contains(true)) << post;
+  }
+  const worlds::UrdfRobot arm = folding_arm(40.0, -1.0);
+  for (const double post : {72.01, 56.01, 40.01, 24.01}) {
+    FreeSpaceMap map({.resolution = 0.02});
+    occupy(map, {post, 0.01, 0.01});
+    const ConfigurationSpace space(arm.robot(), map.snapshot(), {.critical_by_default = false});
+    ASSERT_NE(space.collision_model().spheres, nullptr);
+    EXPECT_EQ(free_folding_to(space, 40.0, post + 0.01 + 0.05 - 1e-5), std::set{false}) << post;
+    EXPECT_TRUE(free_folding_to(space, 40.0, post + 0.16).contains(true)) << post;
+  }
 }
 
 /// Asked between looks at other edges, whose poses and findings must not be taken for its own.
