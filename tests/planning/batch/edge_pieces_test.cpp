@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <map>
 #include <numeric>
 #include <set>
 
@@ -152,6 +153,42 @@ TEST(EdgePieces, WhatMovesEverFasterIsNotTakenForWhatMovesAsInTheMiddleOfAPiece)
     EXPECT_EQ(free_folding_to(space, 40.0, post + 0.01 + 0.05 - 1e-5), std::set{false}) << post;
     EXPECT_TRUE(free_folding_to(space, 40.0, post + 0.16).contains(true)) << post;
   }
+}
+
+/// Two arms on a table that slides and turns; three joints move their ends against each other.
+worlds::UrdfRobot arms_on_a_table() {
+  const std::string ball = "<sphere radius='0.05'/>";
+  return {"arms",
+          "<link name='base'/><link name='slide'/><link name='table'/><link name='upper'/>" +
+              urdf_link("left", "0.3 0 0", ball) + urdf_link("right", "-0.4 0 0", ball) +
+              urdf_joint("along", "prismatic", "base", "slide", "0 0 0", "0.6 0 0.8", urdf_limit(-2, 2)) +
+              urdf_joint("about", "revolute", "slide", "table", "0 0 0", "0 0.6 0.8", urdf_limit(-3, 3)) +
+              urdf_joint("shoulder", "revolute", "table", "upper", "-0.4 0 0", "0 0 1", urdf_limit(-1, 1)) +
+              urdf_joint("elbow", "revolute", "upper", "left", "0.3 0 0", "0 0 1", urdf_limit(-2, 2)) +
+              urdf_joint("other", "revolute", "table", "right", "0.5 0 0", "0 0 1", urdf_limit(-1, 1))};
+}
+
+/// What carries both bodies of a pair moves neither against the other.
+TEST(EdgePieces, WhatCarriesAPairChangesNothingBetweenTheTwo) {
+  const worlds::UrdfRobot arms = arms_on_a_table();
+  const ConfigurationSpace space(arms.robot(), Snapshot(), {.critical_by_default = false});
+  EdgePieces pieces(*space.collision_model().spheres);
+  Random random(37);
+  std::map<EdgePieces::Finding, int> found;
+  int others = 0;
+  for (int i = 0; i < 400; ++i) {
+    const Configuration from = random.configuration(arms.robot());
+    const Configuration to = from + 0.4 * random.unit() * (random.configuration(arms.robot()) - from);
+    Configuration standing = to;
+    standing.head<2>() = from.head<2>();
+    const EdgePieces::Finding moving = pieces.examine(from, to);
+    const double share = pieces.proved_share();
+    ++found[moving];
+    others += moving != pieces.examine(from, standing) || share != pieces.proved_share();
+  }
+  EXPECT_LE(others, 4);  // where rounding decides
+  EXPECT_GT(found[EdgePieces::Finding::free], 50);
+  EXPECT_GT(found[EdgePieces::Finding::blocked], 50);
 }
 
 /// Asked between looks at other edges, whose poses and findings must not be taken for its own.
