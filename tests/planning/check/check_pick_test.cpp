@@ -59,10 +59,14 @@ struct Errand {
 
   PathVerdict path(const Snapshot& map) const { return check_pick(stated(map), {}, 0.0); }
 
-  MotionVerdict motion(const Snapshot& map) const {
+  /// @param left_out legs at the end of the motion that it lacks @param share of the speeds that may be
+  MotionVerdict motion(const Snapshot& map, std::size_t left_out = 0, double share = 1.0) const {
     const ConfigurationSpace nowhere(robot, Snapshot(), {.parts = {}, .critical_by_default = false});
     const SmoothMotion made = smooth_motion(nowhere, legs);
-    MotionToCheck motion{made.motion, made.leg_ends, {legs.front().front()}, rate_limits(robot)};
+    std::vector<std::size_t> ends = made.leg_ends;
+    ends.resize(ends.size() - left_out);
+    MotionToCheck motion{made.motion, ends, {legs.front().front()}, rate_limits(robot)};
+    motion.limits.velocity *= share;
     for (const auto& leg : legs) motion.stops.push_back(leg.back());
     return check_pick_motion(stated(map), motion, {}, 0.0);
   }
@@ -167,6 +171,21 @@ TEST(CheckPick, AllOfTheLiftIsProved) {
   EXPECT_FALSE(errand.motion(world(0.18)).valid);
   EXPECT_NE(errand.motion(world(0.18)).fault.find("leg lift"), std::string::npos)
       << errand.motion(world(0.18)).fault;
+}
+
+TEST(CheckPick, AMotionThatIsNoneOrTooFastIsRefusedAsSuchWhateverElseIsWrong) {
+  const Snapshot map = shelf();
+  Errand errand(-0.1);
+  EXPECT_TRUE(errand.motion(map).valid);
+  const MotionVerdict fast = errand.motion(map, 0, 0.5);
+  EXPECT_FALSE(fast.valid);
+  EXPECT_NE(fast.fault.find("motion: "), std::string::npos);
+  errand.pick.approach.x() *= 0.5;  // its way goes on beyond what is stated
+  EXPECT_NE(errand.motion(map).fault.find("straight"), std::string::npos) << errand.motion(map).fault;
+  EXPECT_EQ(errand.motion(map, 0, 0.5).fault, fast.fault);
+  EXPECT_EQ(errand.motion(map, 1).fault.find("pick"), std::string::npos) << errand.motion(map, 1).fault;
+  EXPECT_NE(errand.motion(map, 1).fault.find("it has 5 legs"), std::string::npos)
+      << errand.motion(map, 1).fault;
 }
 
 /// What one leg alone meets is met by path and motion, and named with that leg.
