@@ -156,9 +156,9 @@ class DepthFolder final : public FrameSource {
   DepthFolder(const DepthLayout& layout, const CameraIntrinsics& camera, const SourceOptions& options)
       : options_(with_scale(options, layout.poses)),
         is_scale_stated_(options.depth.scale.has_value()),
-        poses_(options.depth.poses.empty() ? layout.poses : options.depth.poses, layout.pose_folder, "depth",
-               in_order_of_names(layout.depth), options.depth.tolerance),
         timed_(times_of_files(layout.depth, options.rate)),
+        poses_(options.depth.poses.empty() ? layout.poses : options.depth.poses, layout.pose_folder, "depth",
+               in_order_of_names(layout.depth), options.depth.tolerance, timed_.time_caveat.empty()),
         depth_(names_of(timed_), "depth picture", depth_decoder(camera, options_.depth)) {
     if (!options.depth.camera_file.empty())
       camera_note_ = "the depth pictures' camera is that of " +
@@ -250,8 +250,8 @@ class DepthFolder final : public FrameSource {
 
   SourceOptions options_;
   bool is_scale_stated_;
-  PicturePoses poses_;
   TimedFiles timed_;
+  PicturePoses poses_;
   FilesInChild depth_;
   std::unique_ptr<FrameSource> colour_;
   std::optional<Frame> next_depth_, next_colour_;

@@ -3,10 +3,13 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cctype>
+#include <cmath>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
 
+#include "datasets/pictures/picture_numbers.hpp"
 #include "datasets/sources/finite_number.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -114,6 +117,42 @@ NumberedPoses poses_of_log(const std::vector<Line>& lines, const std::string& na
   return numbered;
 }
 
+std::set<std::size_t> values_of(const std::map<fs::path, std::size_t>& numbers) {
+  std::set<std::size_t> values;
+  for (const auto& [picture, number] : numbers) values.insert(number);
+  return values;
+}
+
+std::set<std::size_t> keys_of(const std::map<std::size_t, std::optional<Eigen::Isometry3d>>& poses) {
+  std::set<std::size_t> keys;
+  for (const auto& [number, pose] : poses) keys.insert(number);
+  return keys;
+}
+
+/// Of TUM text, all of whose times are whole numbers: those in the names of the pictures as times, so that of
+/// as many as there are poses each belongs to one where they differ by the same. Else empty.
+std::map<fs::path, double> numbers_as_times(const std::string& text, const std::vector<fs::path>& pictures) {
+  constexpr double most_pictures = 1e9;
+  const auto numbers = numbers_in_names(pictures);
+  std::set<std::size_t> poses;
+  for (const Line& line : lines_of(text)) {
+    const auto time = line.words.size() == 8 ? finite_number(line.words.front()) : std::nullopt;
+    if (!time) continue;  // a head
+    if (*time < 0 || *time > most_pictures || *time != std::floor(*time)) return {};
+    poses.insert(static_cast<std::size_t>(*time));
+  }
+  if (numbers.empty() || poses.empty()) return {};
+  long apart = 0;
+  try {
+    if (numbers.size() == poses.size()) apart = numbers_apart(values_of(numbers), poses);
+  } catch (const std::invalid_argument&) {  // those that are there have the same numbers
+  }
+  std::map<fs::path, double> times;
+  for (const auto& [picture, number] : numbers)
+    times[picture] = static_cast<double>(static_cast<long>(number) - apart);
+  return times;
+}
+
 bool is_part(char c) { return c == '.' || c == '_' || c == '-' || c == ' '; }
 
 }  // namespace
@@ -159,7 +198,7 @@ std::optional<std::string> name_beside(const fs::path& file, const std::string& 
 }
 
 PicturePoses::PicturePoses(const fs::path& file, fs::path folder, std::string word,
-                           const std::vector<fs::path>& pictures, double tolerance)
+                           const std::vector<fs::path>& pictures, double tolerance, bool have_times)
     : folder_(std::move(folder)), word_(std::move(word)) {
   if (file.empty()) return;
   folder_.clear();
@@ -172,17 +211,31 @@ PicturePoses::PicturePoses(const fs::path& file, fs::path folder, std::string wo
   // Between two poses at most twice the tolerance apart each time has one within the tolerance.
   between_.emplace(parse_tum_poses(text, name, 2.0 * tolerance));
   nearest_.emplace(parse_tum_poses(text, name, tolerance));
+  if (!have_times) times_ = numbers_as_times(text, pictures);
 }
 
 void PicturePoses::number(NumberedPoses numbered, const std::vector<fs::path>& pictures,
                           const std::string& name) {
   auto& poses = numbered.poses;
+  const std::string they_are = name + ": it has " + std::to_string(poses.size()) + " poses",
+                    for_these = " for " + std::to_string(pictures.size()) + " depth pictures";
+  if (const auto numbers = numbers_in_names(pictures); numbered.have_numbers && !numbers.empty()) {
+    try {
+      const long apart = numbers_apart(values_of(numbers), keys_of(poses));
+      for (const auto& [picture, number] : numbers)
+        if (const auto found = poses.find(number - static_cast<std::size_t>(apart)); found != poses.end())
+          by_file_[picture] = found->second;
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(they_are + for_these + " and " + error.what() +
+                                  "; expected the numbers in the pictures' names, or a pose for each");
+    }
+    return;
+  }
   const bool are_as_many = poses.size() == pictures.size();
   if (!are_as_many && (!numbered.have_numbers || poses.rbegin()->first >= pictures.size()))
     throw std::invalid_argument(
-        name + ": it has " + std::to_string(poses.size()) + " poses" +
-        (numbered.have_numbers ? ", numbers up to " + std::to_string(poses.rbegin()->first) : "") + ", for " +
-        std::to_string(pictures.size()) + " depth pictures; expected one for each");
+        they_are + (numbered.have_numbers ? ", numbers up to " + std::to_string(poses.rbegin()->first) : "") +
+        "," + for_these + "; expected one for each");
   std::size_t next = 0;
   for (auto& [at, pose] : poses) by_file_[pictures[are_as_many ? next++ : at]] = pose;
 }
@@ -194,8 +247,10 @@ std::optional<std::pair<double, double>> PicturePoses::span() const {
 
 std::optional<Eigen::Isometry3d> PicturePoses::of(const TimedFile& picture) const {
   if (between_) {
-    const auto pose = between_->at(picture.time);
-    return pose ? pose : nearest_->nearest(picture.time);
+    const auto number = times_.find(picture.file);
+    const double time = number == times_.end() ? picture.time : number->second;
+    const auto pose = between_->at(time);
+    return pose ? pose : nearest_->nearest(time);
   }
   if (!by_file_.empty()) {
     const auto found = by_file_.find(picture.file);

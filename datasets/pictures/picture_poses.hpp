@@ -40,12 +40,15 @@ class PicturePoses {
   /// @param file TUM text or numbered poses, told apart by its first line; empty: none
   /// @param folder of a matrix for each picture, looked at when there is no `file`: NAME.txt, NAME.pose.txt,
   /// or what stands beside `word` in NAME, alone or after or before "pose"; empty: none
-  /// @param pictures all of them in the order of names, the first of which has the number 0. Of as many poses
-  /// each belongs to one in their order, whatever their numbers
+  /// @param pictures all of them in the order of names. Poses with numbers belong to those in the names
+  /// (numbers_in_names, numbers_apart); without numbers there, to the picture at that place from 0, or, of as
+  /// many poses, each to one in their order
   /// @param tolerance s between a picture and its pose, as in DepthOptions
+  /// @param have_times false: times of pictures are their places, so that whole numbers as times of poses
+  /// belong to the numbers in their names
   /// @throws std::invalid_argument when the file cannot be read, or numbered poses are not for these pictures
   PicturePoses(const std::filesystem::path& file, std::filesystem::path folder, std::string word,
-               const std::vector<std::filesystem::path>& pictures, double tolerance);
+               const std::vector<std::filesystem::path>& pictures, double tolerance, bool have_times = true);
 
   bool are_there() const { return between_ || !by_file_.empty() || !folder_.empty(); }
 
@@ -64,6 +67,7 @@ class PicturePoses {
   std::string word_;
   std::optional<PoseStream> between_, nearest_;
   std::map<std::filesystem::path, std::optional<Eigen::Isometry3d>> by_file_;
+  std::map<std::filesystem::path, double> times_;  ///< where the numbers in names are the poses' times
 };
 
 }  // namespace clearway

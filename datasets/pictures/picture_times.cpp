@@ -100,17 +100,49 @@ std::optional<fs::path> table_in(const fs::path& folder) {
 
 using Parse = std::vector<std::pair<std::string, double>> (*)(const std::string&, const std::string&);
 
+/// The lines of a table of times by the names of their files without a folder.
+class TimesTable {
+ public:
+  explicit TimesTable(const std::vector<std::pair<std::string, double>>& lines) {
+    for (const auto& [file, time] : lines) {
+      const fs::path path = file;
+      by_name_[path.filename().string()].push_back({path.parent_path().filename().string(), time});
+    }
+  }
+
+  std::size_t size() const { return by_name_.size(); }
+
+  /// Of several lines with this name the first that names the file's folder, too; else, where they name
+  /// different folders, none.
+  std::optional<double> time_of(const fs::path& file, const std::string& folder) const {
+    const auto found = by_name_.find(file.filename().string());
+    if (found == by_name_.end()) return std::nullopt;
+    const std::vector<Entry>& entries = found->second;
+    for (const Entry& entry : entries)
+      if (entry.folder == folder) return entry.time;
+    const bool is_one = std::all_of(entries.begin(), entries.end(),
+                                    [&](const Entry& entry) { return entry.folder == entries[0].folder; });
+    return is_one ? std::optional(entries.front().time) : std::nullopt;
+  }
+
+ private:
+  struct Entry {
+    std::string folder;
+    double time;
+  };
+  std::map<std::string, std::vector<Entry>> by_name_;
+};
+
 TimedFiles times_by_table(const std::vector<fs::path>& files, const fs::path& table,
                           Parse parse = parse_file_times) {
   const std::string name = "times " + quote_path(table.string());
-  std::map<std::string, double> times;
-  for (const auto& [file, time] : parse(read_input(table, "times", largest_table), name))
-    times.emplace(file, time);
+  const TimesTable times(parse(read_input(table, "times", largest_table), name));
   TimedFiles result;
-  for (const fs::path& file : files) {
-    const auto found = times.find(file.filename().string());
-    if (found != times.end()) result.files.push_back({file, found->second});
-  }
+  std::error_code error;
+  const fs::path parent = files.front().parent_path();
+  const std::string folder = fs::weakly_canonical(parent.empty() ? "." : parent, error).filename().string();
+  for (const fs::path& file : files)
+    if (const auto time = times.time_of(file, folder)) result.files.push_back({file, *time});
   if (result.files.empty())
     throw std::invalid_argument(name + ": it names none of the " + std::to_string(files.size()) +
                                 " pictures, expected lines 'time, file'");
@@ -263,7 +295,7 @@ std::vector<std::pair<std::string, double>> parse_file_times(const std::string& 
     if (fields.size() != 2 || (!first && !second))
       throw std::invalid_argument(name + ", line " + std::to_string(number) +
                                   ": expected a time and a file's name, got " + quote(line));
-    files.push_back(fs::path(first ? fields[1] : fields[0]).filename().string());
+    files.push_back(first ? fields[1] : fields[0]);
     times.push_back(first ? *first : *second);
   }
   return in_seconds(files, times);
@@ -285,7 +317,7 @@ std::vector<std::pair<std::string, double>> parse_associations(const std::string
       if (!time)
         throw std::invalid_argument(name + ", line " + std::to_string(number) +
                                     ": expected a time and a file's name twice, got " + quote(line));
-      files.push_back(fs::path(fields[at + 1]).filename().string());
+      files.push_back(fields[at + 1]);
       times.push_back(*time);
     }
   }

@@ -23,7 +23,7 @@ struct TimedFiles {
 };
 
 /// Lines "time, file" or "file, time" (also apart by spaces), `#` and a line of titles left out, as pairs of
-/// a file's name without its folder and its time in seconds. @throws std::invalid_argument naming `name`, the
+/// a file as it is written there and its time in seconds. @throws std::invalid_argument naming `name`, the
 /// line and what was expected.
 std::vector<std::pair<std::string, double>> parse_file_times(const std::string& text,
                                                              const std::string& name);

@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 #include <sstream>
+
+#include "datasets/pictures/picture_numbers.hpp"
 
 #include "tests/datasets/complaint.hpp"
 #include "tests/worlds/temporary_folder.hpp"
@@ -91,11 +94,85 @@ TEST_F(PosesOfPictures, OfFewerNumbersBelongToThosePictures) {
   EXPECT_FALSE(poses.of({pictures_[4], 0}));
 }
 
+TEST_F(PosesOfPictures, WithNumbersBelongToThoseInTheNames) {
+  using Numbers = std::vector<std::size_t>;
+  /// `apart`: number of a picture less that of its pose.
+  const auto expect = [&](const Numbers& named, const Numbers& posed, std::size_t apart, const char* form) {
+    pictures_.clear();
+    for (const std::size_t number : named) {
+      std::string name = form;
+      pictures_.push_back(name.replace(name.find('@'), 1, "00000" + std::to_string(number)));
+    }
+    std::string text;
+    for (const std::size_t number : posed)
+      text += std::to_string(number) + " 0 0\n" + rows(truth_[number], 4, "\n");
+    const PicturePoses poses = open(text);
+    for (std::size_t i = 0; i < named.size(); ++i) {
+      const auto pose = poses.of({pictures_[i], static_cast<double>(i)});
+      const bool has_one = std::find(posed.begin(), posed.end(), named[i] - apart) != posed.end();
+      ASSERT_EQ(pose.has_value(), has_one) << form << named[i];
+      if (pose) EXPECT_TRUE(pose->isApprox(truth_[named[i] - apart], 1e-6)) << form << named[i];
+    }
+  };
+  const Numbers without_three{0, 1, 2, 4, 5, 6, 7};
+  for (const char* form : {"@.png", "frame-@.depth.png", "cam1_depth_@.png", "@-000000400000.png"}) {
+    expect(without_three, {2, 4, 6}, 0, form);
+    expect(without_three, {0, 1, 2, 3, 4, 5, 6, 7}, 0, form);
+    expect({1, 2, 3, 4, 5, 6, 7, 8}, {1, 2, 3, 4, 5, 6}, 0, form);
+    expect({1, 2, 3, 4, 5, 6, 7, 8}, {0, 1, 2, 3, 4, 5}, 1, form);
+    expect({4, 5, 6}, {1, 2, 3}, 3, form);
+    EXPECT_NE(complaint([&] {
+                expect(without_three, {0, 1, 2, 3, 4, 5, 6}, 0, form);
+              }).find("it has 7 poses for 7 depth pictures and numbers that are not those"),
+              std::string::npos);
+    EXPECT_NE(complaint([&] {
+                expect({1, 2, 3}, {0, 1, 2, 3}, 0, form);
+              }).find("or to the next one"),
+              std::string::npos);
+    EXPECT_NE(complaint([&] {
+                expect({1, 2, 3, 5}, {3, 4, 5}, 0, form);
+              }).find("not those in the pictures'"),
+              std::string::npos);
+  }
+}
+
+TEST_F(PosesOfPictures, WithWholeNumbersAsTimesDoSoWherePicturesHaveNone) {
+  pictures_.clear();
+  for (const char* number : {"0", "1", "2", "4", "5"})
+    pictures_.push_back(std::string("frame-") + number + ".depth.png");
+  folder_.write("p", tum(2, truth_[2]) + tum(4, truth_[4]));
+  for (const bool have_times : {false, true}) {
+    const PicturePoses poses(folder_ / "p", "", "depth", pictures_, 0.02, have_times);
+    const auto at = [&](std::size_t place) {
+      return poses.of({pictures_[place], static_cast<double>(place)});
+    };
+    EXPECT_TRUE(at(2).value().isApprox(truth_[2], 1e-6));
+    ASSERT_EQ(at(3).has_value(), !have_times);
+    EXPECT_EQ(at(4).has_value(), have_times);
+    if (!have_times) EXPECT_TRUE(at(3)->isApprox(truth_[4], 1e-6));
+  }
+}
+
+TEST(NumbersInNames, AreTheOnesThatDifferAndNoClocks) {
+  const auto numbers = [](const std::vector<fs::path>& names) {
+    std::vector<std::size_t> found;
+    for (const auto& [name, number] : numbers_in_names(names)) found.push_back(number);
+    return found;
+  };
+  using Numbers = std::vector<std::size_t>;
+  EXPECT_EQ(numbers({"a/cam2_007.png", "a/cam2_011.png"}), (Numbers{7, 11}));
+  EXPECT_EQ(numbers({"0.png", "00.png"}), Numbers{});
+  EXPECT_EQ(numbers({"1305031102.160.png", "1305031102.180.png"}), Numbers{});
+  EXPECT_EQ(numbers({"1_1.png", "2_2.png"}), Numbers{});
+  EXPECT_EQ(numbers({"1.png", "b.png"}), Numbers{});
+  EXPECT_EQ(numbers({"b.png", "c.png"}), Numbers{});
+}
+
 TEST_F(PosesOfPictures, ThatAreForOthersAreRefused) {
   const std::string line = rows(truth_[0], 3, " "), matrix = rows(truth_[0], 4, "\n");
   for (const auto& [text, expected] :
        {std::pair<std::string, std::string>{line + line, "it has 2 poses, for 12 depth pictures"},
-        {"12 12 13\n" + matrix, "numbers up to 12, for 12 depth pictures"},
+        {"12 12 13\n" + matrix, "it has 1 poses for 12 depth pictures and numbers that are not those"},
         {line + "1 2 3\n", "line 2: expected 12 numbers"},
         {"2 " + line.substr(line.find(' ')), "line 1: expected 12 numbers"},
         {"0 0 1\n" + line, "line 1: expected four rows"},

@@ -83,6 +83,19 @@ TEST_F(PictureTimes, ThatNothingSaysAreReported) {
             std::string::npos);
 }
 
+TEST_F(PictureTimes, OfTablesBelongToTheFileInTheFolderThatTheyName) {
+  for (const char* name : {"7.png", "9.png"}) add(name);
+  const Names expected{{"7.png", 100.1}, {"9.png", 200.1}};
+  folder_.write("associations.txt", "100 rgb/7.png 100.1 ./shots/7.png\n200 rgb/9.png 200.1 ./shots/9.png\n");
+  EXPECT_EQ(times(), expected);
+  folder_.write("associations.txt", "100.1 /x/shots/7.png 100 rgb/7.png\n200.1 shots/9.png 200 rgb/9.png\n");
+  EXPECT_EQ(times(), expected);
+  folder_.write("associations.txt", "100 rgb/7.png 100.1 depth/7.png\n");  // of which of them is not said
+  EXPECT_EQ(times(), (Names{{"7.png", 7}, {"9.png", 9}}));
+  folder_.write("shots/t.csv", "100,rgb/7.png\n100.1,shots/7.png\n200.1,9.png\n");
+  EXPECT_EQ(times(), expected);
+}
+
 TEST(MakeSeconds, TakesADateForNoClock) {
   for (const double last : {1e9, 202611230715.0, 20261123071531.0, 20261123071531000.0}) {
     std::vector<double> times{last - 8.0, last};

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace clearway {
+
+/// The numbers in the names of pictures, which are those of a recording's frames: the only digits of a name
+/// that differ from picture to picture, at the same place in all of them (000012 of cam1_000012.png and of
+/// frame-000012.depth.png; Redwood's 0000012-000000400000 is 12). Empty where not every name has one of its
+/// own, or where they are a clock's.
+std::map<std::filesystem::path, std::size_t> numbers_in_names(
+    const std::vector<std::filesystem::path>& pictures);
+
+/// What has to be added to the numbers of poses to make them those of pictures, each set in its own count: 0
+/// where one has all of the other; 1 or -1 where that is so only when the one begins at 0 and the other at 1;
+/// any where there are as many of both and they are the same but for it. @throws std::invalid_argument with a
+/// clause without a name, where they contradict each other, or both may be so
+long numbers_apart(const std::set<std::size_t>& pictures, const std::set<std::size_t>& poses);
+
+}  // namespace clearway
