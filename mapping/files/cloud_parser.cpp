@@ -112,6 +112,24 @@ std::unique_ptr<NamelessFile> readable_ply(const std::filesystem::path& file) {
   }
 }
 
+/// PCL reads a .ply file's camera and gives it to nobody.
+void take_ply_camera(const std::filesystem::path& file, Eigen::Vector4f& origin, Eigen::Quaternionf& turn) {
+  const InputFile input(file, "cloud");
+  std::string content;
+  input.read_at(0, std::min(input.size(), megabyte), content);
+  const std::vector<PlyElement> elements = ply_header(content).elements;
+  if (std::none_of(elements.begin(), elements.end(),
+                   [](const PlyElement& element) { return element.name == "camera"; }))
+    return;
+  input.read_at(0, input.size(), content);
+  const auto camera = ply_camera(content);
+  if (!camera) return;
+  origin.head<3>() = camera->origin;
+  const bool is_turn =
+      (camera->turn * camera->turn.transpose()).isIdentity(1e-3F) && camera->turn.determinant() > 0.0F;
+  turn = is_turn ? Eigen::Quaternionf(camera->turn) : Eigen::Quaternionf(0, 0, 0, 0);  // who needs it refuses
+}
+
 using Triangle = std::array<std::uint32_t, 3>;
 
 /// Each face as a fan about its first corner.
@@ -148,6 +166,7 @@ std::string read_with_pcl(const std::filesystem::path& file, const std::string& 
     status = pcl::PLYReader().read(readable, cloud, origin, turn, version);
   }
   if (status < 0) throw std::runtime_error("its header or its points cannot be read");
+  if (!is_pcd) take_ply_camera(readable, origin, turn);
   const std::size_t count = static_cast<std::size_t>(cloud.width) * cloud.height;
   if (count == 0) throw std::runtime_error("it holds no points");
   if (cloud.point_step == 0 || cloud.data.size() / cloud.point_step != count) {

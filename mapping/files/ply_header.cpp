@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <charconv>
+#include <cstring>
 #include <locale>
 #include <sstream>
 #include <stdexcept>
@@ -59,6 +62,94 @@ bool are_colours_odd(const PlyElement& element) {
   return false;
 }
 
+constexpr std::array<const char*, 12> camera_keys{"view_px", "view_py", "view_pz", "x_axisx",
+                                                  "x_axisy", "x_axisz", "y_axisx", "y_axisy",
+                                                  "y_axisz", "z_axisx", "z_axisy", "z_axisz"};
+
+/// A number of binary data, as the file orders its bytes.
+template <typename Number>
+Number number_at(std::string_view bytes, bool is_big) {
+  std::array<char, sizeof(Number)> raw{};
+  std::copy_n(bytes.begin(), raw.size(), raw.begin());
+  if (is_big == (std::endian::native == std::endian::little)) std::reverse(raw.begin(), raw.end());
+  Number number;
+  std::memcpy(&number, raw.data(), sizeof(Number));
+  return number;
+}
+
+std::uint64_t count_at(std::string_view bytes, std::uint64_t size, bool is_big) {
+  if (size == 1) return static_cast<unsigned char>(bytes.front());
+  return size == 2 ? number_at<std::uint16_t>(bytes, is_big) : number_at<std::uint32_t>(bytes, is_big);
+}
+
+/// Goes through the data of a .ply file, element by element.
+class PlyData {
+ public:
+  PlyData(std::string_view data, const std::string& format)
+      : data_(data), is_text_(format == "ascii"), is_big_(format == "binary_big_endian") {}
+
+  void skip(const PlyElement& element) {
+    std::uint64_t width = 0;
+    bool has_lists = false;
+    for (const PlyProperty& property : element.properties) {
+      has_lists |= property.count_bytes > 0;
+      width += property.bytes;
+    }
+    if (is_text_ || has_lists)
+      for (std::uint64_t i = 0; i < element.count; ++i) read(element, [](const PlyProperty&, double) {});
+    else if (width > 0 && element.count > data_.size() / width)
+      refuse_data();
+    else
+      take(element.count * width);
+  }
+
+  /// @param use is called with each real number that is no list
+  template <class Use>
+  void read(const PlyElement& element, const Use& use) {
+    if (is_text_) return read_line(element, use);
+    for (const PlyProperty& property : element.properties) {
+      std::uint64_t count = 1;
+      if (property.count_bytes > 0)
+        count = count_at(take(property.count_bytes), property.count_bytes, is_big_);
+      const std::string_view bytes = take(count * property.bytes);
+      if (property.count_bytes > 0 || !property.is_real) continue;
+      use(property, property.bytes == sizeof(float) ? static_cast<double>(number_at<float>(bytes, is_big_))
+                                                    : number_at<double>(bytes, is_big_));
+    }
+  }
+
+ private:
+  [[noreturn]] static void refuse_data() { throw std::runtime_error("its points cannot be read"); }
+
+  std::string_view take(std::uint64_t bytes) {
+    if (bytes > data_.size()) refuse_data();
+    const std::string_view taken = data_.substr(0, bytes);
+    data_.remove_prefix(bytes);
+    return taken;
+  }
+
+  template <class Use>
+  void read_line(const PlyElement& element, const Use& use) {
+    if (data_.empty()) refuse_data();
+    const std::size_t end = std::min(data_.find('\n'), data_.size());
+    std::string_view line = take(end);
+    take(std::min<std::size_t>(1, data_.size()));
+    for (const PlyProperty& property : element.properties) {
+      if (property.count_bytes > 0) return;  // what follows a list is not looked for
+      line.remove_prefix(std::min(line.find_first_not_of(" \t\r"), line.size()));
+      const std::string_view word = line.substr(0, line.find_first_of(" \t\r"));
+      line.remove_prefix(word.size());
+      double number = 0.0;
+      if (std::from_chars(word.data(), word.data() + word.size(), number).ec == std::errc() &&
+          property.is_real)
+        use(property, number);
+    }
+  }
+
+  std::string_view data_;
+  bool is_text_, is_big_;
+};
+
 }  // namespace
 
 PlyHeader ply_header(std::string_view content) {
@@ -74,6 +165,7 @@ PlyHeader ply_header(std::string_view content) {
     line >> key >> word;
     if (key == "end_header") return header;
     if (key == "format") header.format = word;
+    if (key == "comment" && word == "PCL") header.is_of_pcl = true;
     if (key == "element") {
       header.elements.push_back({word, 0, {}});
       if (!(line >> header.elements.back().count)) refuse_ply_header();
@@ -87,6 +179,7 @@ PlyHeader ply_header(std::string_view content) {
       line >> word;
     }
     property.bytes = bytes_of(word);
+    property.is_real = word.starts_with("float") || word == "double";
     line >> property.name;
     header.elements.back().properties.push_back(property);
   }
@@ -150,6 +243,31 @@ std::string with_nameless_colours(std::string_view content) {
     at = end;
   }
   return text.append(content.substr(header.length));
+}
+
+std::optional<PlyCamera> ply_camera(std::string_view content) {
+  const PlyHeader header = ply_header(content);
+  const auto camera =
+      std::find_if(header.elements.begin(), header.elements.end(),
+                   [](const PlyElement& element) { return element.name == "camera" && element.count > 0; });
+  if (camera == header.elements.end()) return std::nullopt;
+  PlyData data(content.substr(header.length), header.format);
+  for (auto element = header.elements.begin(); element != camera; ++element) data.skip(*element);
+  std::array<float, camera_keys.size()> values{};
+  std::size_t found = 0;
+  data.read(*camera, [&](const PlyProperty& property, double value) {
+    const auto* key = std::find(camera_keys.begin(), camera_keys.end(), property.name);
+    if (key == camera_keys.end()) return;
+    values[static_cast<std::size_t>(key - camera_keys.begin())] = static_cast<float>(value);
+    ++found;
+  });
+  if (found != camera_keys.size()) return std::nullopt;
+  PlyCamera result;
+  result.origin = Eigen::Vector3f(values[0], values[1], values[2]);
+  const Eigen::Map<const Eigen::Matrix3f> axes(&values[3]);  // each axis is a column
+  result.turn = axes;
+  if (header.is_of_pcl) result.turn.transposeInPlace();
+  return result;
 }
 
 }  // namespace clearway

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,6 +15,7 @@ struct PlyProperty {
   std::string name;
   std::uint64_t count_bytes = 0;  ///< of a list's count, in binary data; 0: one number
   std::uint64_t bytes = 0;        ///< of a number, in binary data
+  bool is_real = false;           ///< float or double
 };
 
 /// So many of a kind, one after the other: vertices, faces.
@@ -27,6 +30,7 @@ struct PlyHeader {
   std::string format;  ///< ascii, binary_little_endian or binary_big_endian; not checked
   std::vector<PlyElement> elements;
   std::size_t length = 0;  ///< bytes before the data
+  bool is_of_pcl = false;  ///< a comment says that PCL generated it
 };
 
 /// @param content a .ply file, or its beginning
@@ -48,5 +52,17 @@ bool has_odd_colours(const PlyHeader& header);
 
 /// The file with other names for its colours, which PCL reads as any numbers. @param content all of it
 std::string with_nameless_colours(std::string_view content);
+
+/// Where a file's `element camera` says that the sensor was, and how it was turned: file_from_sensor.
+struct PlyCamera {
+  Eigen::Vector3f origin = Eigen::Vector3f::Zero();
+  Eigen::Matrix3f turn = Eigen::Matrix3f::Identity();  ///< as the file has it: not checked
+};
+
+/// The first `element camera` of the file (view_px … z_axisz); nothing when it has none, or not all of these.
+/// PCL writes the rows of file_from_sensor as x_axis, y_axis and z_axis, others the sensor's axes: its
+/// columns. @param content all of the file @throws std::runtime_error with a clause, when its data are cut
+/// off
+std::optional<PlyCamera> ply_camera(std::string_view content);
 
 }  // namespace clearway

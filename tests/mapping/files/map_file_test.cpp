@@ -181,6 +181,61 @@ TEST(MapFile, ACloudKeepsThePlaceItWasSeenFrom) {
   EXPECT_THROW(read_viewed_cloud(folder / "c.pcd"), DamagedFile);
 }
 
+/// A .ply file of a point with faces and a camera, turned by 0.5 rad about z, whose data pcl::PLYWriter 1.13
+/// wrote.
+std::string ply_of_pcl(const std::string& format, const std::string& data, const std::string& comment) {
+  std::string header = "ply\nformat " + format + " 1.0\ncomment " + comment +
+                       "\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+                       "element face 1\nproperty list uchar int vertex_indices\nelement camera 1\n";
+  for (const char* key : {"view_px", "view_py", "view_pz", "x_axisx", "x_axisy", "x_axisz", "y_axisx",
+                          "y_axisy", "y_axisz", "z_axisx", "z_axisy", "z_axisz", "focal"})
+    header += std::string("property float ") + key + "\n";
+  return header + "property int viewportx\nend_header\n" + data;
+}
+
+TEST(MapFile, TheCameraOfAPlyIsItsViewpoint) {
+  const TemporaryFolder folder;
+  const std::string text =
+      "1 2 3\n3 0 0 0\n0.1 0.2 0.30000001 0.87758255 -0.47942555 0 0.47942555 0.87758255 0 "
+      "0 0 1 0 1\n";
+  const auto bytes = [](bool is_big) {
+    const float numbers[] = {1, 2,           3,           0.1F, 0.2F, 0.3F, 0.87758255F, -0.47942555F,
+                             0, 0.47942555F, 0.87758255F, 0,    0,    0,    1,           0};
+    std::string data;
+    const auto add = [&](const auto number) {
+      std::string raw(reinterpret_cast<const char*>(&number), sizeof number);
+      if (is_big) std::reverse(raw.begin(), raw.end());
+      data += raw;
+    };
+    for (std::size_t i = 0; i < std::size(numbers); ++i) {
+      if (i == 3) {
+        data += '\3';
+        for (int corner = 0; corner < 3; ++corner) add(std::int32_t{0});
+      }
+      add(numbers[i]);
+    }
+    add(std::int32_t{1});
+    return data;
+  };
+  Eigen::Isometry3d expected(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()));
+  expected.translation() << 0.1, 0.2, 0.3;
+  for (const auto& [format, data] : {std::pair<std::string, std::string>{"ascii", text},
+                                     {"binary_little_endian", bytes(false)},
+                                     {"binary_big_endian", bytes(true)}}) {
+    write_file(folder / "a.ply", ply_of_pcl(format, data, "PCL generated"));
+    EXPECT_TRUE(read_viewed_cloud(folder / "a.ply").file_from_viewpoint.isApprox(expected, 1e-6)) << format;
+    Eigen::Isometry3d by_axes = expected;  // that x_axis is the sensor's is what the name says
+    by_axes.linear().transposeInPlace();
+    write_file(folder / "a.ply", ply_of_pcl(format, data, "by hand"));
+    EXPECT_TRUE(read_viewed_cloud(folder / "a.ply").file_from_viewpoint.isApprox(by_axes, 1e-6)) << format;
+  }
+  std::string scaled = text;
+  scaled.replace(scaled.find("0.87"), 4, "0.57");
+  write_file(folder / "a.ply", ply_of_pcl("ascii", scaled, "PCL generated"));
+  EXPECT_THROW(read_viewed_cloud(folder / "a.ply"), DamagedFile);
+  EXPECT_EQ(read_cloud(folder / "a.ply").size(), 1U);
+}
+
 TEST(MapFile, DamagedCloudsNeverCrash) {
   const TemporaryFolder folder;
   Dice dice(7);
