@@ -17,10 +17,6 @@
 namespace clearway {
 namespace {
 
-bool is_transforms(const BagTopic& topic) {
-  return topic.type == "tf2_msgs/TFMessage" || topic.type == "tf/tfMessage";
-}
-
 bool is_fixed(const BagTopic& topic) { return topic.name.ends_with("tf_static"); }
 
 bool holds(const std::vector<std::string>& names, const std::string& name) {
@@ -42,16 +38,20 @@ double time_of(const RosHeader& header, double recorded) {
   return std::isfinite(header.time) && header.time > 0.0 ? header.time : recorded;
 }
 
-/// The header of a sensor's message, with that time; a damaged one has nothing else.
+/// The header of a sensor's message; a damaged one has that time and nothing else.
 RosHeader header_of(const BagTopic& topic, const BagMessage& message) {
-  RosHeader header;
   try {
     WireReader in(message.bytes, *topic.wire);
-    header = read_header(in);
+    return read_header(in);
   } catch (const std::runtime_error&) {
+    return {message.time, ""};
   }
-  header.time = time_of(header, message.time);
-  return header;
+}
+
+/// The clause about messages that are left out.
+std::string unusable(std::size_t count, const std::string& topic, const std::string& why) {
+  return "holds " + std::to_string(count) + " message" + (count == 1 ? "" : "s") + " in topic " +
+         quote(topic) + " that cannot be used: " + why;
 }
 
 constexpr std::size_t most_held_bytes = std::size_t{64} << 20U;  ///< of messages that wait for their turn
@@ -64,7 +64,9 @@ BagFrames::BagFrames(MessageBag& bag, const SourceOptions& options) : bag_(bag),
                            const std::optional<CameraIntrinsics>& of_setup, bool is_rectified) {
     if (!camera && !topic.empty())
       throw std::runtime_error("topic " + quote(topic) + " has no camera that can be used" +
-                               (left_out_.contains(topic) ? ": " + left_out_.at(topic).first : ""));
+                               (left_out_.contains(topic) ? ": " + left_out_.at(topic).first
+                                : cut_.contains(topic)    ? ": " + cut_.at(topic).first
+                                                          : ""));
     if (camera || !of_setup) return;
     camera = RosCamera{*of_setup};
     camera->intrinsics.is_rectified = is_rectified;
@@ -108,8 +110,11 @@ void BagFrames::learn() {
   bag_.visit(read_, [&](const BagMessage& message) {
     const BagTopic& topic = bag_.topics()[message.topic];
     if (sensors_[message.topic]) {
-      const RosHeader header = header_of(topic, message);
+      RosHeader header = header_of(topic, message);
+      note_stamp(topic.name, header.time);
+      header.time = time_of(header, message.time);
       stamps_.push_back(header.time);
+      delays_.push_back(message.time - header.time);
       sensor_frames_.insert(header.frame);
       note(quote(topic.name), header.time, message);
       return true;
@@ -121,6 +126,10 @@ void BagFrames::learn() {
         return true;
       }
       for (const RosTransform& transform : read_transforms(in)) {
+        if (message.is_beyond) {
+          beyond_.emplace_back(transform, message.time);
+          continue;
+        }
         transforms_.add(transform, is_fixed(topic), message.time);
         if (!is_fixed(topic) && std::isfinite(transform.header.time))
           note(quote(topic.name) + ", frame " + quote(transform.child) + ",", transform.header.time, message);
@@ -131,7 +140,30 @@ void BagFrames::learn() {
     return true;
   });
   refuse_restarts(streams);
+  add_beyond();
   refuse_contradictions();
+}
+
+void BagFrames::note_stamp(const std::string& topic, double stamp) {
+  if (stamp < 0.0)
+    throw ContradictoryBag("has a message in topic " + quote(topic) + " whose stamp is " + short_text(stamp) +
+                           " s: expected stamps after 1970, as of a clock that runs");
+  Stamps& stamps = stamped_[topic];
+  ++stamps.messages;
+  stamps.missing += stamp == 0.0;
+}
+
+void BagFrames::add_beyond() {
+  if (stamps_.empty() || beyond_.empty()) return;
+  const auto [first, last] = std::minmax_element(stamps_.begin(), stamps_.end());
+  const auto [least, most] = std::minmax_element(delays_.begin(), delays_.end());
+  constexpr double reach = TransformTree::max_gap, most_apart = 1.0;  // s
+  for (const auto& [transform, recorded] : beyond_) {
+    const double stamp = transform.header.time, delay = recorded - stamp;
+    if (stamp >= *first - reach && stamp <= *last + reach && delay >= *least - most_apart &&
+        delay <= *most + most_apart)
+      transforms_.add(transform, false, recorded);
+  }
 }
 
 std::set<std::string> BagFrames::used_frames() const {
@@ -188,7 +220,8 @@ void BagFrames::refuse_contradictions() const {
 }
 
 void BagFrames::leave_out(const BagTopic& topic, const std::runtime_error& error) {
-  Missing& missing = left_out_[topic.name];
+  const bool is_cut = dynamic_cast<const CutMessage*>(&error) != nullptr;
+  Missing& missing = (is_cut ? cut_ : left_out_)[topic.name];
   if (missing.count++ == 0) missing.first = error.what();
 }
 
@@ -319,13 +352,23 @@ std::string BagFrames::why_unknown(const std::string& frame) const {
   return " at its time";
 }
 
+std::string BagFrames::damage() const {
+  std::string clause;
+  for (const auto& [topic, missing] : cut_)
+    clause += (clause.empty() ? "" : "; ") + unusable(missing.count, topic, missing.first);
+  return clause;
+}
+
 std::vector<std::string> BagFrames::left_out() const {
   std::vector<std::string> clauses;
-  for (const auto& [topic, missing] : left_out_) {
-    clauses.push_back("holds " + std::to_string(missing.count) + " message" +
-                      (missing.count == 1 ? "" : "s") + " in topic " + quote(topic) +
-                      " that cannot be used: " + missing.first);
-  }
+  for (const auto& [topic, missing] : left_out_)
+    clauses.push_back(unusable(missing.count, topic, missing.first));
+  for (const auto& [topic, stamps] : stamped_)
+    if (stamps.missing > 0)
+      clauses.push_back("holds " + std::to_string(stamps.missing) + " of " + std::to_string(stamps.messages) +
+                        " messages of " + quote(topic) +
+                        " without a stamp; the times of recording are taken, so that they may be placed by "
+                        "poses of a later moment");
   for (const auto& [topic, motion] : moved_)
     clauses.push_back("holds " + std::to_string(motion.count) + " clouds in topic " + quote(topic) +
                       " during which the sensor moved, what it saw by up to " + short_text(motion.farthest) +

@@ -35,6 +35,8 @@ class BagFrames {
 
   /// After visit: one clause for each kind of thing that was left out.
   std::vector<std::string> left_out() const;
+  /// After visit: one clause about messages that end early; empty: there is none.
+  std::string damage() const;
 
  private:
   struct Missing {
@@ -50,6 +52,11 @@ class BagFrames {
   std::set<std::string> used_frames() const;
   void refuse_restarts(const std::map<std::string, Stream>& streams) const;
   void refuse_contradictions() const;
+  /// Of the transforms beyond the part that is wanted, those within a gap's reach of what sensors saw, if
+  /// they came as late as that did: others are of another run of the clock.
+  void add_beyond();
+  /// Notes a sensor's message without a stamp. @throws ContradictoryBag for one before 1970
+  void note_stamp(const std::string& topic, double stamp);
   bool is_sensor(const BagTopic& topic) const;
   void learn();
   void leave_out(const BagTopic& topic, const std::runtime_error& error);
@@ -67,9 +74,11 @@ class BagFrames {
 
   MessageBag& bag_;
   const SourceOptions& options_;
-  std::vector<bool> read_, sensors_;     ///< whether a topic is read; whether it is a sensor's
-  std::vector<double> stamps_;           ///< s, of the sensors' messages in the bag's order
-  std::set<std::string> sensor_frames_;  ///< that headers of sensors' messages name
+  std::vector<bool> read_, sensors_;  ///< whether a topic is read; whether it is a sensor's
+  std::vector<double> stamps_;        ///< s, of the sensors' messages in the bag's order
+  std::vector<double> delays_;        ///< s, from these to when they were recorded
+  std::vector<std::pair<RosTransform, double>> beyond_;  ///< transforms and when they were recorded
+  std::set<std::string> sensor_frames_;                  ///< that headers of sensors' messages name
   TransformTree transforms_;
   std::optional<RosCamera> camera_, depth_camera_;  ///< where images or depth have one
   std::vector<Eigen::Vector2d> depth_rays_;         ///< of the depth camera
@@ -77,7 +86,11 @@ class BagFrames {
     std::size_t count = 0;
     double farthest = 0.0;  ///< m, of a point
   };
-  std::map<std::string, Missing> left_out_;  ///< of the topic
+  struct Stamps {
+    std::size_t messages = 0, missing = 0;
+  };
+  std::map<std::string, Stamps> stamped_;          ///< of a sensor's topic
+  std::map<std::string, Missing> left_out_, cut_;  ///< of the topic: that cannot be used; that end early
   std::map<std::string, Motion> moved_;  ///< of the topic: clouds that are measured while the sensor moves
 };
 

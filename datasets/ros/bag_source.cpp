@@ -242,8 +242,11 @@ class BagSource final : public FrameSource {
       });
       for (const std::string& what : frames.left_out())
         report.send(ChildMessage::skipped, bag->offset(), what);
-      if (bag->damage().empty()) return report.send(ChildMessage::end, files.size(), "");
-      report.send(ChildMessage::damage, bag->offset(), bag->damage());
+      const std::string cut = frames.damage();
+      const std::string damage = bag->damage() + (bag->damage().empty() || cut.empty() ? "" : "; ") +
+                                 (cut.empty() ? "" : "it " + cut);
+      if (damage.empty()) return report.send(ChildMessage::end, files.size(), "");
+      report.send(ChildMessage::damage, bag->offset(), damage);
     } catch (const ContradictoryBag& error) {
       report.send(ChildMessage::lost, 0, error.what());
     } catch (const std::bad_alloc&) {

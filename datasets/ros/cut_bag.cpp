@@ -7,6 +7,8 @@
 namespace clearway {
 namespace {
 
+constexpr double margin = 2.0;  ///< s: longest gap between two poses, and as much that one may come late
+
 class CutBag final : public MessageBag {
  public:
   CutBag(std::unique_ptr<MessageBag> bag, double from, std::optional<double> to)
@@ -17,10 +19,13 @@ class CutBag final : public MessageBag {
 
   void visit(const std::vector<bool>& topics, const std::function<bool(const BagMessage&)>& take) override {
     const double first = bag_->first_time().value_or(0.0);
-    bag_->visit(topics, [&](const BagMessage& message) {
+    bag_->visit(topics, [&](BagMessage message) {
+      const BagTopic& topic = topics_[message.topic];
       const double since = message.time - first;
       const bool is_in = since >= from_ && (!to_ || since < *to_);
-      return is_in || topics_[message.topic].name.ends_with("tf_static") ? take(message) : true;
+      if (is_in || topic.name.ends_with("tf_static")) return take(message);
+      message.is_beyond = since >= from_ - margin && (!to_ || since < *to_ + margin);
+      return message.is_beyond && is_transforms(topic) ? take(message) : true;
     });
     damage_ = bag_->damage();
   }

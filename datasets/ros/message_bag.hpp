@@ -32,6 +32,7 @@ struct BagMessage {
   double time = 0;                      ///< s since 1970, when it was recorded
   std::span<const std::uint8_t> bytes;  ///< until the next message is taken
   BagPlace place = {};
+  bool is_beyond = false;  ///< of the part that is wanted, shortly before or after it (cut_bag)
 };
 
 /// A recording of ROS messages. Libraries below may crash on hostile files: to be opened in a child process

@@ -7,7 +7,7 @@
 namespace clearway {
 namespace {
 
-[[noreturn]] void end_early() { throw std::runtime_error("the message ends early"); }
+[[noreturn]] void end_early() { throw CutMessage(); }
 
 }  // namespace
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -15,9 +16,15 @@ enum class RosWire {
   cdr,   ///< of ROS 2: OMG's CDR (XCDR1) behind four bytes that give the byte order; numbers are aligned
 };
 
+/// A message that ends before its fields do.
+class CutMessage : public std::runtime_error {
+ public:
+  CutMessage() : std::runtime_error("the message ends early") {}
+};
+
 /// Takes a message's fields from its bytes, one after the other. It never reads beyond them.
-/// Every function throws std::runtime_error with a clause ("the message ends early") where the bytes do not
-/// hold what is asked for.
+/// Every function throws std::runtime_error with a clause where the bytes do not hold what is asked for:
+/// CutMessage where they end before it.
 class WireReader {
  public:
   WireReader(std::span<const std::uint8_t> bytes, RosWire wire);

@@ -130,6 +130,85 @@ TEST_F(BagFramesTest, TheTimeThatTheRefusalNamesPartsTheRuns) {
   }
 }
 
+TEST_F(BagFramesTest, PosesShortlyBesideAPartPlaceWhatIsSeenInIt) {
+  for (const char* name : {"a.mcap", "a.bag"}) {
+    ScanBag bag(folder_ / name);
+    bag.transform(10, "base", "sensor", mount(), true);
+    for (double time = 10; time < 13.3; time += 0.8) bag.transform(time, "map", "base", base_at(time));
+    for (const double time : {10.3, 11.3, 12.0, 12.7}) bag.cloud("/points", time, "sensor", {{1, 2, 3}});
+    bag.sort();
+    BagTopics part;
+    part.from = 1.2;
+    part.to = 2.1;
+    const Reading reading = read(bag, name, false, part);
+    EXPECT_EQ(reading.damage + reading.warnings, "");
+    ASSERT_EQ(reading.frames.size(), 2U);
+    for (const Frame& frame : reading.frames) expect_pose(frame, base_at(frame.time) * mount());
+  }
+}
+
+TEST_F(BagFramesTest, PosesOfTheRunBesideAPartDoNot) {
+  ScanBag bag(folder_ / "a.mcap");
+  add_run(bag, 0);
+  for (double time = 10; time < 13.001; time += 0.05)
+    bag.transform({3.3 + time, time}, "map", "base", elsewhere_at(time));
+  for (const double time : {10.02, 11.13, 12.33})
+    bag.cloud("/points", {3.31 + time, time}, "sensor", {{1, 2, 3}});
+  BagTopics part;
+  part.from = 3.2;
+  Reading reading = read(bag, "a.mcap", false, part);
+  EXPECT_EQ(reading.damage + reading.warnings, "");
+  ASSERT_EQ(reading.frames.size(), 3U);
+  for (const Frame& frame : reading.frames) expect_pose(frame, elsewhere_at(frame.time) * mount());
+  part.to = std::exchange(part.from, 0.0);
+  reading = read(bag, "a.mcap", false, part);
+  EXPECT_EQ(reading.damage + reading.warnings, "");
+  ASSERT_EQ(reading.frames.size(), 4U);
+  for (const Frame& frame : reading.frames) expect_pose(frame, base_at(frame.time) * mount());
+}
+
+TEST_F(BagFramesTest, ScansWithoutAStampAreToldAndOnesBefore1970Refused) {
+  for (const char* name : {"a.mcap", "a.bag"}) {
+    ScanBag bag(folder_ / name);
+    add_run(bag, 0);
+    for (const double time : {10.9, 11.9}) bag.cloud("/points", {time, 0}, "sensor", {{1, 2, 3}});
+    bag.sort();
+    const Reading reading = read(bag, name);
+    EXPECT_EQ(reading.damage, "");
+    EXPECT_NE(reading.warnings.find("holds 2 of 6 messages of '/points' without a stamp; the times of "
+                                    "recording are taken"),
+              std::string::npos)
+        << reading.warnings;
+    ASSERT_EQ(reading.frames.size(), 6U);
+    for (const Frame& frame : reading.frames) expect_pose(frame, base_at(frame.time) * mount());
+  }
+  ScanBag bag(folder_ / "a.mcap");
+  add_run(bag, 0);
+  bag.cloud("/points", {12.9, -4.5}, "sensor", {{1, 2, 3}});
+  const Reading reading = read(bag, "a.mcap");
+  EXPECT_TRUE(reading.frames.empty());
+  EXPECT_NE(reading.damage.find("has a message in topic '/points' whose stamp is -4.5 s"), std::string::npos)
+      << reading.damage;
+}
+
+TEST_F(BagFramesTest, AMessageThatEndsEarlyIsDamage) {
+  for (const char* name : {"a.mcap", "a.bag"})
+    for (const std::size_t bytes : {4U, 60U}) {
+      ScanBag bag(folder_ / name);
+      add_run(bag, 0);
+      bag.cloud("/points", 12.9, "sensor", {{1, 2, 3}});
+      bag.cut_last(bytes);
+      const Reading reading = read(bag, name);
+      EXPECT_EQ(reading.frames.size(), 4U);
+      EXPECT_EQ(reading.warnings, "");
+      EXPECT_NE(
+          reading.damage.find("is damaged: it holds 1 message in topic '/points' that cannot be used: the "
+                              "message ends early"),
+          std::string::npos)
+          << reading.damage;
+    }
+}
+
 TEST_F(BagFramesTest, ARunOfWhichOnlyTransformsStartAgainIsRefused) {
   ScanBag bag(folder_ / "a.mcap");
   add_run(bag, 0);

@@ -2,6 +2,8 @@
 
 #include <array>
 #include <bit>
+#include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <map>
@@ -41,8 +43,9 @@ class MessageBytes {
   }
   MessageBytes& header(double time, const std::string& frame) {
     if (is_ros1_) add(std::uint32_t{7});  // of the sequence
-    const auto seconds = static_cast<std::uint32_t>(time);
-    return add(seconds).add(static_cast<std::uint32_t>((time - seconds) * 1e9 + 0.5)).text(frame);
+    const double seconds = std::floor(time);
+    add(static_cast<std::uint32_t>(static_cast<std::int64_t>(seconds)));
+    return add(static_cast<std::uint32_t>((time - seconds) * 1e9 + 0.5)).text(frame);
   }
   const std::string& bytes() const { return bytes_; }
 

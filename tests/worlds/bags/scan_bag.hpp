@@ -75,6 +75,9 @@ class ScanBag {
     add("tf2_msgs", "TFMessage", is_fixed ? "/tf_static" : "/tf", time, out);
   }
 
+  /// Takes so many bytes from the end of the last message.
+  void cut_last(std::size_t bytes) { records_.back().bytes.resize(records_.back().bytes.size() - bytes); }
+
   /// Puts the messages so far in the order in which a recorder meets them.
   void sort() {
     std::stable_sort(records_.begin(), records_.end(),
