@@ -37,6 +37,7 @@ struct FusionCounts {
   std::size_t infinite_beams = 0;  ///< of 2D lasers: they said +inf
   Eigen::Vector3d scan_origin_sum =
       Eigen::Vector3d::Zero();           ///< of the scans, metres: from where they looked
+  std::vector<std::string> lost_poses;   ///< a sentence for each file of poses that has lines without one
   std::size_t scans_without_pose = 0;    ///< at their time nothing shows where their sensor was: left out
   std::size_t scans_without_probe = 0;   ///< no image near in time shows the probe: taken as not in the way
   std::size_t scans_probe_hidden = 0;    ///< probe or gripper is not seen for a moment: left out

@@ -93,7 +93,11 @@ ScanInserter::ScanInserter(const Setup& setup, FreeSpaceMap& map, FusionCounts& 
       moving_robot_(robot),
       observer_(observer) {
   for (const SensorSetup& sensor : setup.sensors) {
-    if (!sensor.poses.empty()) streams_.emplace(sensor.name, load_tum_poses(sensor.poses, sensor.max_gap));
+    if (!sensor.poses.empty()) {
+      std::size_t left_out = 0;
+      streams_.emplace(sensor.name, load_tum_poses(sensor.poses, sensor.max_gap, &left_out));
+      if (left_out > 0) counts_.lost_poses.push_back(left_out_poses(sensor.poses, left_out));
+    }
     if (!sensor.link.empty()) links_.emplace(sensor.name, link_of(sensor, robot->robot()));
   }
   if (setup.robot && !setup.robot->joints.empty()) robot_ = robot_capsules(*setup.robot);

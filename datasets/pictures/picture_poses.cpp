@@ -209,8 +209,10 @@ PicturePoses::PicturePoses(const fs::path& file, fs::path folder, std::string wo
     return;
   }
   // Between two poses at most twice the tolerance apart each time has one within the tolerance.
-  between_.emplace(parse_tum_poses(text, name, 2.0 * tolerance));
-  nearest_.emplace(parse_tum_poses(text, name, tolerance));
+  std::size_t left_out = 0;
+  between_.emplace(parse_tum_poses(text, name, 2.0 * tolerance, &left_out));
+  if (left_out > 0) left_out_ = left_out_poses(file, left_out);
+  nearest_.emplace(parse_tum_poses(text, name, tolerance, &left_out));
   if (!have_times) times_ = numbers_as_times(text, pictures);
 }
 

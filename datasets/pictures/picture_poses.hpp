@@ -52,6 +52,9 @@ class PicturePoses {
 
   bool are_there() const { return between_ || !by_file_.empty() || !folder_.empty(); }
 
+  /// One sentence about lines of the file that say no pose; empty: there is none.
+  std::string left_out() const { return left_out_; }
+
   /// Times of the first and of the last pose; empty where poses have no times.
   std::optional<std::pair<double, double>> span() const;
 
@@ -64,7 +67,7 @@ class PicturePoses {
               const std::string& name);
 
   std::filesystem::path folder_;
-  std::string word_;
+  std::string word_, left_out_;
   std::optional<PoseStream> between_, nearest_;
   std::map<std::filesystem::path, std::optional<Eigen::Isometry3d>> by_file_;
   std::map<std::filesystem::path, double> times_;  ///< where the numbers in names are the poses' times

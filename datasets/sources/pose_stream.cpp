@@ -193,9 +193,19 @@ std::optional<TimedPose> timed_pose(const std::vector<std::string>& words, bool 
   return TimedPose{v[0], pose};
 }
 
+/// A time and seven words, some of which say that they are not known.
+bool is_unknown_pose(const std::vector<std::string>& words) {
+  return words.size() == 8 && finite_number(words.front()) &&
+         std::any_of(words.begin() + 1, words.end(), [](std::string word) {
+           for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+           return word.find("nan") != std::string::npos || word.find("inf") != std::string::npos;
+         });
+}
+
 }  // namespace
 
-PoseStream parse_tum_poses(const std::string& text, const std::string& name, double max_gap) {
+PoseStream parse_tum_poses(const std::string& text, const std::string& name, double max_gap,
+                           std::size_t* left_out) {
   std::istringstream lines(text);
   std::vector<TimedPose> poses;
   int number = 0;
@@ -219,6 +229,14 @@ PoseStream parse_tum_poses(const std::string& text, const std::string& name, dou
     const std::vector<std::string> words = words_of(line);
     if (words.empty()) continue;
     const auto pose = timed_pose(words, is_w_first);
+    const std::streamoff next = lines.tellg();
+    const bool is_last =
+        next < 0 || text.find_first_not_of(" \t\r\n", static_cast<std::size_t>(next)) == std::string::npos;
+    if (!pose && left_out != nullptr &&
+        (is_unknown_pose(words) || (is_last && !poses.empty() && words.size() < 8))) {
+      ++*left_out;
+      continue;
+    }
     if (!pose)
       refuse(std::string("expected 'time x y z ") + (is_w_first ? "qw qx qy qz" : "qx qy qz qw") +
              "' with a unit quaternion");
@@ -233,10 +251,16 @@ PoseStream parse_tum_poses(const std::string& text, const std::string& name, dou
   return stream;
 }
 
-PoseStream load_tum_poses(const std::filesystem::path& file, double max_gap) {
+PoseStream load_tum_poses(const std::filesystem::path& file, double max_gap, std::size_t* left_out) {
   const std::string name = "poses " + quote_path(file.string());
   const std::string text = read_input(file, "poses", 256U << 20U);
-  return parse_tum_poses(text, name, max_gap);
+  return parse_tum_poses(text, name, max_gap, left_out);
+}
+
+std::string left_out_poses(const std::filesystem::path& file, std::size_t left_out) {
+  return "poses " + quote_path(file.string()) + ": " + std::to_string(left_out) +
+         (left_out == 1 ? " line says" : " lines say") + " no pose (nan, or cut off) and " +
+         (left_out == 1 ? "was" : "were") + " left out";
 }
 
 }  // namespace clearway

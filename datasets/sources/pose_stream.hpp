@@ -48,11 +48,16 @@ class PoseStream {
 
 /// Poses from text in the format of the TUM RGB-D benchmark: lines "time x y z qx qy qz qw" (m, and times as
 /// make_seconds reads them), also apart by commas; `#` starts a comment. A head before the first pose,
-/// commented out or not, may say that the quaternion begins with w ("# time tx ty tz qw qx qy qz"). @throws
-/// std::invalid_argument naming `name`, the line and what was expected.
-PoseStream parse_tum_poses(const std::string& text, const std::string& name, double max_gap);
+/// commented out or not, may say that the quaternion begins with w ("# time tx ty tz qw qx qy qz").
+/// @param left_out counts lines whose pose is not known (nan) and a last one that is cut off; none: they are
+/// refused @throws std::invalid_argument naming `name`, the line and what was expected.
+PoseStream parse_tum_poses(const std::string& text, const std::string& name, double max_gap,
+                           std::size_t* left_out = nullptr);
 
 /// The same from a file of at most 256 MB. @throws std::invalid_argument also when it cannot be read.
-PoseStream load_tum_poses(const std::filesystem::path& file, double max_gap);
+PoseStream load_tum_poses(const std::filesystem::path& file, double max_gap, std::size_t* left_out = nullptr);
+
+/// The sentence about so many lines that were left out.
+std::string left_out_poses(const std::filesystem::path& file, std::size_t left_out);
 
 }  // namespace clearway

@@ -127,6 +127,25 @@ TEST(PoseStream, AHeadSaysTheOrderOfTheQuaternionAndNanosecondsAreTimes) {
   EXPECT_NEAR(stream.at(1403636579.8135556)->translation().x(), 0.5, 1e-4);
 }
 
+TEST(PoseStream, LinesWithoutAPoseAreLeftOutAndCountedWhereThatIsAskedFor) {
+  const std::string first = "1 0 0 0 0 0 0 1\n", last = "3 2 0 0 0 0 0 1\n";
+  for (const std::string& text :
+       {first + "2 nan nan nan nan nan nan nan\n" + last, first + "2 1 0 0 0 -inf 0 1\n" + last,
+        first + last + "4 2 0 0", first + last + "4 2 0 0\n\n"}) {
+    std::size_t left_out = 0;
+    const PoseStream stream = parse_tum_poses(text, "p", 5.0, &left_out);
+    EXPECT_EQ(left_out, 1U) << text;
+    EXPECT_EQ(stream.size(), 2U);
+    EXPECT_NEAR(stream.at(2.0).value().translation().x(), 1.0, 1e-9);
+    EXPECT_THROW(parse_tum_poses(text, "p", 5.0), std::invalid_argument);
+  }
+  std::size_t left_out = 0;
+  for (const std::string& text :
+       {"2 1 0 0\n" + first, first + "nan 1 0 0 0 0 0 1\n" + last, first + "2 1 0 0 0 0 0 9\n",
+        std::string("2 nan nan nan nan nan nan nan\n")})
+    EXPECT_THROW(parse_tum_poses(text, "p", 5.0, &left_out), std::invalid_argument) << text;
+}
+
 TEST(PoseStream, NamesTheLineThatIsNoPose) {
   for (const char* bad :
        {"1 2 3\n", "1 0 0 0 0 0 0 2\n", "1 0 0 nan 0 0 0 1\n", "1 0 inf 0 0 0 0 1\n", "1 1e999 0 0 0 0 0 1\n",
