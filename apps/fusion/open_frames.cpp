@@ -4,6 +4,7 @@
 
 #include "apps/fusion/velodyne_folder.hpp"
 #include "datasets/bags/bag_metadata.hpp"
+#include "datasets/cameras/off_centre.hpp"
 #include "datasets/descriptions/camera_file.hpp"
 #include "datasets/pictures/depth_folder.hpp"
 #include "datasets/pictures/image_folder.hpp"
@@ -16,6 +17,7 @@
 #include "mapping/files/velodyne_scan.hpp"
 #include "mapping/system/damaged_file.hpp"
 #include "mapping/system/input_file.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -33,6 +35,28 @@ class Rawlog final : public FrameSource {
 
  private:
   RecordingReader reader_;
+};
+
+/// A source of whose options there is something to tell.
+class NotedSource final : public FrameSource {
+ public:
+  NotedSource(std::unique_ptr<FrameSource> source, std::vector<std::string> notes)
+      : source_(std::move(source)), notes_(std::move(notes)) {}
+  std::optional<Frame> next() override { return source_->next(); }
+  std::optional<std::string> damage() const override { return source_->damage(); }
+  std::vector<std::string> warnings() const override {
+    std::vector<std::string> sentences = notes_;
+    for (const std::string& warning : source_->warnings()) sentences.push_back(warning);
+    return sentences;
+  }
+  std::string time_caveat() const override { return source_->time_caveat(); }
+  std::vector<TakenCamera> cameras() const override { return source_->cameras(); }
+  double progress() const override { return source_->progress(); }
+  bool is_live() const override { return source_->is_live(); }
+
+ private:
+  std::unique_ptr<FrameSource> source_;
+  std::vector<std::string> notes_;
 };
 
 /// Cloud files as scans, in the order and at the times in their names.
@@ -103,9 +127,42 @@ SourceOptions with_camera_beside(const DepthLayout& layout, SourceOptions option
   if (depth.camera || options.camera || layout.camera.empty()) return options;
   std::optional<ImageSize> size;
   for (auto file = layout.depth.begin(); !size && file != layout.depth.end(); ++file) size = png_size(*file);
-  depth.camera = load_camera_file(layout.camera, "", depth.rectified, size);
+  std::string note;
+  depth.camera = load_camera_file(layout.camera, "", depth.rectified, size, {}, &note);
   depth.camera_file = layout.camera;
+  if (!note.empty()) options.notes.push_back(note + ".");
+  if (!is_off_centre(*depth.camera)) return options;
+  try {
+    load_camera_file(layout.camera, "", depth.rectified);
+  } catch (const std::invalid_argument&) {  // it does not say the size itself
+    throw std::invalid_argument(
+        "camera file " + quote_path(layout.camera.string()) + " " + off_centre_clause(*depth.camera) +
+        ": expected the matrix of these pictures, or, if they are a part of larger ones, `source: {depth: "
+        "{camera: {file: …, width: …, height: …}}}` in the setup with their size");
+  }
   return options;
+}
+
+/// Where the setup says nothing of the scale of depth pictures: that of Replica's camera file.
+SourceOptions with_scale_beside(const DepthLayout& layout, SourceOptions options) {
+  if (options.depth.scale || layout.camera.filename() != "cam_params.json") return options;
+  if (const auto scale = depth_scale_of_file(layout.camera)) {
+    options.depth.scale = scale;
+    options.notes.push_back("steps of depth are " + short_text(*scale) + " m, by `scale` of " +
+                            quote_path(layout.camera.string()) +
+                            "; `source: {depth: {scale: …}}` states others.");
+  }
+  return options;
+}
+
+/// What is to be told of a source with these options.
+std::vector<std::string> notes_of(const SourceOptions& options) {
+  std::vector<std::string> notes = options.notes;
+  for (const auto& camera : {options.camera, options.depth.camera})
+    if (camera && is_off_centre(*camera))
+      notes.push_back("the setup's camera " + off_centre_clause(*camera) +
+                      ": right of a part of larger pictures alone.");
+  return notes;
 }
 
 std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOptions& options) {
@@ -123,7 +180,14 @@ std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOpt
     throw std::invalid_argument("recording " + quote_path(folder.string()) +
                                 " cannot be read: " + failure.code().message());
   }
-  if (depth) return open_depth_folder(folder, *depth, with_camera_beside(*depth, options));
+  if (depth) {
+    const SourceOptions whole = with_scale_beside(*depth, with_camera_beside(*depth, options));
+    const std::vector<std::string> notes(
+        whole.notes.begin() + static_cast<std::ptrdiff_t>(options.notes.size()), whole.notes.end());
+    auto source = open_depth_folder(folder, *depth, whole);
+    if (notes.empty()) return source;
+    return std::make_unique<NotedSource>(std::move(source), notes);
+  }
   if (!pictures.empty() && !clouds.empty())
     throw std::invalid_argument("recording " + quote_path(folder.string()) + " has " +
                                 std::to_string(pictures.size()) + " pictures and " +
@@ -135,24 +199,22 @@ std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOpt
                               " is a folder without pictures and clouds; expected " + kinds_of_recordings);
 }
 
-/// Rendered pictures are what their setup says: errors that it does not state are none, but for what the
-/// detector makes of sharp edges.
-void take_as_rendered(Setup& setup) {
-  CameraErrorsSetup& camera = setup.errors.camera;
-  for (std::optional<double>* error : {&camera.focal, &camera.aspect, &camera.center, &camera.distortion})
-    *error = error->value_or(0.0);
-  for (BoardSetup& board : setup.boards)
-    for (std::optional<double>* error :
-         {&board.errors.scale, &board.errors.size, &board.errors.place, &board.errors.turn})
-      *error = error->value_or(0.0);
-  constexpr double edge_px = 0.05;
-  setup.errors.edge = setup.errors.edge.value_or(edge_px);
+/// Poses that have no times are of a folder of KITTI's scans, by their numbers.
+void require_scans_of_kitti(const fs::path& recording, const SourceOptions& options) {
+  if (options.numbered_poses.empty()) return;
+  try {
+    if (velodyne_layout(recording)) return;
+  } catch (const fs::filesystem_error&) {  // not a folder
+  }
+  throw std::invalid_argument("poses " + quote_path(options.numbered_poses.string()) +
+                              " have no times, as lines of 12 numbers are KITTI's, and recording " +
+                              quote_path(recording.string()) +
+                              " is no folder of KITTI's scans; expected lines 'time x y z qx qy qz qw'");
 }
 
-}  // namespace
-
-std::unique_ptr<FrameSource> open_frames(const fs::path& recording, const SourceOptions& options) {
+std::unique_ptr<FrameSource> open_any(const fs::path& recording, const SourceOptions& options) {
   std::error_code error;
+  require_scans_of_kitti(recording, options);
   if (is_bag_folder(recording)) {
     SourceOptions of_bag = options;
     of_bag.bag.parts = listed_parts(recording);
@@ -181,6 +243,29 @@ std::unique_ptr<FrameSource> open_frames(const fs::path& recording, const Source
     throw std::invalid_argument("recording " + quote_path(recording.string()) +
                                 " is of no kind that is read here; expected " + kinds_of_recordings);
   }
+}
+
+/// Rendered pictures are what their setup says: errors that it does not state are none, but for what the
+/// detector makes of sharp edges.
+void take_as_rendered(Setup& setup) {
+  CameraErrorsSetup& camera = setup.errors.camera;
+  for (std::optional<double>* error : {&camera.focal, &camera.aspect, &camera.center, &camera.distortion})
+    *error = error->value_or(0.0);
+  for (BoardSetup& board : setup.boards)
+    for (std::optional<double>* error :
+         {&board.errors.scale, &board.errors.size, &board.errors.place, &board.errors.turn})
+      *error = error->value_or(0.0);
+  constexpr double edge_px = 0.05;
+  setup.errors.edge = setup.errors.edge.value_or(edge_px);
+}
+
+}  // namespace
+
+std::unique_ptr<FrameSource> open_frames(const fs::path& recording, const SourceOptions& options) {
+  auto source = open_any(recording, options);
+  const std::vector<std::string> notes = notes_of(options);
+  if (notes.empty()) return source;
+  return std::make_unique<NotedSource>(std::move(source), notes);
 }
 
 ChosenSetup choose_setup(const fs::path& recording, const fs::path& setup_file) {

@@ -1,6 +1,7 @@
 #include "datasets/descriptions/camera_file.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <stdexcept>
 #include <utility>
@@ -17,10 +18,23 @@
 namespace clearway {
 namespace {
 
+std::string lower_case(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+/// What the setup says beside the file, and what is to be told of it.
+struct BesideFile {
+  bool is_rectified = false;
+  std::optional<ImageSize> size;
+  std::optional<LensModel> lens;
+  std::string note;
+};
+
 /// OpenCV's coefficients, as many as the lens has; OpenCV writes 5, 8, 12 or 14 for one that has fewer.
 void take_distortion(const YamlFields& fields, const std::string& key, LensModel lens,
                      CameraIntrinsics& camera) {
-  const std::vector<double> values = fields.numbers(key, within_reach);
+  const std::vector<double> values = fields.flat_numbers(key, within_reach);
   const std::size_t size = values.size();
   const bool is_list = size == 4 || size == 5 || size == 8 || size == 12 || size == 14;
   if (!is_list && !(values.empty() && lens != LensModel::fisheye))
@@ -34,7 +48,7 @@ void take_distortion(const YamlFields& fields, const std::string& key, LensModel
 }
 
 LensModel read_lens(const YamlFields& fields, const std::string& key, const std::string& otherwise) {
-  const std::string name = fields.text(key, otherwise);
+  const std::string name = lower_case(fields.text(key, otherwise));
   if (name == "none") return LensModel::plumb_bob;
   const auto lens = lens_named(name);
   if (!lens) fields.fail(key, "the lens '" + name + "' is not known, expected " + known_lenses);
@@ -50,6 +64,23 @@ CameraIntrinsics only_camera(const YamlFields& fields, CameraIntrinsics camera, 
   return camera;
 }
 
+/// One camera of kalibr's camchain, or EuRoC's sensor.yaml.
+CameraIntrinsics read_chain_camera(const YamlFields& fields, bool is_rectified) {
+  if (const std::string model = fields.text("camera_model", "pinhole"); model != "pinhole")
+    fields.fail("camera_model", "the camera model '" + model + "' is not known, expected pinhole");
+  const bool has_lens = fields.text("distortion_model", "none") != "none";
+  const LensModel lens = read_lens(fields, "distortion_model", "none");
+  const std::vector<double> k = fields.numbers("intrinsics", within_reach, 4);
+  const std::vector<double> size = fields.numbers("resolution", {32, 20000}, 2);
+  CameraIntrinsics camera{static_cast<int>(size[0]), static_cast<int>(size[1]), k[0], k[1], k[2], k[3], {}};
+  const char* const key =
+      fields.has("distortion_coefficients") ? "distortion_coefficients" : "distortion_coeffs";
+  if (has_lens && (fields.has(key) || lens == LensModel::fisheye)) take_distortion(fields, key, lens, camera);
+  if (camera.fx <= 0.0 || camera.fy <= 0.0)
+    fields.fail("intrinsics", "expected [fx, fy, cx, cy], fx and fy > 0");
+  return only_camera(fields, camera, is_rectified);
+}
+
 CameraIntrinsics read_camchain(const YamlFields& file, const std::string& wanted, bool is_rectified) {
   std::vector<std::string> cameras = file.keys();
   std::erase_if(cameras, [](const std::string& key) { return !key.starts_with("cam"); });
@@ -58,19 +89,7 @@ CameraIntrinsics read_camchain(const YamlFields& file, const std::string& wanted
     file.fail("", (wanted.empty() ? "" : "it has no camera " + quote(wanted) + "; ") + "it has " +
                       std::to_string(cameras.size()) +
                       " cameras, expected `camera: {file: …, name: …}` to name one of them");
-  const YamlFields fields = file.map(name);
-  if (const std::string model = fields.text("camera_model", "pinhole"); model != "pinhole")
-    fields.fail("camera_model", "the camera model '" + model + "' is not known, expected pinhole");
-  const bool has_lens = fields.text("distortion_model", "none") != "none";
-  const LensModel lens = read_lens(fields, "distortion_model", "none");
-  const std::vector<double> k = fields.numbers("intrinsics", within_reach, 4);
-  const std::vector<double> size = fields.numbers("resolution", {32, 20000}, 2);
-  CameraIntrinsics camera{static_cast<int>(size[0]), static_cast<int>(size[1]), k[0], k[1], k[2], k[3], {}};
-  if (has_lens && (fields.has("distortion_coeffs") || lens == LensModel::fisheye))
-    take_distortion(fields, "distortion_coeffs", lens, camera);
-  if (camera.fx <= 0.0 || camera.fy <= 0.0)
-    fields.fail("intrinsics", "expected [fx, fy, cx, cy], fx and fy > 0");
-  return only_camera(fields, camera, is_rectified);
+  return read_chain_camera(file.map(name), is_rectified);
 }
 
 /// Of the pictures that ROS rectifies with this file.
@@ -101,15 +120,37 @@ LensModel read_opencv_lens(const YamlFields& file, const std::vector<double>& co
   return coefficients.size() > 5 ? LensModel::rational : LensModel::plumb_bob;
 }
 
-/// As a matrix with `data`, or as a plain list.
-void take_coefficients(const YamlFields& file, const std::string& key, CameraIntrinsics& camera) {
+/// The lens that a file names: by ROS's key in one of ROS's names, by others' as far as it is one of a lens.
+std::optional<LensModel> named_lens(const YamlFields& file) {
+  if (file.has("distortion_model")) return read_lens(file, "distortion_model", "plumb_bob");
+  for (const char* key : {"model", "camera_model", "lens", "lens_model", "camera_type"}) {
+    if (!file.is_word(key)) continue;
+    const std::string name = lower_case(file.text(key));
+    const auto says = [&](const char* word) { return name.find(word) != std::string::npos; };
+    if (says("fisheye") || says("equi") || says("kannala")) return LensModel::fisheye;
+    if (const auto lens = lens_named(name)) return lens;
+    if (says("omni") || says("fov") || says("sphere") || says("mei"))
+      file.fail(key, "the lens " + quote(name) + " is not known, expected " + known_lenses);
+  }
+  return std::nullopt;
+}
+
+/// As a matrix with `data`, or as a plain list, or as the list of lists that Python's tolist() makes of it.
+void take_coefficients(const YamlFields& file, const std::string& key, CameraIntrinsics& camera,
+                       BesideFile& beside) {
   const bool is_list = file.is_list(key);
   const YamlFields fields = is_list ? file : file.map(key);
   const std::string numbers = is_list ? key : "data";
-  const LensModel lens = file.has("distortion_model")
-                             ? read_lens(file, "distortion_model", "plumb_bob")
-                             : read_opencv_lens(file, fields.numbers(numbers, within_reach));
+  const std::vector<double> values = fields.flat_numbers(numbers, within_reach);
+  const auto named = named_lens(file);
+  const LensModel lens = named ? *named : beside.lens ? *beside.lens : read_opencv_lens(file, values);
   take_distortion(fields, numbers, lens, camera);
+  const bool may_be_fisheye =
+      !named && !beside.lens && !file.has("fisheye_model") && values.size() == 4 && has_distortion(camera);
+  if (may_be_fisheye)
+    beside.note =
+        "has four coefficients and names no lens: they are taken as k1, k2, p1, p2 of a plumb_bob; "
+        "`lens: fisheye` beside `file` makes them cv::fisheye's, `lens: plumb_bob` ends this note";
 }
 
 /// What `rostopic echo` and `ros2 topic echo` print of a CameraInfo: one message.
@@ -165,6 +206,9 @@ constexpr MatrixKey matrix_keys[] = {{"camera_matrix", ""},
 constexpr const char* coefficient_keys[] = {"distortion_coefficients",
                                             "distCoeffs",
                                             "dist_coeffs",
+                                            "dist_coeff",
+                                            "dist_coefs",
+                                            "distortion_coeffs",
                                             "Distortion_Coefficients",
                                             "DistortionCoefficients",
                                             "distortionCoefficients",
@@ -176,7 +220,8 @@ constexpr std::pair<const char*, const char*> size_keys[] = {
     {"image_Width", "image_Height"},
     {"imageWidth", "imageHeight"},
     {"calibration_image_width", "calibration_image_height"},
-    {"width", "height"}};
+    {"width", "height"},
+    {"w", "h"}};
 
 /// The matrix that the file has, of several the one that is wanted.
 MatrixKey matrix_key(const YamlFields& file, const std::string& wanted) {
@@ -242,25 +287,26 @@ std::string coefficients_key(const YamlFields& file, const MatrixKey& matrix) {
   if (file.has("distortion_model") && file.text("distortion_model") != "none")
     file.fail("distortion_coefficients", "expected those of its distortion_model, got nothing of that name");
   for (const std::string& key : file.keys()) {
-    std::string low = key;
-    for (char& c : low) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const std::string low = lower_case(key);
+    const bool holds_numbers = file.is_list(key) || file.is_map(key);
     const bool is_other = low.ends_with("model") || low.ends_with("type");
-    if (!is_other && (low.find("distort") != std::string::npos || low.find("distc") != std::string::npos))
+    if (!is_other &&
+        (low.find("distort") != std::string::npos || low.find("distc") != std::string::npos ||
+         (holds_numbers && (low.find("dist") != std::string::npos || low.find("coef") != std::string::npos))))
       file.fail(key, "expected the lens's coefficients as distortion_coefficients, got another name");
   }
   return "";
 }
 
 /// ROS's camera_info, and what OpenCV's users write.
-CameraIntrinsics read_camera_info(const YamlFields& file, const std::string& wanted,
-                                  std::optional<ImageSize> given, bool is_rectified) {
+CameraIntrinsics read_camera_info(const YamlFields& file, const std::string& wanted, BesideFile& beside) {
   const MatrixKey matrix = matrix_key(file, wanted);
   const std::vector<double> k = read_matrix(file, matrix.matrix);
-  const ImageSize size = read_size(file, given);
+  const ImageSize size = read_size(file, beside.size);
   CameraIntrinsics camera{size.width, size.height, k[0], k[4], k[2], k[5], {}};
   const std::string coefficients = coefficients_key(file, matrix);
-  if (!coefficients.empty()) take_coefficients(file, coefficients, camera);
-  return is_rectified ? read_rectified(file, camera) : camera;
+  if (!coefficients.empty()) take_coefficients(file, coefficients, camera, beside);
+  return beside.is_rectified ? read_rectified(file, camera) : camera;
 }
 
 /// librealsense's intrinsics, by their names there.
@@ -293,16 +339,42 @@ CameraIntrinsics read_open3d(const YamlFields& fields, std::optional<ImageSize> 
   return only_camera(fields, {size.width, size.height, k[0], k[4], k[6], k[7], {}}, is_rectified);
 }
 
+/// Numbers alone, by the names that a setup has, too, and OpenCV's of a plumb bob.
+CameraIntrinsics read_plain(const YamlFields& fields, std::optional<ImageSize> given, bool is_rectified) {
+  const ImageSize size = read_size(fields, given);
+  CameraIntrinsics camera{size.width,
+                          size.height,
+                          fields.number("fx", positive),
+                          fields.number("fy", positive),
+                          fields.number("cx", within_reach),
+                          fields.number("cy", within_reach),
+                          {}};
+  std::array<double, 5> coefficients{};
+  const char* const names[] = {"k1", "k2", "p1", "p2", "k3"};
+  for (std::size_t i = 0; i < coefficients.size(); ++i)
+    coefficients[i] = fields.number(names[i], within_reach, 0.0);
+  set_lens(camera, LensModel::plumb_bob, coefficients);
+  if (named_lens(fields).value_or(LensModel::plumb_bob) != LensModel::plumb_bob || fields.has("k4"))
+    fields.fail("", "expected a plumb_bob, whose coefficients are k1, k2, p1, p2, k3");
+  if (const std::string key = coefficients_key(fields, matrix_keys[0]); !key.empty())
+    take_distortion(fields, key, LensModel::plumb_bob, camera);
+  return only_camera(fields, camera, is_rectified);
+}
+
 bool is_realsense(const YamlFields& fields) { return fields.has("ppx"); }
+bool is_plain(const YamlFields& fields) {
+  return fields.has("fx") && fields.has("fy") && fields.has("cx") && fields.has("cy");
+}
 bool is_open3d(const YamlFields& fields) { return fields.has("intrinsic_matrix"); }
 
-/// The map of the file that is a camera of one of these two kinds: itself, or one in it, by the name of that
-/// or of what holds it. Nothing when there is none.
+/// The map of the file that is a camera of one of these three kinds: itself, or one in it, by the name of
+/// that or of what holds it. Nothing when there is none.
 std::optional<YamlFields> json_camera(const YamlFields& file, const std::string& wanted) {
   std::vector<std::pair<std::string, YamlFields>> found;
   const auto look = [&](const auto& again, const YamlFields& fields, const std::string& name) -> void {
     constexpr std::size_t most = 100, most_keys = 1000;
-    if (is_realsense(fields) || is_open3d(fields)) return found.emplace_back(name, fields), void();
+    if (is_realsense(fields) || is_open3d(fields) || is_plain(fields))
+      return found.emplace_back(name, fields), void();
     const std::vector<std::string> keys = fields.keys();
     for (const std::string& key : keys)
       if (keys.size() <= most_keys && found.size() < most && fields.is_map(key))
@@ -331,32 +403,39 @@ bool has_any_matrix(const YamlFields& file) {
                      [&file](const MatrixKey& key) { return file.has(key.matrix); });
 }
 
-CameraIntrinsics read_any(const YamlFields& file, const std::string& camera, bool is_rectified,
-                          std::optional<ImageSize> size) {
+CameraIntrinsics read_any(const YamlFields& file, const std::string& camera, BesideFile& beside) {
+  const bool is_rectified = beside.is_rectified;
   if (is_echo(file)) return read_echo(file, is_rectified);
-  if (file.has("image_width") || has_any_matrix(file))
-    return read_camera_info(file, camera, size, is_rectified);
-  if (const auto fields = json_camera(file, camera))
-    return is_realsense(*fields) ? read_realsense(*fields, size, is_rectified)
-                                 : read_open3d(*fields, size, is_rectified);
+  if (file.is_list("intrinsics") && file.is_list("resolution")) return read_chain_camera(file, is_rectified);
+  if (file.has("image_width") || has_any_matrix(file)) return read_camera_info(file, camera, beside);
+  if (const auto fields = json_camera(file, camera)) {
+    if (is_realsense(*fields)) return read_realsense(*fields, beside.size, is_rectified);
+    return is_open3d(*fields) ? read_open3d(*fields, beside.size, is_rectified)
+                              : read_plain(*fields, beside.size, is_rectified);
+  }
   const std::vector<std::string> keys = file.keys();
   if (std::any_of(keys.begin(), keys.end(), [](const std::string& key) { return key.starts_with("cam"); }))
     return read_camchain(file, camera, is_rectified);
   file.fail("",
             "expected kalibr's camchain (`cam0`), ROS's camera_info or OpenCV's calibration (`image_width`, "
             "`camera_matrix`), a CameraInfo as `ros2 topic echo` prints it (`width`, `k`), librealsense's "
-            "intrinsics (`fx`, `ppx`), Open3D's (`intrinsic_matrix`), or a matrix alone");
+            "intrinsics (`fx`, `ppx`), Open3D's (`intrinsic_matrix`), EuRoC's sensor.yaml, Replica's "
+            "cam_params.json "
+            "(`fx`, `cx`), or a matrix alone");
 }
 
 }  // namespace
 
 CameraIntrinsics parse_camera_file(const std::string& text, const std::string& name,
                                    const std::string& camera, bool is_rectified,
-                                   std::optional<ImageSize> size) {
+                                   std::optional<ImageSize> size, std::optional<LensModel> lens,
+                                   std::string* note) {
   const std::string called = "camera file " + quote_path(name);
   if (is_numbers_alone(text)) {
     CameraIntrinsics pinhole = camera_of_matrix_text(text, called, size);
     pinhole.is_rectified = is_rectified;
+    if (lens.value_or(LensModel::plumb_bob) == LensModel::fisheye)
+      throw std::invalid_argument(called + " has a matrix alone: expected no `lens` beside it.");
     return pinhole;
   }
   // OpenCV's FileStorage begins with a directive that YAML does not have.
@@ -365,7 +444,13 @@ CameraIntrinsics parse_camera_file(const std::string& text, const std::string& n
                         : is_opencv  ? text.substr(std::min(text.find('\n'), text.size()))
                                      : text,
                         called);
-  const CameraIntrinsics read = read_any(file, camera, is_rectified, size);
+  BesideFile beside{is_rectified, size, lens, ""};
+  const CameraIntrinsics read = read_any(file, camera, beside);
+  if (note != nullptr && !beside.note.empty()) *note = called + " " + beside.note;
+  const bool is_other = lens && (read.lens == LensModel::fisheye) != (*lens == LensModel::fisheye);
+  if (is_other && !is_rectified)
+    file.fail("", "its lens is " + lens_name(read.lens) + ", expected " + lens_name(*lens) +
+                      ", as `lens` beside `file` says");
   const auto sides = [](const ImageSize& of) {
     return std::to_string(of.width) + " x " + std::to_string(of.height);
   };
@@ -376,8 +461,17 @@ CameraIntrinsics parse_camera_file(const std::string& text, const std::string& n
 }
 
 CameraIntrinsics load_camera_file(const std::filesystem::path& file, const std::string& camera,
-                                  bool is_rectified, std::optional<ImageSize> size) {
-  return parse_camera_file(read_text(file, "camera file"), file.string(), camera, is_rectified, size);
+                                  bool is_rectified, std::optional<ImageSize> size,
+                                  std::optional<LensModel> lens, std::string* note) {
+  return parse_camera_file(read_text(file, "camera file"), file.string(), camera, is_rectified, size, lens,
+                           note);
+}
+
+std::optional<double> depth_scale_of_file(const std::filesystem::path& file) {
+  const YamlFields whole(read_text(file, "camera file"), "camera file " + quote_path(file.string()));
+  const YamlFields fields = whole.is_map("camera") ? whole.map("camera") : whole;
+  const auto steps = fields.optional_number("scale", {1, 1e7});
+  return steps ? std::optional(1.0 / *steps) : std::nullopt;
 }
 
 }  // namespace clearway

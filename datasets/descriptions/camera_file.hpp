@@ -16,7 +16,8 @@ namespace clearway {
 /// - OpenCV's FileStorage as YAML, XML or JSON, by the names that people give the matrix (camera_matrix,
 ///   cameraMatrix, Camera_Matrix, K, or of two M1, …) and what belongs to it; five coefficients: plumb bob,
 ///   more: rational, `fisheye_model`: fisheye;
-/// - librealsense's intrinsics as JSON (set_realsense_lens), and Open3D's, also inside other maps;
+/// - EuRoC's sensor.yaml;
+/// - librealsense's intrinsics as JSON (set_realsense_lens), Open3D's and Replica's, also inside other maps;
 /// - a matrix alone (camera_of_matrix_text).
 ///
 /// Pixels are counted alike in all of them. The camera of pictures that are rectified is that of ROS's
@@ -26,14 +27,22 @@ namespace clearway {
 /// @param camera the one of a camchain, of a file of several maps or matrices; may be empty when there is one
 /// @param size of its pictures, where it is known from elsewhere: OpenCV's files and matrices may leave it
 /// out
+/// @param lens of a file that names none, as OpenCV's are; it has to agree with one that does
+/// @param note becomes one sentence without its end where the file may mean another lens
 /// @throws std::invalid_argument in one sentence naming file, key and what was expected: omnidirectional
 /// and other lenses, too, and no word of rectified pictures where there is need of one
 CameraIntrinsics parse_camera_file(const std::string& text, const std::string& name,
                                    const std::string& camera, bool is_rectified = false,
-                                   std::optional<ImageSize> size = {});
+                                   std::optional<ImageSize> size = {}, std::optional<LensModel> lens = {},
+                                   std::string* note = nullptr);
 
 /// The same from a file. @throws std::invalid_argument also when it cannot be read.
 CameraIntrinsics load_camera_file(const std::filesystem::path& file, const std::string& camera,
-                                  bool is_rectified = false, std::optional<ImageSize> size = {});
+                                  bool is_rectified = false, std::optional<ImageSize> size = {},
+                                  std::optional<LensModel> lens = {}, std::string* note = nullptr);
+
+/// m per step of depth pictures, by `scale` of Replica's cam_params.json (steps in a metre); nothing: it says
+/// none. @throws std::invalid_argument when it cannot be read
+std::optional<double> depth_scale_of_file(const std::filesystem::path& file);
 
 }  // namespace clearway

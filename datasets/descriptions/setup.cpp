@@ -1,7 +1,10 @@
 #include "datasets/descriptions/setup.hpp"
 
 #include <algorithm>
+#include <fstream>
+#include <iterator>
 #include <set>
+#include <sstream>
 
 #include "datasets/descriptions/query_fields.hpp"
 #include "datasets/descriptions/setup_tracking.hpp"
@@ -81,6 +84,34 @@ std::vector<SensorSetup> read_sensors(const YamlFields& fields, const Setup& set
   return sensors;
 }
 
+/// Whether a file's first line with something in it has 12 numbers: KITTI's poses, which have no times.
+bool has_numbered_poses(const std::filesystem::path& file) {
+  if (!is_input_there(file)) return false;
+  std::ifstream stream(file);
+  for (std::string line; std::getline(stream, line);) {
+    line.resize(std::min(line.find('#'), line.size()));
+    std::istringstream words(line);
+    const auto count = std::distance(std::istream_iterator<std::string>(words), {});
+    if (count > 0) return count == 12;
+  }
+  return false;
+}
+
+/// Poses without times belong to scans by their numbers, and so to the source.
+void take_numbered_poses(const YamlFields& fields, Setup& setup) {
+  std::erase_if(setup.sensors, [&](const SensorSetup& sensor) {
+    if (sensor.poses.empty() || !has_numbered_poses(sensor.poses)) return false;
+    const bool is_depth = sensor.name == "depth";
+    const std::filesystem::path& other = is_depth ? setup.source.depth.poses : setup.source.numbered_poses;
+    if (!other.empty() || !sensor.mount.isApprox(Eigen::Isometry3d::Identity(), 1e-12))
+      fields.fail("sensors", "sensor " + quote(sensor.name) +
+                                 " has poses of 12 numbers a line, which are its own: expected one such file "
+                                 "and no `pose` beside it");
+    (is_depth ? setup.source.depth.poses : setup.source.numbered_poses) = sensor.poses;
+    return true;
+  });
+}
+
 std::vector<VolumeSetup> read_volumes(const YamlFields& fields) {
   std::vector<VolumeSetup> volumes;
   std::set<std::string> labels;
@@ -105,13 +136,14 @@ bool is_depth_rectified(const BagTopics& bag, const DepthOptions& depth) {
   return bag.depth.empty() ? depth.rectified : is_depth_rectified(bag);
 }
 
-DepthOptions read_depth(const YamlFields& fields, const std::filesystem::path& folder, const BagTopics& bag) {
+DepthOptions read_depth(const YamlFields& fields, const std::filesystem::path& folder, const BagTopics& bag,
+                        std::vector<std::string>& notes) {
   DepthOptions depth;
   depth.scale = fields.optional_number("scale", {1e-7, 10});
   depth.max_range = fields.number("max_range", not_negative, depth.max_range);
   if (fields.has("rectified")) depth.rectified = fields.boolean("rectified");
   if (fields.has("camera"))
-    depth.camera = read_camera_of_setup(fields.map("camera"), folder, is_depth_rectified(bag, depth));
+    depth.camera = read_camera_of_setup(fields.map("camera"), folder, is_depth_rectified(bag, depth), notes);
   if (fields.has("poses")) depth.poses = folder / fields.file("poses");
   depth.tolerance = fields.number("tolerance", {1e-6, 1e3}, depth.tolerance);
   fields.finish();
@@ -154,7 +186,7 @@ SourceOptions read_source(const YamlFields& fields, const std::filesystem::path&
     if (scans.has("clear_infinite")) source.clear_infinite = scans.boolean("clear_infinite");
     scans.finish();
   }
-  if (fields.has("depth")) source.depth = read_depth(fields.map("depth"), folder, source.bag);
+  if (fields.has("depth")) source.depth = read_depth(fields.map("depth"), folder, source.bag, source.notes);
   fields.finish();
   return source;
 }
@@ -167,10 +199,10 @@ void read_cameras(const YamlFields& fields, const std::filesystem::path& folder,
   const bool is_depth_alone = bag.images.empty() && !bag.depth.empty();
   const bool of_depth = is_depth_rectified(bag, source.depth);
   const bool of_images = is_depth_alone ? of_depth : !bag.images.empty() && are_images_rectified(bag);
-  setup.camera = read_camera_of_setup(fields, folder, of_images);
+  setup.camera = read_camera_of_setup(fields, folder, of_images, source.notes);
   const bool has_depth = bag.images.empty() || !bag.depth.empty();
   if (has_depth && !source.depth.camera && bag.depth_camera_info.empty() && of_depth != of_images)
-    source.depth.camera = read_camera_of_setup(fields, folder, of_depth);
+    source.depth.camera = read_camera_of_setup(fields, folder, of_depth, source.notes);
 }
 
 RobotSetup read_robot(const YamlFields& fields, const std::filesystem::path& folder) {
@@ -335,6 +367,7 @@ Setup parse_setup(const std::string& text, const std::string& name) {
   setup.volumes = read_volumes(fields);
   if (fields.has("acceptance")) setup.acceptance = read_acceptance(fields.map("acceptance"));
   setup.source.camera = setup.camera;
+  take_numbered_poses(fields, setup);
   for (const SensorSetup& sensor : setup.sensors) setup.source.placed.push_back(sensor.name);
   setup.source.places_depth = setup.sensor("depth", "depth") != nullptr;
   if (fields.has("robot"))

@@ -47,6 +47,13 @@ BoardSetup read_board(const YamlFields& fields, const BoardErrorsSetup& errors, 
   return board;
 }
 
+LensModel read_lens_name(const YamlFields& fields) {
+  const std::string name = fields.text("lens", "plumb_bob");
+  const auto lens = lens_named(name);
+  if (!lens) fields.fail("lens", std::string("expected ") + known_lenses + ", got '" + name + "'");
+  return *lens;
+}
+
 }  // namespace
 
 CameraIntrinsics read_camera(const YamlFields& fields) {
@@ -57,26 +64,30 @@ CameraIntrinsics read_camera(const YamlFields& fields) {
   camera.fy = fields.number("fy", positive);
   camera.cx = fields.number("cx", within_reach);
   camera.cy = fields.number("cy", within_reach);
-  const std::string name = fields.text("lens", "plumb_bob");
-  const auto lens = lens_named(name);
-  if (!lens) fields.fail("lens", std::string("expected ") + known_lenses + ", got '" + name + "'");
+  const LensModel lens = read_lens_name(fields);
   std::vector<double> coefficients;
   if (fields.has("distortion"))
-    coefficients = fields.numbers("distortion", within_reach, coefficient_count(*lens));
-  set_lens(camera, *lens, coefficients);
+    coefficients = fields.numbers("distortion", within_reach, coefficient_count(lens));
+  set_lens(camera, lens, coefficients);
   fields.finish();
   return camera;
 }
 
 CameraIntrinsics read_camera_of_setup(const YamlFields& fields, const std::filesystem::path& folder,
-                                      bool is_rectified) {
+                                      bool is_rectified, std::vector<std::string>& notes) {
   if (!fields.has("file")) return read_camera(fields);
   if (fields.has("rectified")) is_rectified = fields.boolean("rectified");
   std::optional<ImageSize> size;
   if (fields.has("width") || fields.has("height"))
     size = {fields.integer("width", {1, 20000}), fields.integer("height", {1, 20000})};
-  const CameraIntrinsics camera = load_camera_file(
-      folder / fields.file("file"), fields.has("name") ? fields.text("name") : "", is_rectified, size);
+  std::optional<LensModel> lens;
+  if (fields.has("lens")) lens = read_lens_name(fields);
+  std::string note;
+  const CameraIntrinsics camera =
+      load_camera_file(folder / fields.file("file"), fields.has("name") ? fields.text("name") : "",
+                       is_rectified, size, lens, &note);
+  if (!note.empty() && std::find(notes.begin(), notes.end(), note + ".") == notes.end())
+    notes.push_back(note + ".");
   fields.finish();
   return camera;
 }

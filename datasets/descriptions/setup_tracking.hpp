@@ -18,8 +18,9 @@ CameraIntrinsics read_camera(const YamlFields& fields);
 
 /// In the setup itself, or in a file that it names, which may say whether pictures are `rectified`.
 /// @param is_rectified what they are otherwise; nothing but a file tells both cameras apart
+/// @param notes what is to be told of it, added once
 CameraIntrinsics read_camera_of_setup(const YamlFields& fields, const std::filesystem::path& folder,
-                                      bool is_rectified);
+                                      bool is_rectified, std::vector<std::string>& notes);
 
 /// A list of {from, to, radius} under `key`; empty when absent.
 std::vector<CapsuleSetup> read_capsules(const YamlFields& fields, const std::string& key);

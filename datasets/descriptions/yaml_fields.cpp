@@ -294,6 +294,18 @@ std::vector<double> YamlFields::numbers(const std::string& key, Bounds bounds, s
   return result;
 }
 
+std::vector<double> YamlFields::flat_numbers(const std::string& key, Bounds bounds) const {
+  const YAML::Node node = required(key);
+  if (!node.IsSequence() || node.size() == 0 || !node.begin()->IsSequence()) return numbers(key, bounds);
+  std::vector<double> all;
+  for (const auto& item : node) {
+    const std::vector<double> row = numbers_of(item, key, bounds);
+    if (node.size() > 1 && row.size() != 1) fail(key, "expected one row of numbers, got several");
+    all.insert(all.end(), row.begin(), row.end());
+  }
+  return all;
+}
+
 std::vector<std::vector<double>> YamlFields::lists_of_numbers(const std::string& key, Bounds bounds,
                                                               size_t size) const {
   const YAML::Node node = required(key);

@@ -67,6 +67,8 @@ class YamlFields {
   std::vector<std::vector<std::string>> lists_of_texts(const std::string& key, const std::string& name) const;
   std::vector<double> numbers(const std::string& key, Bounds) const;  ///< a list of any length
   std::vector<double> numbers(const std::string& key, Bounds, size_t size) const;
+  /// A list, or lists of one row or of one column, as a matrix of numbers is written.
+  std::vector<double> flat_numbers(const std::string& key, Bounds) const;
   std::vector<std::vector<double>> lists_of_numbers(const std::string& key, Bounds, size_t size) const;
   /// Rows of `size` numbers, each a list or a map with `names`, which hold a number or a list of them; or one
   /// list with the numbers of all rows.

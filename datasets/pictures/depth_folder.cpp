@@ -186,10 +186,11 @@ class DepthFolder final : public FrameSource {
       sentences.push_back(
           "steps of depth are 0.0002 m, as the files are TUM's; `source: {depth: {scale: …}}` states "
           "others.");
-    else if (!is_scale_stated_ && poses_.span())
+    else if (!is_scale_stated_)
       sentences.push_back(
           "steps of depth are taken as 0.001 m, which nothing states; TUM's and ICL-NUIM's are 0.0002 "
           "(`source: {depth: {scale: …}}`).");
+    if (!poses_.left_out().empty()) sentences.push_back(poses_.left_out());
     if (unposed_ > 0) sentences.push_back(unposed());
     if (colour_)
       for (const std::string& warning : colour_->warnings()) sentences.push_back(warning);
@@ -285,7 +286,11 @@ std::optional<DepthLayout> depth_layout(const fs::path& folder) {
       first_there(folder, {"intrinsic/intrinsic_depth.txt", "intrinsic_depth.txt", "camera_intrinsic.json",
                            "intrinsic.json", "intrinsics.json", "camera.json", "camera-intrinsics.txt",
                            "camera_intrinsics.txt", "intrinsic.txt", "intrinsics.txt", "camera.yaml",
-                           "camera.yml", "camera.xml", "camera_info.yaml"});
+                           "camera.yml", "camera.xml", "camera_info.yaml", "cam_params.json"});
+  std::error_code error;
+  const fs::path above = fs::weakly_canonical(folder, error).parent_path();
+  if (layout.camera.empty())
+    layout.camera = first_there(above, {"cam_params.json"});  // Replica's, of all its rooms
   layout.poses =
       first_there(folder, {"groundtruth.txt", "poses.txt", "trajectory.txt", "trajectory.log", "traj.txt"});
   for (const char* kind : {".log", ".freiburg"})

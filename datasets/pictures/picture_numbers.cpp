@@ -86,7 +86,8 @@ long numbers_apart(const std::set<std::size_t>& pictures, const std::set<std::si
   const long apart = first_picture - first_pose;
   if (pictures.size() == poses.size()) {
     if (fit(pictures, poses, apart)) return apart;
-    throw std::invalid_argument("numbers that are not those in the pictures' names, nor all higher or lower by the same");
+    throw std::invalid_argument(
+        "numbers that are not those in the pictures' names, nor all higher or lower by the same");
   }
   const bool may_begin_elsewhere =
       (first_picture == 0 && first_pose == 1) || (first_picture == 1 && first_pose == 0);

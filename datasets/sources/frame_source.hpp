@@ -94,6 +94,8 @@ struct SourceOptions {
   double camera_seconds = 10.0;             ///< how long a live camera is watched
   std::vector<std::string> placed;          ///< sensors, or kinds of clouds, whose place the setup says
   bool places_depth = false;                ///< the setup's sensors say where the sensor "depth" is
+  std::filesystem::path numbered_poses = {};  ///< of `sensors`, without times: for a folder of KITTI's scans
+  std::vector<std::string> notes = {};        ///< sentences about these options that are to be told
 };
 
 }  // namespace clearway

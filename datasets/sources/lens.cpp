@@ -97,7 +97,7 @@ std::string lens_name(LensModel model) {
 }
 
 std::optional<LensModel> lens_named(const std::string& name) {
-  if (name == "plumb_bob" || name == "radtan") return LensModel::plumb_bob;
+  if (name == "plumb_bob" || name == "radtan" || name == "radial-tangential") return LensModel::plumb_bob;
   if (name == "rational" || name == "rational_polynomial") return LensModel::rational;
   if (name == "fisheye" || name == "equidistant") return LensModel::fisheye;
   return std::nullopt;

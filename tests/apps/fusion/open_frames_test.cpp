@@ -238,11 +238,60 @@ TEST(DepthFolderCameras, AreFoundBesideThePictures) {
     stated.camera = CameraIntrinsics{48, 36, 100, 52, 24, 18, {}};
     const auto other = open_frames(folder.path(), stated)->next();
     EXPECT_NEAR(std::get<CloudFrame>(other.value().content).points.at(10 * 48 + 34).y(), -0.2F, 1e-6F);
-    folder.write("depth/0.png", picture_bytes(cv::Mat(36, 40, CV_16UC1, cv::Scalar(2000)), ".png"));
+    const std::string depth = picture_bytes(cv::Mat(36, 40, CV_16UC1, cv::Scalar(2000)), ".png");
+    folder.write("depth/0.png", depth);
     if (text == matrix || text == wide)
       EXPECT_EQ(refusal(folder.path()), "");
     else
       EXPECT_NE(refusal(folder.path()).find("48 x 36 pixels, expected 40 x 36"), std::string::npos);
+  }
+}
+
+TEST(DepthFolderCameras, OfPicturesOfAnotherSizeAreRefusedUnlessTheirSizeIsStated) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "depth");
+  folder.write("depth/0.png", picture_bytes(cv::Mat(36, 48, CV_16UC1, cv::Scalar(2000)), ".png"));
+  folder.write("poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n");
+  const std::string matrix = "100 0 48\n0 104 36\n0 0 1\n";  // of 96 x 72
+  folder.write("intrinsics.txt", matrix);
+  EXPECT_NE(
+      refusal(folder.path()).find("principal point at (48, 36), far from the middle of pictures of 48 x 36"),
+      std::string::npos)
+      << refusal(folder.path());
+  folder.write("intrinsics.txt", "100 0 34\n0 104 11\n0 0 1\n");  // within a quarter
+  EXPECT_EQ(refusal(folder.path()), "");
+  std::filesystem::remove(folder / "intrinsics.txt");
+  folder.write("camera.yaml",  // a part of larger pictures, and it says so
+               "image_width: 48\nimage_height: 36\ncamera_matrix: [100, 0, 48, 0, 104, 36, 0, 0, 1]\n");
+  EXPECT_EQ(refusal(folder.path()), "");
+  folder.write("k.txt", matrix);
+  const SourceOptions stated =
+      load_setup(folder.write("s.yaml", "camera: {file: k.txt, width: 48, height: 36}\n")).source;
+  const auto source = open_frames(folder.path(), stated);
+  EXPECT_TRUE(source->next());
+  std::string told;
+  for (const std::string& warning : source->warnings()) told += warning + "\n";
+  EXPECT_NE(told.find("the setup's camera has its principal point at (48, 36)"), std::string::npos) << told;
+}
+
+TEST(DepthFolderCameras, OfReplicaSayTheScaleToo) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "Replica/room0/results");
+  const std::string room = "Replica/room0/";
+  folder.write(room + "results/depth000000.png",
+               picture_bytes(cv::Mat(36, 48, CV_16UC1, cv::Scalar(13107)), ".png"));
+  folder.write(room + "traj.txt", "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\n");
+  folder.write("Replica/cam_params.json", R"({"camera": {"w": 48, "h": 36, "fx": 50.0, "fy": 52.0, "cx": 24.0,
+                                              "cy": 18.0, "scale": 6553.5}})");
+  for (const char* name : {"Replica/cam_params.json", "Replica/room0/cam_params.json"}) {
+    if (!std::filesystem::exists(folder / name))
+      std::filesystem::rename(folder / "Replica/cam_params.json", folder / name);
+    const auto source = open_frames(folder / "Replica/room0", {});
+    const auto frame = source->next();
+    ASSERT_TRUE(frame);
+    const Eigen::Vector3f expected(2.0F, -2.0F * 10 / 50, 2.0F * 8 / 52);
+    EXPECT_LT((std::get<CloudFrame>(frame->content).points.at(10 * 48 + 34) - expected).norm(), 1e-5F);
+    EXPECT_NE(source->warnings().at(0).find("by `scale` of"), std::string::npos) << source->warnings().at(0);
   }
 }
 

@@ -61,6 +61,82 @@ TEST(ForeignCameras, ListsOfPythonsUsersAreReadAsMatrices) {
   EXPECT_EQ(parse_camera_file(text, "c.yaml", ""), bent);
 }
 
+TEST(ForeignCameras, CoefficientsAreFoundByTheNamesInUseAndOtherNamesRefused) {
+  const std::string k =
+      "camera_matrix: [[458.6, 0, 367.2], [0, 457.2, 248.3], [0, 0, 1]]\nwidth: 752\nheight: 480\n";
+  for (const char* key : {"dist_coeff", "dist_coefs", "distortion_coefficients", "dist", "D", "dist_coeffs",
+                          "distortion_coeffs"})
+    for (const char* list : {"[-0.28, 0.07, 0.0001, -0.0002, 0.01]", "[[-0.28, 0.07, 0.0001, -0.0002, 0.01]]",
+                             "[[-0.28], [0.07], [0.0001], [-0.0002], [0.01]]"})
+      EXPECT_EQ(parse_camera_file(k + key + ": " + list + "\n", "c.yaml", ""), bent) << key << list;
+  for (const char* key : {"coeffs", "distCo", "my_dist", "Coefs"}) {
+    const std::string sentence = refusal_of(k + key + ": [-0.28, 0.07, 0.0001, -0.0002, 0.01]\n");
+    EXPECT_NE(sentence.find(key), std::string::npos) << key << sentence;
+    EXPECT_NE(sentence.find("as distortion_coefficients, got another name"), std::string::npos) << sentence;
+  }
+  EXPECT_NE(refusal_of(k + "dist: [[1, 2], [3, 4]]\n").find("expected one row of numbers"),
+            std::string::npos);
+  EXPECT_EQ(refusal_of(k + "distance: 3\n"), "");
+}
+
+TEST(ForeignCameras, FourCoefficientsAreThoseOfTheLensThatIsNamedOrStatedBeside) {
+  const std::string file =
+      "K: [[458.6, 0, 367.2], [0, 457.2, 248.3], [0, 0, 1]]\nwidth: 752\nheight: 480\n"
+      "D: [0.05, -0.01, 0.003, -0.001]\n";
+  CameraIntrinsics fisheye{752, 480, 458.6, 457.2, 367.2, 248.3, {0.05, -0.01, 0.003, -0.001}};
+  const CameraIntrinsics plumb_bob = fisheye;
+  fisheye.lens = LensModel::fisheye;
+  std::string note;
+  const auto read = [&](const std::string& more, std::optional<LensModel> lens = {}) {
+    note.clear();
+    return parse_camera_file(file + more, "c.yaml", "", false, {}, lens, &note);
+  };
+  for (const char* model : {"model: fisheye\n", "camera_model: fisheye\n", "distortion_model: equidistant\n",
+                            "distortion_model: fisheye\n", "camera_model: KannalaBrandt\n"}) {
+    EXPECT_EQ(read(model), fisheye) << model;
+    EXPECT_EQ(note, "");
+  }
+  EXPECT_EQ(read("model: D435\n"), plumb_bob);
+  EXPECT_NE(note.find("camera file 'c.yaml' has four coefficients and names no lens"), std::string::npos);
+  EXPECT_EQ(read("", LensModel::fisheye), fisheye);
+  EXPECT_EQ(note, "");
+  EXPECT_EQ(read("", LensModel::plumb_bob), plumb_bob);
+  EXPECT_EQ(note, "");
+  EXPECT_NE(complaint([&] {
+              read("model: fisheye\n", LensModel::plumb_bob);
+            }).find("its lens is fisheye, expected plumb_bob"),
+            std::string::npos);
+  EXPECT_NE(complaint([&] { read("camera_model: omni\n"); }).find("the lens 'omni' is not known"),
+            std::string::npos);
+  const TemporaryFolder folder;
+  folder.write("c.yaml", file);
+  const auto setup = [&](const std::string& more) {
+    return load_setup(folder.write("s.yaml", "camera: {file: c.yaml" + more + "}\n"));
+  };
+  EXPECT_EQ(setup(", lens: fisheye").camera, fisheye);
+  EXPECT_TRUE(setup(", lens: fisheye").source.notes.empty());
+  EXPECT_EQ(setup("").camera, plumb_bob);
+  ASSERT_EQ(setup("").source.notes.size(), 1U);
+  EXPECT_NE(setup("").source.notes[0].find("`lens: fisheye` beside `file`"), std::string::npos);
+}
+
+TEST(ForeignCameras, EurocsSensorAndReplicasCameraAreRead) {
+  const std::string euroc =
+      "#Default\nsensor_type: camera\nT_BS:\n  cols: 4\n  rows: 4\n  data: "
+      "[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]\n"
+      "rate_hz: 20\nresolution: [752, 480]\ncamera_model: pinhole\nintrinsics: [458.6, 457.2, 367.2, 248.3] "
+      "#fu\n"
+      "distortion_model: radial-tangential\ndistortion_coefficients: [-0.28, 0.07, 0.0001, -0.0002]\n";
+  CameraIntrinsics expected = bent;
+  expected.distortion[4] = 0.0;
+  EXPECT_EQ(parse_camera_file(euroc, "sensor.yaml", ""), expected);
+  EXPECT_EQ(
+      parse_camera_file(R"({"camera": {"w": 752, "h": 480, "fx": 458.6, "fy": 457.2, "cx": 367.2, "cy": 248.3,
+                                  "scale": 6553.5}})",
+                        "cam_params.json", ""),
+      (CameraIntrinsics{752, 480, 458.6, 457.2, 367.2, 248.3, {}}));
+}
+
 TEST(ForeignCameras, OfAStereoPairOneIsNamedAndASizeIsStatedElsewhere) {
   for (const std::string kind : {".xml", ".yml"}) {
     const std::string text = written_by_opencv(kind, [&](cv::FileStorage& file) {
