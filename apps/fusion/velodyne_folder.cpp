@@ -68,21 +68,86 @@ void take_times(const fs::path& file, std::vector<TimedFile>& scans) {
   for (std::size_t i = 0; i < scans.size(); ++i) scans[i].time = times[lines[i]];
 }
 
-/// `Tr` of calib.txt; nothing when it has none. @throws std::invalid_argument: it is no rigid transform
-std::optional<Eigen::Isometry3d> camera_from_scanner(const fs::path& file) {
-  std::istringstream stream(read_input(file, "calibration", largest_text));
-  std::string before;  // the same number of lines, so that errors name the right one
+/// The words behind a key of a calibration, with as many line breaks before them as in the file, so that
+/// errors name the right line; KITTI's tracking files have no colon. Nothing when no line has the key.
+std::optional<std::string> words_behind(const std::string& text, const std::string& key) {
+  std::istringstream stream(text);
+  std::string before;
   for (std::string line; std::getline(stream, line); before += '\n') {
-    if (!line.starts_with("Tr:")) continue;
-    std::istringstream words(line.substr(3));
-    const auto count = std::distance(std::istream_iterator<std::string>(words), {});
-    const std::string name = "calibration " + quote_path(file.string());
-    const auto read = count == 12 ? parse_numbered_poses(before + line.substr(3), name) : std::nullopt;
-    if (read && read->poses.at(0)) return read->poses.at(0);
-    throw std::invalid_argument(name +
-                                ": expected `Tr:` and 12 numbers, the three rows of a rigid transform");
+    if (!line.starts_with(key) || line.size() <= key.size()) continue;
+    const char next = line[key.size()];
+    if (next == ':' || next == ' ') return before + line.substr(key.size() + 1);
   }
   return std::nullopt;
+}
+
+std::vector<double> numbers_of(const std::string& words) {
+  std::istringstream stream(words);
+  std::vector<double> numbers;
+  for (std::string word; stream >> word;) {
+    const auto number = finite_number(word.starts_with('+') ? word.substr(1) : word);
+    if (!number) return {};
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
+
+/// The turn of the nine numbers under the first of these keys that is there, else none: `R0_rect` leads from
+/// KITTI's first camera to its rectified pictures, in whose axes its poses are. @throws
+/// std::invalid_argument: no rotation
+Eigen::Isometry3d rectification(const std::string& text, const std::string& name,
+                                std::initializer_list<const char*> keys) {
+  Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
+  for (const char* key : keys) {
+    const auto words = words_behind(text, key);
+    if (!words) continue;
+    const std::vector<double> numbers = numbers_of(*words);
+    using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+    const Eigen::Matrix3d matrix = numbers.size() == 9
+                                       ? Eigen::Matrix3d(Eigen::Map<const RowMajor>(numbers.data()))
+                                       : Eigen::Matrix3d(Eigen::Matrix3d::Zero());
+    if (!(matrix * matrix.transpose()).isIdentity(1e-3) || matrix.determinant() < 0.0)
+      throw std::invalid_argument(name + ": expected `" + key + "` and 9 numbers, the rows of a rotation");
+    turn.linear() = Eigen::Quaterniond(matrix).normalized().toRotationMatrix();
+    return turn;
+  }
+  return turn;
+}
+
+/// calib_velo_to_cam.txt of KITTI's raw data, `R` and `T`, and `R_rect_00` of calib_cam_to_cam.txt beside it.
+std::optional<Eigen::Isometry3d> camera_from_scanner_of_raw(const fs::path& file, const std::string& text,
+                                                            const std::string& name) {
+  const auto place = words_behind(text, "T");
+  if (!words_behind(text, "R") || !place) return std::nullopt;
+  Eigen::Isometry3d transform = rectification(text, name, {"R"});
+  const std::vector<double> numbers = numbers_of(*place);
+  if (numbers.size() != 3) throw std::invalid_argument(name + ": expected `T:` and 3 numbers");
+  transform.translation() = Eigen::Vector3d(numbers.data());
+  const fs::path cameras = file.parent_path() / "calib_cam_to_cam.txt";
+  if (!is_input_there(cameras)) return transform;
+  return rectification(read_input(cameras, "calibration", largest_text),
+                       "calibration " + quote_path(cameras.string()), {"R_rect_00"}) *
+         transform;
+}
+
+/// Of calib.txt; nothing when it says nothing of the scanner. `Tr` (odometry) leads to the rectified camera,
+/// `Tr_velo_to_cam` (objects) and `Tr_velo_cam` (tracking) to the camera before that.
+/// @throws std::invalid_argument: it is no rigid transform
+std::optional<Eigen::Isometry3d> camera_from_scanner(const fs::path& file) {
+  const std::string text = read_input(file, "calibration", largest_text);
+  const std::string name = "calibration " + quote_path(file.string());
+  for (const char* key : {"Tr", "Tr_velo_to_cam", "Tr_velo_cam"}) {
+    const auto words = words_behind(text, key);
+    if (!words) continue;
+    const auto read = numbers_of(*words).size() == 12 ? parse_numbered_poses(*words, name) : std::nullopt;
+    if (!read || !read->poses.at(0))
+      throw std::invalid_argument(name + ": expected `" + key +
+                                  ":` and 12 numbers, the three rows of a rigid transform");
+    const bool is_rectified = std::string(key) == "Tr";
+    return is_rectified ? *read->poses.at(0)
+                        : rectification(text, name, {"R0_rect", "R_rect"}) * *read->poses.at(0);
+  }
+  return camera_from_scanner_of_raw(file, text, name);
 }
 
 /// Where the scanner was at each scan.
@@ -94,7 +159,10 @@ class ScannerPoses {
     const std::string text = read_input(layout.poses, "poses", largest_text);
     const auto numbered = parse_numbered_poses(text, name);
     if (!numbered) {
-      stream_.emplace(parse_tum_poses(text, name, 2.0 * tolerance));
+      has_unused_calibration_ = !layout.calibration.empty() && camera_from_scanner(layout.calibration);
+      std::size_t left_out = 0;
+      stream_.emplace(parse_tum_poses(text, name, 2.0 * tolerance, &left_out));
+      if (left_out > 0) left_out_ = left_out_poses(layout.poses, left_out);
       return;
     }
     if (!layout.calibration.empty()) turn_ = camera_from_scanner(layout.calibration);
@@ -106,6 +174,8 @@ class ScannerPoses {
 
   bool are_there() const { return stream_ || !by_scan_.empty(); }
   bool are_turned() const { return turn_.has_value(); }
+  const std::string& left_out() const { return left_out_; }  ///< a sentence, or ""
+  bool has_unused_calibration() const { return has_unused_calibration_; }
   std::optional<Eigen::Isometry3d> of(std::size_t scan, double time) const {
     return stream_ ? stream_->at(time) : by_scan_.at(scan);
   }
@@ -113,6 +183,8 @@ class ScannerPoses {
  private:
   std::optional<PoseStream> stream_;
   std::optional<Eigen::Isometry3d> turn_;
+  bool has_unused_calibration_ = false;
+  std::string left_out_;
   std::vector<std::optional<Eigen::Isometry3d>> by_scan_;
 };
 
@@ -165,10 +237,16 @@ class VelodyneFolder final : public FrameSource {
       sentences.push_back(
           "the poses are those of KITTI's camera, and the scanner's by `Tr` of calib.txt: the map's axes are "
           "the first camera's (x right, y down, z forward).");
+    else if (poses_.has_unused_calibration())
+      sentences.push_back(
+          "the poses are taken as the scanner's own, as they are TUM text; calib.txt makes KITTI's lines of "
+          "12 "
+          "numbers alone a camera's.");
     else if (poses_.are_there())
       sentences.push_back(
           "the poses are taken as the scanner's own; a calib.txt with `Tr` beside them makes them a "
           "camera's, as KITTI's are.");
+    if (!poses_.left_out().empty()) sentences.push_back(poses_.left_out());
     if (unposed_ > 0)
       sentences.push_back(std::to_string(unposed_) + " of " + std::to_string(scans_.size()) +
                           " scans have no pose and were left out");
@@ -200,9 +278,15 @@ std::optional<VelodyneLayout> velodyne_layout(const fs::path& folder) {
   if (layout.scans.empty()) return std::nullopt;
   for (const auto& [name, file] :
        {std::pair{"poses.txt", &layout.poses}, std::pair{"calib.txt", &layout.calibration},
-        std::pair{"times.txt", &layout.times}})
+        std::pair{"calib_velo_to_cam.txt", &layout.calibration}, std::pair{"times.txt", &layout.times}})
     for (const fs::path& place : places)
       if (file->empty() && fs::exists(place / name, error)) *file = place / name;
+  const fs::path sequence = whole.filename() == "velodyne" ? whole.parent_path() : whole;
+  const fs::path of_odometry =
+      sequence.parent_path().parent_path() / "poses" / (sequence.filename().string() + ".txt");
+  if (layout.poses.empty() && sequence.parent_path().filename() == "sequences" &&
+      fs::exists(of_odometry, error))
+    layout.poses = of_odometry;
   return layout;
 }
 
@@ -211,12 +295,14 @@ std::unique_ptr<FrameSource> open_velodyne(const VelodyneLayout& layout, const s
   const bool is_placed = std::any_of(options.placed.begin(), options.placed.end(), [&](const auto& sensor) {
     return sensor == name || sensor == "velodyne";
   });
-  auto source = std::make_unique<VelodyneFolder>(layout, name, is_placed, options.depth.tolerance);
+  VelodyneLayout stated = layout;
+  if (!options.numbered_poses.empty()) stated.poses = options.numbered_poses;
+  auto source = std::make_unique<VelodyneFolder>(stated, name, is_placed, options.depth.tolerance);
   if (!source->are_placed())
     throw std::invalid_argument(
         "recording " + quote(name) + " has " + std::to_string(layout.scans.size()) +
-        " scans and no poses of them: expected poses.txt beside them (KITTI's 12 numbers a line, or TUM's "
-        "text), or the sensor 'velodyne' in the setup's `sensors`");
+        " scans and no poses of them: expected poses.txt beside them, or ../../poses/NUMBER.txt (KITTI's "
+        "12 numbers a line, or TUM's text), or the sensor 'velodyne' in the setup's `sensors`");
   return source;
 }
 

@@ -14,13 +14,16 @@ namespace clearway {
 /// empty.
 struct VelodyneLayout {
   std::vector<std::filesystem::path> scans;
-  std::filesystem::path poses;        ///< poses.txt: 12 numbers a line, or TUM text
-  std::filesystem::path calibration;  ///< calib.txt, whose `Tr` is camera_from_scanner
-  std::filesystem::path times;        ///< times.txt, seconds, one a line
+  std::filesystem::path poses;  ///< poses.txt: 12 numbers a line, or TUM text
+  std::filesystem::path
+      calibration;  ///< calib.txt, whose `Tr` is camera_from_scanner; also `Tr_velo_to_cam`, `Tr_velo_cam`,
+                    ///< and of raw data calib_velo_to_cam.txt
+  std::filesystem::path times;  ///< times.txt, seconds, one a line
 };
 
 /// .bin files in the folder, or in its `velodyne/`; the others beside them or, of a folder that is called
-/// velodyne, above it. None when there is no scan.
+/// velodyne, above it; poses also in ../../poses/NAME.txt of a folder NAME in `sequences/`, as KITTI's
+/// odometry has them. None when there is no scan.
 /// @throws std::filesystem::filesystem_error when the folder cannot be read
 std::optional<VelodyneLayout> velodyne_layout(const std::filesystem::path& folder);
 

@@ -6,6 +6,7 @@
 
 #include "apps/fusion/fusion.hpp"
 #include "apps/fusion/open_frames.hpp"
+#include "datasets/descriptions/setup.hpp"
 #include "tests/datasets/complaint.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
@@ -70,6 +71,63 @@ TEST_F(VelodyneFolders, PosesOfKittisCameraPlaceTheScannerByTr) {
     ASSERT_EQ(told_.size(), 1U);
     EXPECT_NE(told_[0].find("`Tr` of calib.txt"), std::string::npos);
   }
+}
+
+TEST_F(VelodyneFolders, TheScannerIsPlacedByTheKeysOfKittisOtherParts) {
+  folder_.write("poses.txt", poses);
+  // The scanner's point lies at (-1, -0.58, 3.73) in the camera; its rectified axes are turned by 90 degrees
+  // about z: (x, y, z) becomes (-y, x, z).
+  const std::string words = calibration.substr(calibration.find("Tr: ") + 4), turn = " 0 -1 0 1 0 0 0 0 1\n";
+  const Eigen::Vector3d straight(-1, -0.58, 3.73), turned(0.58, -1, 3.73);
+  for (const auto& [text, expected] :
+       {std::pair<std::string, Eigen::Vector3d>{"Tr_velo_to_cam: " + words, straight},
+        {"Tr_velo_cam " + words, straight},
+        {"R0_rect:" + turn + "Tr_velo_to_cam: " + words + "Tr_imu_to_velo: 1 0 0 9 0 1 0 0 0 0 1 0\n",
+         turned},
+        {"R_rect" + turn + "Tr_velo_cam " + words, turned},
+        {"R0_rect:" + turn + "Tr: " + words, straight}}) {
+    folder_.write("calib.txt", text);
+    EXPECT_LT((points(folder_.path()).at(0) - expected).norm(), 1e-6) << text;
+  }
+  folder_.write("calib.txt", "R0_rect: " + words + "Tr_velo_to_cam: " + words);
+  EXPECT_NE(complaint([&] { points(folder_.path()); }).find("expected `R0_rect` and 9 numbers"),
+            std::string::npos);
+  std::filesystem::remove(folder_ / "calib.txt");
+  folder_.write("calib_velo_to_cam.txt", "calib_time: 1\nR: 0 -1 0 0 0 -1 1 0 0\nT: 0 -0.08 -0.27\n");
+  EXPECT_LT((points(folder_.path()).at(0) - straight).norm(), 1e-6);
+  folder_.write("calib_cam_to_cam.txt", "R_rect_00:" + turn + "R_rect_01: 1 0 0 0 1 0 0 0 1\n");
+  EXPECT_LT((points(folder_.path()).at(0) - turned).norm(), 1e-6);
+  folder_.write("calib.txt", "Tr_velo_to_cam: 1 2 3\n");
+  EXPECT_NE(complaint([&] { points(folder_.path()); }).find("expected `Tr_velo_to_cam:` and 12 numbers"),
+            std::string::npos);
+}
+
+TEST_F(VelodyneFolders, PosesLieWhereKittisOdometryHasThemOrWhereTheSetupSays) {
+  const Eigen::Vector3d expected(5.73, -0.58, 8);
+  std::filesystem::create_directories(folder_ / "d/sequences/07");
+  std::filesystem::create_directories(folder_ / "d/poses");
+  std::filesystem::rename(folder_ / "velodyne", folder_ / "d/sequences/07/velodyne");
+  folder_.write("d/sequences/07/calib.txt", calibration);
+  folder_.write("d/poses/07.txt", poses);
+  for (const char* place : {"d/sequences/07", "d/sequences/07/velodyne"})
+    EXPECT_LT((points(folder_ / place).at(1) - expected).norm(), 1e-6) << place;
+  std::filesystem::rename(folder_ / "d/poses/07.txt", folder_ / "p.txt");
+  const std::string setup = "sensors: [{name: velodyne, poses: p.txt";
+  const SourceOptions stated = load_setup(folder_.write("s.yaml", setup + "}]\n")).source;
+  EXPECT_LT((points(folder_ / "d/sequences/07", stated).at(1) - expected).norm(), 1e-6);
+  folder_.write("s.yaml", setup + ", pose: [1, 0, 0, 0, 0, 0]}]\n");
+  EXPECT_NE(complaint([&] { load_setup(folder_ / "s.yaml"); }).find("no `pose` beside it"),
+            std::string::npos);
+  folder_.write("c.pcd", "");
+  EXPECT_NE(complaint([&] { open_frames(folder_ / "c.pcd", stated); }).find("is no folder of KITTI's scans"),
+            std::string::npos);
+}
+
+TEST_F(VelodyneFolders, TumTextIsTheScannersOwnBesideACalibrationTooAndItIsTold) {
+  folder_.write("calib.txt", calibration);
+  folder_.write("poses.txt", "0 4 0 0 0 0 0 1\n1 5 0 0 0 0 0 1\n");
+  EXPECT_LT((points(folder_.path()).at(1) - Eigen::Vector3d(9, 1, 0.5)).norm(), 1e-6);
+  EXPECT_NE(told_.at(0).find("taken as the scanner's own, as they are TUM text"), std::string::npos);
 }
 
 TEST_F(VelodyneFolders, PosesWithoutACalibrationAreTheScannersAndItIsTold) {
