@@ -1,16 +1,22 @@
-// ROS 1 bags, format 2.0, by rosbag_storage.
+// ROS 1 bags, format 2.0, by rosbag_storage; those with LZ4 chunks that its decoder does not know, as other
+// programs write them, by the records that they are made of.
 
 #include <ros/serialization.h>
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 
 #include <algorithm>
+#include <cstring>
 #include <exception>
 #include <map>
 #include <new>
 #include <stdexcept>
+#include <string_view>
+#include <utility>
 
+#include "datasets/ros/mcap_chunk.hpp"
 #include "datasets/ros/message_bag.hpp"
+#include "mapping/system/input_file.hpp"
 
 namespace clearway {
 namespace {
@@ -97,8 +103,222 @@ class Ros1Bag final : public MessageBag {
   double share_ = 0.0;
 };
 
+constexpr std::string_view ros1_magic = "#ROSBAG V2.0\n";
+enum Ros1Record : std::uint8_t { op_message = 2, op_chunk = 5, op_connection = 7 };
+
+template <class Number>
+Number ros1_number(std::string_view bytes, std::size_t at = 0) {
+  Number number;
+  if (bytes.size() < at + sizeof number) throw std::runtime_error("a record is cut off");
+  std::memcpy(&number, bytes.data() + at, sizeof number);
+  return number;
+}
+
+/// The fields "name=value" of a record's head, each behind its length.
+std::map<std::string, std::string> ros1_fields(std::string_view head) {
+  std::map<std::string, std::string> fields;
+  for (std::size_t at = 0; at < head.size();) {
+    const auto length = ros1_number<std::uint32_t>(head, at);
+    at += sizeof length;
+    if (length > head.size() - at) throw std::runtime_error("a record is cut off");
+    const std::string_view field = head.substr(at, length);
+    const std::size_t equals = field.find('=');
+    if (equals == std::string_view::npos) throw std::runtime_error("a record has a field without a value");
+    fields.emplace(field.substr(0, equals), field.substr(equals + 1));
+    at += length;
+  }
+  return fields;
+}
+
+/// One record of a bag, or of a chunk.
+struct Ros1Head {
+  std::map<std::string, std::string> fields;
+  std::uint64_t data = 0;  ///< where its data begin
+  std::uint32_t size = 0;  ///< of them, bytes
+
+  std::string_view at(const std::string& name) const {
+    const auto found = fields.find(name);
+    if (found == fields.end()) throw std::runtime_error("a record has no field " + name);
+    return found->second;
+  }
+  std::uint8_t op() const { return ros1_number<std::uint8_t>(at("op")); }
+};
+
+/// @param read gives so many bytes from a place, or throws
+template <class Read>
+Ros1Head ros1_head(std::uint64_t at, const Read& read) {
+  const auto length = ros1_number<std::uint32_t>(read(at, sizeof(std::uint32_t)));
+  constexpr std::uint32_t most = 1U << 20U;
+  if (length > most) throw std::runtime_error("a record is damaged");
+  Ros1Head head;
+  head.fields = ros1_fields(read(at + sizeof length, length));
+  head.data = at + 2 * sizeof length + length;
+  head.size = ros1_number<std::uint32_t>(read(head.data - sizeof length, sizeof length));
+  return head;
+}
+
+/// The chunks of a bag, one after the other, without an index.
+class Ros1Chunks {
+ public:
+  struct Chunk {
+    std::uint64_t data = 0;
+    std::uint32_t packed = 0, unpacked = 0;
+    std::string compression;
+  };
+
+  explicit Ros1Chunks(const std::string& path) : input_(path, "bag") {
+    if (bytes(0, ros1_magic.size()) != ros1_magic) return;
+    for (std::uint64_t at = ros1_magic.size(); at < input_.size();) {
+      const Ros1Head head =
+          ros1_head(at, [this](std::uint64_t from, std::size_t count) { return bytes(from, count); });
+      if (head.op() == op_connection) connections_.emplace_back(head, bytes(head.data, head.size));
+      if (head.op() == op_chunk)
+        chunks_.push_back({head.data, head.size, ros1_number<std::uint32_t>(head.at("size")),
+                           std::string(head.at("compression"))});
+      at = head.data + head.size;
+    }
+  }
+
+  const std::vector<Chunk>& chunks() const { return chunks_; }
+  /// Those that stand outside of chunks, with their data.
+  const std::vector<std::pair<Ros1Head, std::string>>& connections() const { return connections_; }
+  std::uint64_t size() const { return input_.size(); }
+
+  /// Whether rosbag's decoder knows its LZ4 frame: with a checksum of the content, without its size.
+  bool is_known(const Chunk& chunk) const {
+    constexpr char known_flags = 0x64;
+    return chunk.compression != "lz4" || bytes(chunk.data, 5).back() == known_flags;
+  }
+  std::vector<std::uint8_t> unpacked(const Chunk& chunk) const {
+    const std::string packed = bytes(chunk.data, chunk.packed);
+    return unpack_chunk({reinterpret_cast<const std::uint8_t*>(packed.data()), packed.size()},
+                        chunk.compression == "none" ? "" : chunk.compression, chunk.unpacked, 0);
+  }
+
+ private:
+  std::string bytes(std::uint64_t from, std::size_t count) const {
+    std::string piece;
+    input_.read_at(from, count, piece);
+    if (piece.size() != count) throw std::runtime_error("it is cut off");
+    return piece;
+  }
+
+  InputFile input_;
+  std::vector<Chunk> chunks_;
+  std::vector<std::pair<Ros1Head, std::string>> connections_;
+};
+
+/// A bag read by its records alone.
+class ForeignLz4Bag final : public MessageBag {
+ public:
+  explicit ForeignLz4Bag(std::unique_ptr<Ros1Chunks> chunks) : chunks_(std::move(chunks)) {
+    for (const auto& [head, data] : chunks_->connections()) learn_connection(head, data);
+    for (std::size_t i = 0; i < chunks_->chunks().size(); ++i) {
+      try {
+        learn(i);
+      } catch (const std::runtime_error& error) {
+        if (damage_.empty()) damage_ = error.what();
+      }
+    }
+    std::stable_sort(entries_.begin(), entries_.end(),
+                     [](const Entry& a, const Entry& b) { return a.time < b.time; });
+  }
+
+  std::optional<double> first_time() const override {
+    return entries_.empty() ? std::nullopt : std::optional(entries_.front().time);
+  }
+  std::uint64_t offset() const override {
+    return static_cast<std::uint64_t>(share_ * static_cast<double>(chunks_->size()));
+  }
+  void visit(const std::vector<bool>& wanted, const std::function<bool(const BagMessage&)>& take) override {
+    for (std::size_t i = 0; i < entries_.size(); ++i) {
+      const Entry& entry = entries_[i];
+      if (!wanted[entry.topic]) continue;
+      share_ = static_cast<double>(i) / static_cast<double>(entries_.size());
+      const std::vector<std::uint8_t>& bytes = content_of(entry.chunk);
+      if (!take({entry.topic, entry.time, std::span(bytes).subspan(entry.data, entry.size)})) return;
+    }
+    share_ = 1.0;
+  }
+
+ private:
+  struct Entry {
+    double time = 0;
+    std::size_t topic = 0, chunk = 0, data = 0, size = 0;
+  };
+
+  void learn(std::size_t chunk) {
+    const std::vector<std::uint8_t>& bytes = content_of(chunk);
+    const std::string_view content(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    const auto read = [content](std::uint64_t from, std::size_t count) {
+      if (from > content.size() || count > content.size() - from)
+        throw std::runtime_error("a record of a chunk is cut off");
+      return content.substr(from, count);
+    };
+    for (std::uint64_t at = 0; at < content.size();) {
+      const Ros1Head head = ros1_head(at, read);
+      read(head.data, head.size);
+      if (head.op() == op_connection) learn_connection(head, content.substr(head.data, head.size));
+      if (head.op() == op_message) {
+        const auto known = topic_of_.find(ros1_number<std::uint32_t>(head.at("conn")));
+        if (known == topic_of_.end()) throw std::runtime_error("a message has no connection");
+        const std::string_view time = head.at("time");
+        entries_.push_back({ros1_number<std::uint32_t>(time) + 1e-9 * ros1_number<std::uint32_t>(time, 4),
+                            known->second, chunk, head.data, head.size});
+        ++topics_[known->second].count;
+      }
+      at = head.data + head.size;
+    }
+  }
+  void learn_connection(const Ros1Head& head, std::string_view data) {
+    const std::string topic(head.at("topic"));
+    const auto fields = ros1_fields(data);
+    const auto type = fields.find("type");
+    if (type == fields.end()) throw std::runtime_error("a connection has no type");
+    auto found = std::find_if(topics_.begin(), topics_.end(), [&](const BagTopic& known) {
+      return known.name == topic && known.type == type->second;
+    });
+    if (found == topics_.end())
+      found = topics_.insert(topics_.end(), {topic, type->second, RosWire::ros1, 0});
+    topic_of_[ros1_number<std::uint32_t>(head.at("conn"))] =
+        static_cast<std::size_t>(found - topics_.begin());
+  }
+  /// Unpacked; the last few are kept, as those of one time lie in neighbours.
+  const std::vector<std::uint8_t>& content_of(std::size_t chunk) {
+    constexpr std::size_t most_kept = 3;
+    for (const auto& [number, bytes] : kept_)
+      if (number == chunk) return bytes;
+    if (kept_.size() >= most_kept) kept_.erase(kept_.begin());
+    kept_.emplace_back(chunk, chunks_->unpacked(chunks_->chunks()[chunk]));
+    return kept_.back().second;
+  }
+
+  std::unique_ptr<Ros1Chunks> chunks_;
+  std::map<std::uint32_t, std::size_t> topic_of_;  ///< of a connection
+  std::vector<Entry> entries_;                     ///< in the order of their times
+  std::vector<std::pair<std::size_t, std::vector<std::uint8_t>>> kept_;
+  double share_ = 0.0;
+};
+
+/// What reads a bag that rosbag_storage does not; none: it may read it, or say what is wrong.
+std::unique_ptr<MessageBag> open_foreign_lz4(const std::string& path) {
+  try {
+    auto chunks = std::make_unique<Ros1Chunks>(path);
+    const bool is_foreign =
+        std::any_of(chunks->chunks().begin(), chunks->chunks().end(),
+                    [&](const Ros1Chunks::Chunk& chunk) { return !chunks->is_known(chunk); });
+    if (is_foreign) return std::make_unique<ForeignLz4Bag>(std::move(chunks));
+  } catch (const std::runtime_error&) {
+  } catch (const std::invalid_argument&) {
+  }
+  return nullptr;
+}
+
 }  // namespace
 
-std::unique_ptr<MessageBag> open_ros1_bag(const std::string& path) { return std::make_unique<Ros1Bag>(path); }
+std::unique_ptr<MessageBag> open_ros1_bag(const std::string& path) {
+  if (auto foreign = open_foreign_lz4(path)) return foreign;
+  return std::make_unique<Ros1Bag>(path);
+}
 
 }  // namespace clearway
