@@ -101,7 +101,8 @@ int inspect_recording(const InspectOptions& options, Console& console) {
     json["bag"] = name;
     json["topics"] = topics_of(options, rows);
     json["frames"] = frames_of(options, frame_rows);
-    if (is_bag_folder(options.map)) damage = missing_parts(options.map, listed_parts(options.map));
+    damage = bag_damage(options.map);
+    if (!damage && is_bag_folder(options.map)) damage = missing_parts(options.map, listed_parts(options.map));
   } else {
     const std::unique_ptr<FrameSource> frames = open_frames(options.map, {});
     json["recording"] = name;

@@ -12,6 +12,8 @@ namespace clearway {
 
 std::vector<std::string> listed_parts(const std::filesystem::path& folder) {
   constexpr std::size_t largest = 4U << 20U;
+  std::error_code unknown;
+  if (!std::filesystem::exists(folder / "metadata.yaml", unknown)) return {};
   const std::string text = read_input(folder / "metadata.yaml", "metadata", largest);
   const std::string name = "metadata " + quote_path((folder / "metadata.yaml").string());
   require_yaml(text, name);

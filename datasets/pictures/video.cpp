@@ -77,6 +77,33 @@ void send_picture(const ChildReport& report, double time, const cv::Mat& picture
   report.send(ChildMessage::frame, static_cast<std::uint64_t>(1e6 * share), frame_to_bytes(decoded));
 }
 
+std::uint64_t big_endian(const std::string& bytes, std::size_t at, std::size_t size) {
+  std::uint64_t number = 0;
+  for (std::size_t i = 0; i < size; ++i) number = number << 8U | static_cast<unsigned char>(bytes[at + i]);
+  return number;
+}
+
+/// Whether an AVI or MP4 ends before its outermost chunk or box does.
+bool is_cut_video(const std::string& file) {
+  const InputFile input(file, "video");
+  std::string head;
+  input.read_at(0, 16, head);
+  if (head.size() == 16 && head.starts_with("RIFF")) {
+    const std::uint64_t length = big_endian({head[7], head[6], head[5], head[4]}, 0, 4);
+    return length + 8 > input.size();
+  }
+  if (head.size() < 16 || head.substr(4, 4) != "ftyp") return false;
+  for (std::uint64_t at = 0; at + 16 <= input.size();) {
+    input.read_at(at, 16, head);
+    std::uint64_t length = big_endian(head, 0, 4);
+    if (length == 1) length = big_endian(head, 8, 8);
+    if (length == 0) return false;  // up to the end
+    if (length < 8 || length > input.size() - at) return true;
+    at += length;
+  }
+  return false;
+}
+
 /// What reads the video, in the child. `offset` of its messages is the share that is read, in millionths.
 /// @throws std::runtime_error a clause that says why it cannot be decoded.
 void decode_video(const ChildReport& report, const std::string& file, std::optional<double> rate) {
@@ -96,10 +123,15 @@ void decode_video(const ChildReport& report, const std::string& file, std::optio
                  count > 0.0 ? std::min(1.0, static_cast<double>(number) / count) : 0.0);
   }
   if (number == 0) throw std::runtime_error("it holds no picture that can be decoded");
-  if (static_cast<double>(number) < count - 1.0)
-    report.send(ChildMessage::skipped, 0,
-                "it says that it holds " + std::to_string(std::llround(count)) + " pictures, and " +
-                    std::to_string(number) + " could be decoded");
+  if (static_cast<double>(number) < count - 1.0) {
+    const std::string fewer = "it says that it holds " + std::to_string(std::llround(count)) +
+                              " pictures, and " + std::to_string(number) + " could be decoded";
+    // Where a container has no count it is guessed from the rate, and an edit of a whole one hides pictures.
+    constexpr double most_hidden = 0.1;
+    if (is_cut_video(file) || static_cast<double>(number) < (1.0 - most_hidden) * count)
+      throw std::runtime_error(fewer);
+    report.send(ChildMessage::skipped, 0, fewer);
+  }
   report.send(ChildMessage::end, 1'000'000, "");
 }
 

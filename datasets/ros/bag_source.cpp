@@ -385,6 +385,15 @@ std::optional<std::string> missing_parts(const std::filesystem::path& folder,
   return sentence(folder, "is damaged: " + missing) + ".";
 }
 
+std::optional<std::string> bag_damage(const std::filesystem::path& file) {
+  const auto lines = ask(file, [](MessageBag& bag, const Tell& tell) {
+    bag.visit(std::vector<bool>(bag.topics().size(), true), [](const BagMessage&) { return true; });
+    if (!bag.damage().empty()) tell(0, "0" + bag.damage() + '\n');
+  });
+  if (lines.empty()) return std::nullopt;
+  return sentence(file, "is damaged: " + lines.front().first) + ".";
+}
+
 std::vector<BagTopic> list_bag(const std::filesystem::path& file) {
   const auto lines = ask(file, [](MessageBag& bag, const Tell& tell) {
     for (const BagTopic& topic : bag.topics()) {

@@ -20,15 +20,19 @@ inline bool is_bag_file(const std::filesystem::path& file) {
   return kind == ".mcap" || kind == ".bag" || kind == ".db3";
 }
 
-/// True for the folder that `ros2 bag record` makes: metadata.yaml beside files .mcap or .db3.
+/// True for the folder that `ros2 bag record` makes: metadata.yaml beside files .mcap or .db3; and for one of
+/// files .mcap alone.
 inline bool is_bag_folder(const std::filesystem::path& folder) {
   std::error_code error;
-  if (!std::filesystem::exists(folder / "metadata.yaml", error)) return false;
+  const bool has_metadata = std::filesystem::exists(folder / "metadata.yaml", error);
+  bool has_bags = false, has_others = false;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
     const std::string kind = extension_of(entry.path());
-    if (kind == ".mcap" || kind == ".db3") return true;
+    const bool is_part = kind == ".mcap" || (has_metadata && kind == ".db3");
+    has_bags |= is_part;
+    has_others |= !is_part;
   }
-  return false;
+  return has_bags && (has_metadata || !has_others);
 }
 
 inline bool is_bag(const std::filesystem::path& path) { return is_bag_file(path) || is_bag_folder(path); }
@@ -37,6 +41,10 @@ inline bool is_bag(const std::filesystem::path& path) { return is_bag_file(path)
 /// what could be read.
 /// @throws std::invalid_argument naming the file when it is no bag.
 std::vector<BagTopic> list_bag(const std::filesystem::path& file);
+
+/// One sentence about what is damaged in a bag, all of which is read for that; nothing: it is whole.
+/// @throws std::invalid_argument as list_bag
+std::optional<std::string> bag_damage(const std::filesystem::path& file);
 
 /// One sentence when the folder of a bag lacks some of these parts, which its metadata.yaml lists.
 std::optional<std::string> missing_parts(const std::filesystem::path& folder,

@@ -89,6 +89,22 @@ TEST(InspectRecording, TheFolderOfARecorderIsListedAsABagIs) {
   const CommandRun run = run_command({"inspect", folder.path().string(), "--json"});
   ASSERT_EQ(run.status, 0) << run.log;
   EXPECT_EQ(Json::parse(run.out).at("topics").size(), 8U);
+  std::filesystem::remove(folder / "metadata.yaml");  // copied without it
+  const CommandRun bare = run_command({"inspect", folder.path().string(), "--json"});
+  ASSERT_EQ(bare.status, 0) << bare.log;
+  EXPECT_EQ(Json::parse(bare.out).at("topics"), Json::parse(run.out).at("topics"));
+}
+
+TEST(InspectRecording, ACutBagIsListedAsFarAsItGoesAndSaysSo) {
+  const TemporaryFolder folder;
+  const std::string whole = read_file(CLEARWAY_SOURCE_DIR "/tests/datasets/ros/bags/cdr_none.mcap");
+  const std::string file = folder.write("b.mcap", whole.substr(0, whole.size() * 2 / 3));
+  const CommandRun run = run_command({"inspect", file, "--json"});
+  EXPECT_EQ(run.status, 3) << run.log;
+  EXPECT_FALSE(Json::parse(run.out).at("topics").empty());
+  EXPECT_NE(Json::parse(run.out).at("damage").get<std::string>().find("b.mcap' is damaged: "),
+            std::string::npos);
+  EXPECT_NE(run.log.find("is damaged: "), std::string::npos) << run.log;
 }
 
 TEST(InspectRecording, ADamagedOneIsListedAsFarAsItGoesAndSaysSo) {
