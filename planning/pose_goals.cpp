@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::size_t most_choices = 16;  ///< of one goal
 constexpr int starts_of_variant = 8;      ///< of inverse kinematics, for poses that are not the goal itself
+constexpr int starts_of_last_try = 2000;  ///< where none that was found is free
 
 }  // namespace
 
@@ -38,6 +39,11 @@ bool PoseGoals::choose_next(std::size_t goal) {
   ++choices.at;
   choose_from(goal + 1);
   return true;
+}
+
+std::size_t PoseGoals::blocked_at(std::size_t goal) const {
+  if (goal >= choices_.size() || choices_[goal].free > 0) return 0;
+  return choices_[goal].configurations.size();
 }
 
 void PoseGoals::choose_from(std::size_t goal) {
@@ -73,6 +79,10 @@ PoseGoals::Choices PoseGoals::choices_of(std::size_t goal) const {
   }
   // Poses drawn from the goal miss what an arm of few joints reaches of it.
   if (choices.free == 0 && !wanted.is_exact()) take(goal_configurations(robot_, wanted, near));
+  if (choices.free == 0 && !blocked.empty() && exact == 1) {  // all branches of them
+    blocked.clear();
+    take(goal_configurations(robot_, poses[0], near, starts_of_last_try));
+  }
   const auto is_nearer = [&](const Configuration& a, const Configuration& b) {
     return largest_difference(a, near) < largest_difference(b, near);
   };
@@ -99,6 +109,12 @@ Plan plan_to_poses(PlanQuery query, PoseGoals goals) {
   query.goals = goals.goals();
   Plan first = plan_and_check(query);
   Plan plan = first;
+  if (first.status() == PlanStatus::start_invalid && first.legs.size() == 1) return first;
+  if (const std::size_t blocked = first.legs.empty() ? 0 : goals.blocked_at(first.legs.size() - 1);
+      blocked > 1 && first.status() == PlanStatus::goal_invalid)
+    first.legs.back().explanation += " Of " + std::to_string(blocked) +
+                                     " configurations that were found at its pose none is free; this is the "
+                                     "nearest.";
   query.advice_time = 0.0;
   int others = 0;
   while (plan.status() != PlanStatus::solved) {

@@ -32,6 +32,9 @@ class PoseGoals {
   /// one.
   bool choose_next(std::size_t goal);
 
+  /// How many configurations were found at a goal of which none is free; 0: one is.
+  std::size_t blocked_at(std::size_t goal) const;
+
  private:
   struct Choices {
     std::vector<Configuration> configurations;

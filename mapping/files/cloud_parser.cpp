@@ -95,6 +95,15 @@ bool has_faces(const std::filesystem::path& file) {
   });
 }
 
+std::size_t vertices_in(const std::filesystem::path& file) {
+  std::string content;
+  const InputFile input(file, "cloud");
+  input.read_at(0, std::min(input.size(), megabyte), content);
+  for (const PlyElement& element : ply_header(content).elements)
+    if (element.name == "vertex") return element.count;
+  return 0;
+}
+
 /// What PCL shall read in place of a .ply file; nothing for the file itself. The child may write no file.
 std::unique_ptr<NamelessFile> readable_ply(const std::filesystem::path& file) {
   const InputFile input(file, "cloud");
@@ -167,7 +176,9 @@ std::string read_with_pcl(const std::filesystem::path& file, const std::string& 
   }
   if (status < 0) throw std::runtime_error("its header or its points cannot be read");
   if (!is_pcd) take_ply_camera(readable, origin, turn);
-  const std::size_t count = static_cast<std::size_t>(cloud.width) * cloud.height;
+  // PCL takes the viewport of a .ply file's camera for the cloud's size.
+  const std::size_t count =
+      is_pcd ? static_cast<std::size_t>(cloud.width) * cloud.height : vertices_in(readable);
   if (count == 0) throw std::runtime_error("it holds no points");
   if (cloud.point_step == 0 || cloud.data.size() / cloud.point_step != count) {
     throw std::runtime_error("it holds fewer points than its header says");

@@ -12,6 +12,13 @@ constexpr double least_sinking = 1e-4, most_sinking = 1e-3;  ///< m; as Pick say
 
 using Path = std::vector<Configuration>;
 
+/// Why a path is not free: of its first waypoint that is not.
+std::string obstruction_on(const ConfigurationSpace& space, const Path& path) {
+  const auto blocked =
+      std::find_if(path.begin(), path.end(), [&](const Configuration& q) { return !space.is_free(q); });
+  return blocked == path.end() ? "it cannot be proved between waypoints" : space.check(*blocked).sentence();
+}
+
 Path joined(Path first, const Path& rest) {
   first.insert(first.end(), rest.begin() + 1, rest.end());
   return first;
@@ -41,14 +48,18 @@ std::optional<Taking> StraightLegs::take(const Hold& grasp, std::string& why) {
   Path reach(back->rbegin(), back->rend());
   why = "no free configuration before the grasp: " + scene_.before().check(reach.front()).sentence();
   if (!scene_.before().is_free(reach.front())) return std::nullopt;
-  why = "the straight ways at the grasp are not free";
+  why = "the straight way to the grasp is not free: " + obstruction_on(scene_.reaching(), reach);
   if (!is_path_free(scene_.reaching(), reach)) return std::nullopt;
+  why = "the hand cannot close: " + obstruction_on(scene_.grasping(), {open, closed});
   if (!scene_.grasping().is_edge_free(open, closed)) return std::nullopt;
   if (closed != open) reach.push_back(closed);
   const Eigen::Isometry3d turned =
       pick_.map_from_object * Eigen::AngleAxisd(grasp.turn, Eigen::Vector3d::UnitZ());
   scene_.hold(link_pose(closed).inverse() * turned, closed);
+  why = "the straight way up from the grasp is not free: " + obstruction_on(scene_.lifting(), up->first) +
+        margin_hint();
   if (!is_contact_free(scene_.lifting(), pick_.map_from_object, up->first)) return std::nullopt;
+  why = "the straight way up from the grasp is not free: " + obstruction_on(scene_.carrying(), up->second);
   if (!is_path_free(scene_.carrying(), up->second)) return std::nullopt;
   return Taking{grasp, reach, joined(up->first, up->second)};
 }
@@ -63,9 +74,11 @@ std::optional<Putting> StraightLegs::put(const Taking& taking, const Configurati
   auto retreat = straight_motion(robot_, open, back, step_);
   why = "no arm configuration at the place can go the straight ways of lowering and retreat";
   if (!up || !retreat) return std::nullopt;
-  why = "the straight ways at the place are not free";
+  why = "the straight way down to the place is not free: " + obstruction_on(scene_.lowering(), up->first);
   if (!is_contact_free(scene_.lowering(), pick_.map_from_place, up->first)) return std::nullopt;
+  why = "the straight way down to the place is not free: " + obstruction_on(scene_.carrying(), up->second);
   if (!is_path_free(scene_.carrying(), up->second)) return std::nullopt;
+  why = "the straight way back from the place is not free: " + obstruction_on(scene_.retreating(), *retreat);
   if (!scene_.releasing().is_edge_free(placed, open)) return std::nullopt;
   if (!is_path_free(scene_.retreating(), *retreat)) return std::nullopt;
   if (open != placed) retreat->insert(retreat->begin(), placed);
@@ -81,6 +94,11 @@ Path StraightLegs::way_with_load(const Configuration& from, const Eigen::Vector3
     free.push_back((*straight)[i]);
   }
   return free;
+}
+
+/// Voxels beside the object that are of it and in the way.
+std::string StraightLegs::margin_hint() const {
+  return pick_.margin > 0.0 ? "" : " (voxels beside the object are its own with a `margin`)";
 }
 
 /// The pose of the link that carries the object.

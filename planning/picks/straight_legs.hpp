@@ -48,6 +48,7 @@ class StraightLegs {
  private:
   using Path = std::vector<Configuration>;
 
+  std::string margin_hint() const;
   Eigen::Isometry3d link_pose(const Configuration& q) const;
   std::optional<std::pair<Path, Path>> upwards(const Configuration& from) const;
   bool is_contact_free(const ConfigurationSpace& on_layer, const Eigen::Isometry3d& map_from_object,

@@ -96,7 +96,13 @@ std::optional<Shape> core_of(const Pick& pick) {
 }
 
 std::string core_name(const Pick& pick) {
-  return pick.object.name + "-deeper-than-" + short_text(1e3 * pick.depth) + "mm";
+  double deepest = pick.depth;  // less in slim objects
+  if (const auto core = core_of(pick))
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Vector3d unit = Eigen::Vector3d::Unit(axis);
+      deepest = std::min(deepest, unit.dot(pick.object.shape.support(unit)) - unit.dot(core->support(unit)));
+    }
+  return pick.object.name + "-deeper-than-" + short_text(1e3 * deepest, 3) + "mm";
 }
 
 std::vector<int> legs_that_carry() { return {2, 3, 4}; }
@@ -140,7 +146,7 @@ bool is_same(const Pick& a, const Pick& b) {
   return is_same(first, second) && are_near(a.map_from_object, b.map_from_object) &&
          are_near(a.map_from_place, b.map_from_place) && are_near(a.object_from_tip, b.object_from_tip) &&
          (a.approach - b.approach).norm() <= same_pick && near(a.lift, b.lift) &&
-         near(a.contact, b.contact) && near(a.margin, b.margin) && near(a.depth, b.depth) &&
+         near(a.contact, b.contact) && near(a.margin, b.margin) &&
          std::equal(a.grip.begin(), a.grip.end(), b.grip.begin(), b.grip.end(),
                     [&](const auto& one, const auto& other) {
                       return one.first == other.first && near(one.second.open, other.second.open) &&

@@ -92,7 +92,8 @@ double layer_reach(double resolution, double padding);
 /// approach of no length, a contact shorter than a voxel and the padding, a lift shorter than the contact.
 void require_sound(const Pick& pick, double resolution, double padding);
 
-/// The same object, grasp, place and lengths, within 1e-6 m.
+/// The same object, grasp, place, grip and lengths, within 1e-6 m, but for `depth`, which a plan may keep to
+/// more strictly than is asked.
 bool is_same(const Pick& a, const Pick& b);
 
 }  // namespace clearway

@@ -3,14 +3,17 @@
 #include <tinyxml2.h>
 
 #include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <set>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "mapping/files/number_words.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -65,26 +68,47 @@ std::uint64_t count_numbers(const XmlNode& element) {
   return count;
 }
 
-/// Ids of all geometries; assimp shows a little skeleton where none is placed.
-std::set<std::string> ids_of_geometries(const XmlNode& root) {
-  std::set<std::string> ids;
-  for (auto* library = root.FirstChildElement("library_geometries"); library;
-       library = library->NextSiblingElement("library_geometries"))
-    for (auto* geometry = library->FirstChildElement("geometry"); geometry;
-         geometry = geometry->NextSiblingElement("geometry"))
-      if (const char* id = geometry->Attribute("id")) ids.insert(id);
-  return ids;
+/// Ids of all elements of that name; assimp shows a little skeleton where nothing is placed.
+void collect_ids(const XmlNode& parent, std::string_view name, std::set<std::string>& ids) {
+  for (auto* child = parent.FirstChildElement(); child; child = child->NextSiblingElement()) {
+    const char* id = child->Attribute("id");
+    if (child->Name() == name && id) ids.insert(id);
+    collect_ids(*child, name, ids);
+  }
 }
 
 /// What nodes place is in the file; assimp leaves out what is not.
-void check_instances(const XmlNode& parent, const std::set<std::string>& ids) {
+void check_instances(const XmlNode& parent, std::string_view what, const std::set<std::string>& ids) {
   for (auto* child = parent.FirstChildElement(); child; child = child->NextSiblingElement()) {
     const char* url = child->Attribute("url");
-    if (std::string_view(child->Name()) == "instance_geometry" &&
-        !(url && *url == '#' && ids.contains(url + 1)))
-      refuse_attribute(*child, "url", "'#' and the id of a <geometry> in this file");
-    check_instances(*child, ids);
+    if (child->Name() == "instance_" + std::string(what) && !(url && *url == '#' && ids.contains(url + 1)))
+      refuse_attribute(*child, "url", "'#' and the id of a <" + std::string(what) + "> in this file");
+    check_instances(*child, what, ids);
   }
+}
+
+/// An axis of length 1 in a rotation. Whether the text was another.
+bool make_unit(XmlNode& rotate) {
+  std::string_view text = rotate.GetText() ? rotate.GetText() : "";
+  std::vector<double> numbers;
+  for (std::string_view word = next_word(text); !word.empty(); word = next_word(text))
+    numbers.push_back(parsed_number(word).value_or(0.0));
+  if (numbers.size() != 4) throw std::runtime_error("its <rotate> has not four numbers");
+  const double length = std::hypot(numbers[0], numbers[1], numbers[2]);
+  if (!(length > 1e-9)) throw std::runtime_error("its <rotate> has an axis without length");
+  if (std::abs(length - 1.0) < 1e-12) return false;
+  std::string unit;
+  for (int axis = 0; axis < 3; ++axis)
+    unit += to_text(numbers[static_cast<std::size_t>(axis)] / length) + " ";
+  rotate.SetText((unit + to_text(numbers[3])).c_str());
+  return true;
+}
+
+bool make_axes_unit(XmlNode& parent) {
+  bool is_other = false;
+  for (auto* child = parent.FirstChildElement(); child; child = child->NextSiblingElement())
+    is_other |= std::string_view(child->Name()) == "rotate" ? make_unit(*child) : make_axes_unit(*child);
+  return is_other;
 }
 
 /// Poses and scales of all nodes.
@@ -149,13 +173,12 @@ void check_mesh(const XmlNode& mesh) {
 
 }  // namespace
 
-void check_collada(const std::string& content) {
+std::string checked_collada(const std::string& content) {
   tinyxml2::XMLDocument xml;
   xml.Parse(content.data(), content.size());
-  const XmlNode* root = xml.Error() ? nullptr : xml.RootElement();
+  XmlNode* root = xml.Error() ? nullptr : xml.RootElement();
   if (!root) throw std::runtime_error("it cannot be read as .dae");
   check_unit(*root);
-  const std::set<std::string> ids = ids_of_geometries(*root);
   for (auto* library = root->FirstChildElement("library_geometries"); library;
        library = library->NextSiblingElement("library_geometries"))
     for (auto* geometry = library->FirstChildElement("geometry"); geometry;
@@ -163,10 +186,17 @@ void check_collada(const std::string& content) {
       if (const XmlNode* mesh = geometry->FirstChildElement("mesh")) check_mesh(*mesh);
   for (const char* nodes : {"library_nodes", "library_visual_scenes"})
     for (auto* library = root->FirstChildElement(nodes); library;
-         library = library->NextSiblingElement(nodes)) {
+         library = library->NextSiblingElement(nodes))
       check_transforms(*library);
-      check_instances(*library, ids);
-    }
+  for (const char* what : {"geometry", "node", "visual_scene"}) {
+    std::set<std::string> ids;
+    collect_ids(*root, what, ids);
+    check_instances(*root, what, ids);
+  }
+  if (!make_axes_unit(*root)) return content;
+  tinyxml2::XMLPrinter printer;
+  xml.Print(&printer);
+  return printer.CStr();
 }
 
 }  // namespace clearway

@@ -20,13 +20,6 @@ void require_number(std::string_view word, std::size_t line) {
     throw std::runtime_error("line " + std::to_string(line) + " has " + quote(word) + ", expected a number");
 }
 
-void require_numbers(std::string_view words, std::size_t line) {
-  for (std::string_view word = next_word(words); !word.empty(); word = next_word(words)) {
-    if (word.front() == '#') return;
-    require_number(word, line);
-  }
-}
-
 /// Calls `visit` with each line, its number from 1 behind it, until that says no.
 void visit_lines(std::string_view text, const std::function<bool(std::string_view, std::size_t)>& visit) {
   for (std::size_t number = 1; !text.empty(); ++number) {
@@ -71,20 +64,37 @@ void add_element(std::string_view kind, std::string_view words, std::string& pla
   plain += '\n';
 }
 
+/// The numbers of an element in a line: as many as its properties say, and no more.
+void check_ply_line(const PlyElement& element, std::string_view line, std::size_t number) {
+  const std::vector<double> numbers = numbers_in(line, number);
+  double expected = 0.0;
+  for (const PlyProperty& property : element.properties) {
+    const auto at = static_cast<std::size_t>(expected);
+    expected += 1.0;
+    if (property.count_bytes > 0 && at < numbers.size()) expected += std::max(numbers[at], 0.0);
+    if (expected > static_cast<double>(numbers.size())) break;
+  }
+  if (expected != static_cast<double>(numbers.size()))
+    throw std::runtime_error("line " + std::to_string(number) + " has " + std::to_string(numbers.size()) +
+                             " numbers, other than its properties");
+}
+
 /// A line for each element, all of it numbers.
 void check_ply_numbers(const std::string& content) {
   const PlyHeader header = ply_header(content);
   if (header.format != "ascii") return;
-  std::uint64_t elements = 0;
-  for (const PlyElement& element : header.elements) elements += element.count;
+  auto element = header.elements.begin();
+  std::uint64_t left = element == header.elements.end() ? 0 : element->count;
   visit_lines(content,
               [&, first = content.data() + header.length](std::string_view line, std::size_t number) {
                 if (line.data() < first) return true;
-                if (elements == 0) return false;
+                while (left == 0 && element != header.elements.end())
+                  if (++element != header.elements.end()) left = element->count;
+                if (element == header.elements.end()) return false;
                 std::string_view rest = line;
                 if (next_word(rest).empty()) return true;
-                require_numbers(line, number);
-                --elements;
+                check_ply_line(*element, line, number);
+                --left;
                 return true;
               });
 }
@@ -122,6 +132,17 @@ std::string plain_obj(const std::string& content) {
     return true;
   });
   return plain;
+}
+
+std::vector<Eigen::Vector3d> vertices_of_obj(const std::string& plain) {
+  std::vector<Eigen::Vector3d> vertices;
+  visit_lines(plain, [&](std::string_view line, std::size_t) {
+    if (next_word(line) != "v") return true;
+    Eigen::Vector3d& vertex = vertices.emplace_back();
+    for (int axis = 0; axis < 3; ++axis) vertex[axis] = parsed_number(next_word(line)).value_or(0.0);
+    return true;
+  });
+  return vertices;
 }
 
 }  // namespace clearway

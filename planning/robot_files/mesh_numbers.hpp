@@ -1,6 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <string>
+#include <vector>
 
 namespace clearway {
 
@@ -15,5 +17,8 @@ void check_numbers_of_mesh(const std::string& content, const std::string& kind);
 /// out.
 /// @throws std::runtime_error naming the line, for vertices that are no three numbers
 std::string plain_obj(const std::string& content);
+
+/// All vertices of what plain_obj gives, those of no face, too: a file that was cut off has lost faces.
+std::vector<Eigen::Vector3d> vertices_of_obj(const std::string& plain);
 
 }  // namespace clearway

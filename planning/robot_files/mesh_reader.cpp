@@ -90,7 +90,7 @@ std::vector<Eigen::Vector3d> points_of_mesh(const std::filesystem::path& file, c
   std::string content{std::istreambuf_iterator<char>(stream), {}};
   check_mesh_is_whole(content, kind);
   check_numbers_of_mesh(content, kind);
-  if (kind == "dae") check_collada(content);
+  if (kind == "dae") content = checked_collada(content);
   if (kind == "stl") content.resize(whole_stl(content));
   if (kind == "obj") content = plain_obj(content);
 
@@ -101,7 +101,7 @@ std::vector<Eigen::Vector3d> points_of_mesh(const std::filesystem::path& file, c
   importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
   const aiScene* scene = importer.ReadFile(name, steps);
   if (!scene) refuse(importer, kind);
-  std::vector<Eigen::Vector3d> points = points_of(*scene);
+  std::vector<Eigen::Vector3d> points = points_of(*scene, content);
   std::size_t faces = 0;
   for (unsigned i = 0; i < scene->mNumMeshes; ++i) faces += scene->mMeshes[i]->mNumFaces;
   importer.FreeScene();
@@ -117,7 +117,7 @@ std::vector<Eigen::Vector3d> points_of_mesh(const std::filesystem::path& file, c
   return points;
 }
 
-std::vector<Eigen::Vector3d> triangles_of(const aiScene& scene) {
+std::vector<Eigen::Vector3d> triangles_of(const aiScene& scene, const std::string&) {
   std::vector<Eigen::Vector3d> corners;
   for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
     const aiMesh& mesh = *scene.mMeshes[i];
@@ -138,7 +138,10 @@ std::vector<Eigen::Vector3d> triangles_of(const aiScene& scene) {
 
 std::vector<Eigen::Vector3d> hull_of_mesh(const std::filesystem::path& file, const std::string& kind,
                                           const Eigen::Vector3d& scale) {
-  return hull_corners(points_of_mesh(file, kind, scale, aiProcess_PreTransformVertices, vertices_of));
+  const auto all_vertices = [&](const aiScene& scene, const std::string& content) {
+    return kind == "obj" ? vertices_of_obj(content) : vertices_of(scene);
+  };
+  return hull_corners(points_of_mesh(file, kind, scale, aiProcess_PreTransformVertices, all_vertices));
 }
 
 std::vector<Eigen::Vector3d> triangles_of_mesh(const std::filesystem::path& file, const std::string& kind,

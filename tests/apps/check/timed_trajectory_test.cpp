@@ -286,8 +286,10 @@ TEST(TimedCorners, ATrajectoryThatNoLimitedMotionFollowsIsRefused) {
     for (const auto& [time, x] : points) trajectory.points.push_back({time, Eigen::Vector2d(x, 0.0)});
     return check_timed(trajectory, robot, Snapshot(), {{"base", Policy::not_occupied}}, 0.0, 0.0).fault;
   };
-  const std::string zigzag = fault({{0, 0}, {1, 0.78}, {2, 0}});
-  EXPECT_EQ(zigzag, "");  // 0.78 m/s each way can be turned in two seconds
+  EXPECT_EQ(fault({{0, 0}, {1, 0.78}, {2, 0}}), "");  // 1.56 m/s^2 on the whole
+  EXPECT_NE(fault({{0, 0}, {1, 1.02}, {2, 0}}), "");  // 2.04
+  EXPECT_EQ(fault({{0, 0}, {1, 0.49}}), "");          // from rest to rest at 1.96 m/s^2
+  EXPECT_NE(fault({{0, 0}, {1, 0.51}}), "");
   EXPECT_NE(fault({{0, 0}, {1, 0.5}, {1.1, 0.578}, {1.2, 0.5}, {3, 0}})
                 .find("joint x has to come from 0.78 to -0.78 at the point at 1.1 s"),
             std::string::npos);

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include <kdl/chainfksolverpos_recursive.hpp>
 #include <kdl/chainjnttojacsolver.hpp>
 #include <kdl_parser/kdl_parser.hpp>
@@ -235,6 +238,31 @@ TEST(InverseKinematics, NumericSolverReachesRandomPosesWithinTolerance) {
     }
     EXPECT_GE(solved, 95) << robot.name;
   }
+}
+
+/// Of an arm whose joints make two turns each the answer is at the turn of each joint that is nearest.
+TEST(InverseKinematics, NoJointIsMoreThanATurnFromWhereItIsAskedToBeNear) {
+  Robot robot = load_robot("arm6");
+  for (Joint& joint : robot.joints)
+    joint.lower = -2.0 * std::numbers::pi, joint.upper = 2.0 * std::numbers::pi;
+  Random random(12);
+  int solved = 0;
+  for (int i = 0; i < 100; ++i) {
+    const Configuration q = random.configuration(robot);
+    Configuration near = q;
+    for (double& value : near) value = std::clamp(value + 0.5 * (random.unit() - 0.5), -6.28, 6.28);
+    const auto found = inverse_kinematics(robot, tip_pose(robot, q), near);
+    if (!found) continue;
+    ++solved;
+    EXPECT_LT(pose_error(tip_pose(robot, *found), tip_pose(robot, q)), 1e-5);
+    EXPECT_EQ(limit_violation(robot, *found), "");
+    for (Eigen::Index j = 0; j < 6; ++j) {
+      const double back = (*found)[j] + 2.0 * std::numbers::pi * ((*found)[j] < near[j] ? 1.0 : -1.0);
+      EXPECT_TRUE(std::abs(back) > 2.0 * std::numbers::pi ||
+                  std::abs((*found)[j] - near[j]) <= std::abs(back - near[j]) + 1e-9);
+    }
+  }
+  EXPECT_GT(solved, 90);
 }
 
 }  // namespace kinematics_test

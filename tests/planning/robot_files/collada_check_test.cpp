@@ -14,7 +14,7 @@ std::string refusal(const std::string& from, const std::string& to) {
   std::string text = as_dae(ellipsoid(3, 4, {0.1F, 0.2F, 0.3F}));  // 10 vertices
   text.replace(text.find(from), from.size(), to);
   try {
-    check_collada(text);
+    checked_collada(text);
   } catch (const std::runtime_error& error) {
     return error.what();
   }
@@ -61,7 +61,7 @@ TEST(ColladaCheck, InterleavedPositionsMayEndTheirArray) {
     text.replace(text.find(from), from.size(), to);
   };
   put("stride='3' count='10'", "stride='6' offset='3' count='5'");
-  EXPECT_NO_THROW(check_collada(text));
+  EXPECT_NO_THROW(checked_collada(text));
 }
 
 TEST(ColladaCheck, TextThatIsNoXmlIsRefused) {

@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cstdio>
 #include <functional>
 #include <random>
+#include <sstream>
 
 #include "planning/robot_files/mesh_file.hpp"
 #include "tests/worlds/mesh_samples.hpp"
@@ -90,6 +92,22 @@ TEST_F(MeshNumbers, VerticesOfOtherCountsAndWeightsAreRefusedByTheirLine) {
             std::string::npos);
 }
 
+/// A file that was cut off has lost faces, not the vertices before them.
+TEST_F(MeshNumbers, VerticesWithoutAFaceAreOfTheHull) {
+  const std::string whole = as_obj(sample_);
+  const std::string cut = whole.substr(0, whole.find('\n', whole.find("f ")) + 1);
+  EXPECT_LT(farthest_from(read("whole.obj", whole).corners, read("cut.obj", cut).corners), 1e-9);
+}
+
+TEST_F(MeshNumbers, LinesOfTextPlyHaveTheNumbersOfTheirProperties) {
+  const std::string whole = as_ply(sample_, false);
+  const std::size_t line = whole.find('\n', whole.find("end_header")) + 1, end = whole.find('\n', line);
+  std::string fewer = whole, more = whole;
+  fewer.replace(line, end - line, "0.1 0.2");
+  EXPECT_NE(failure("m.ply", fewer).find("numbers, other than its properties"), std::string::npos);
+  EXPECT_NE(failure("m.ply", more.insert(end, " 7")).find("other than its properties"), std::string::npos);
+}
+
 /// What is joined to a file, or what its header forgets, is no part of the mesh: nothing may be lost so.
 TEST_F(MeshNumbers, DataBehindThoseThatAreCountedIsDamage) {
   const MeshSample other = ellipsoid(3, 4, {1.0F, 1.0F, 1.0F});
@@ -127,6 +145,38 @@ TEST_F(MeshNumbers, ColladaFilesThatPlaceNothingOrWhatIsNotThereAreRefused) {
         << url;
   EXPECT_NE(failure("m.dae", with("<skew>45 1 0 0 0 1 0</skew>" + instance)).find("<skew>"),
             std::string::npos);
+}
+
+TEST_F(MeshNumbers, NodesOfColladaAreInTheFileAndTurnAboutUnitAxes) {
+  const std::string whole = as_dae(sample_), instance = "<instance_geometry url='#g'/>";
+  const auto with = [&](const std::string& text) {
+    std::string changed = whole;
+    return changed.replace(changed.find(instance), instance.size(), text);
+  };
+  for (const char* url : {"#nix", "other.dae#n", ""})
+    EXPECT_NE(failure("m.dae", with(instance + "<instance_node url='" + url + "'/>"))
+                  .find("its <instance_node> has url"),
+              std::string::npos);
+  std::mt19937_64 random(6);
+  const auto between = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  for (int trial = 0; trial < 20; ++trial) {
+    const Eigen::Vector3d axis(between(-2, 2), between(-2, 2), between(-2, 2));
+    const double degrees = between(-180, 180);
+    std::ostringstream rotate;
+    rotate.precision(17);
+    rotate << "<node id='turned'><rotate>" << axis.x() << " " << axis.y() << " " << axis.z() << " " << degrees
+           << "</rotate>" << instance << "</node>";
+    Points expected;
+    for (const Eigen::Vector3d& corner : read("m.stl", as_stl(sample_)).corners)
+      expected.push_back(Eigen::AngleAxisd(degrees * 3.14159265358979323846 / 180.0, axis.normalized()) *
+                         corner);
+    const MeshHull hull = read("m.dae", with(rotate.str()));
+    ASSERT_EQ(hull.failure, "");
+    EXPECT_LT(farthest_from(hull.corners, expected), 1e-6);
+    EXPECT_LT(farthest_from(expected, hull.corners), 1e-6);
+  }
 }
 
 }  // namespace mesh_numbers_test
