@@ -93,13 +93,22 @@ bool is_folder(const fs::path& path) {
   return fs::is_directory(fs::symlink_status(path, error));
 }
 
-/// The folders that lead to `relative`, with the permissions that they have in `from`.
+/// The owner, group and permissions of a folder for another, as far as this user may give them.
+void give_permissions(const fs::path& from, const fs::path& to) {
+  struct stat status {};
+  if (::lstat(from.c_str(), &status) != 0) return;
+  [[maybe_unused]] const int owner = ::lchown(to.c_str(), status.st_uid, status.st_gid);
+  ::chmod(to.c_str(), status.st_mode & 07777U);  // behind it, which takes the set-group bit away
+}
+
+/// The folders that lead to `relative`, with owner, group and permissions that they have in `from`.
 void make_folders(const fs::path& from, const fs::path& to, const fs::path& relative) {
   std::error_code error;
   fs::path made;
   for (const fs::path& part : relative) {
     made /= part;
-    fs::create_directory(to / made, from / made, error);
+    const bool is_new = fs::create_directory(to / made, from / made, error);
+    if (is_new) give_permissions(from / made, to / made);
     if (error && !is_folder(to / made)) fail_to_write(from, error.message());
   }
 }

@@ -152,6 +152,24 @@ TEST(AtomicFolder, KeepsPermissionsOfTheFolderThatItReplaces) {
   EXPECT_EQ(static_cast<unsigned>(fs::status(folder / "made").permissions()), 0750U);
 }
 
+/// Owner and group, too, where whoever runs the tests may give them away.
+TEST(AtomicFolder, KeepsPermissionsOfFoldersOfOthersWithinIt) {
+  const TemporaryFolder folder;
+  publish(folder / "made", {});
+  fs::create_directories(folder / "made" / "notes" / "old");
+  write_file(folder / "made" / "notes" / "old" / "mine.md", "mine");
+  ::chmod((folder / "made" / "notes").c_str(), 02750);
+  const bool may_give = ::chown((folder / "made" / "notes" / "old").c_str(), 1234, 8) == 0;
+  ::chmod((folder / "made" / "notes" / "old").c_str(), 02770);
+  publish(folder / "made", {{"a.txt", "a"}});
+  EXPECT_EQ(static_cast<unsigned>(fs::status(folder / "made" / "notes").permissions()), 02750U);
+  struct stat status {};
+  ASSERT_EQ(::stat((folder / "made" / "notes" / "old").c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 07777U, 02770U);
+  EXPECT_TRUE(!may_give || (status.st_uid == 1234 && status.st_gid == 8));
+  EXPECT_EQ(read_file(folder / "made" / "notes" / "old" / "mine.md"), "mine");
+}
+
 TEST(AtomicFolder, ALinkToAFolderStaysALink) {
   const TemporaryFolder folder;
   fs::create_directory(folder / "real");
