@@ -135,6 +135,21 @@ void report_turns(const Robot& robot, const Configuration& start, const std::vec
     }
 }
 
+/// Where no way was found, a joint without limits may come to the same place the other way round.
+void report_other_way(const Robot& robot, const Plan& plan, const Configuration& start, Console& console) {
+  const bool has_none = plan.status() == PlanStatus::no_path || plan.status() == PlanStatus::timed_out;
+  const std::size_t leg = plan.legs.empty() ? 0 : plan.legs.size() - 1;
+  if (!has_none || leg >= plan.goals.size()) return;
+  for (std::size_t j = 0; j < robot.dof(); ++j) {
+    const auto at = static_cast<Eigen::Index>(j);
+    const double from = (leg == 0 ? start : plan.goals[leg - 1])[at], goal = plan.goals[leg][at];
+    if (!repeats_after_turns(robot, j) || goal == from) continue;
+    const double other = goal + 2.0 * std::numbers::pi * (goal > from ? -1.0 : 1.0);
+    console.warn("note: joint " + shortened(robot.joints[j].name) + " turns without limits; " +
+                 significant(other) + " rad is the same place, the other way round");
+  }
+}
+
 /// Nobody chose `known_free` for a robot without critical parts, or for those that it has in a map that knows
 /// nothing to be free: when it does not get through, that is reported.
 void report_default_policy(const PlanOptions& options, const Plan& plan, const ConfigurationSpace& space,
@@ -274,6 +289,7 @@ int run_plan(const PlanOptions& options, Console& console) {
       plan.map_caveat = joined(plan.map_caveat, note);
   add_motion(options, space, plan, console);
   report_default_policy(options, plan, space, console);
+  if (!pick) report_other_way(robot, plan, start, console);
   report_standing(plan, space, start, console);
   const std::string text = to_json(plan_to_file(options, plan));
   if (!options.out.empty()) save_file(options.out, text);

@@ -71,7 +71,8 @@ Command add_plan(CLI::App& app, Console& console) {
   add_scale("--speed", options->scales.speed, "scaling of the joints' velocity limits");
   add_scale("--acceleration", options->scales.acceleration, "scaling of their acceleration limits");
   add_scale("--jerk", options->scales.jerk, "scaling of their jerk limits");
-  command->add_option("--period", options->period, "time between two points of the trajectory, seconds")
+  command
+      ->add_option("--period", options->period, "time between two points of the trajectory, 0.001 to 0.05 s")
       ->check(number("seconds from 0.001 to 0.05", 0.001, 0.05))
       ->capture_default_str()
       ->type_name("S");

@@ -121,5 +121,30 @@ TEST(PlanPeriod, PointsAreAsFarApartAsAskedAndTheFileHoldsAsATrajectory) {
   }
 }
 
+/// A post bars the way that the goal says; the other way round is free.
+TEST(PlanOtherWay, OfAJointWithoutLimitsIsNamedWhereNoWayWasFound) {
+  TemporaryFolder folder;
+  std::vector<Eigen::Vector3f> post;
+  for (int z = -10; z < 10; ++z) post.push_back({0.01F, 0.51F, 0.01F + 0.02F * static_cast<float>(z)});
+  folder.write("post.pcd", format_pcd(post));
+  folder.write(
+      "arm.urdf",
+      "<robot name='arm'><link name='base'/><link name='rod'><collision><origin xyz='0.3 0 0'/>"
+      "<geometry><box size='0.6 0.04 0.04'/></geometry></collision></link><joint name='turn' "
+      "type='continuous'><parent link='base'/><child link='rod'/><axis xyz='0 0 1'/></joint></robot>");
+  const auto plan = [&](const std::string& goal) {
+    return run_command({"plan", "--map", folder.file("post.pcd"), "--robot", folder.file("arm.urdf"),
+                        "--allow-outside", "all", "--cloud-resolution", "0.02", "--policy", "not_occupied",
+                        "--start=0.5", "--goal=" + goal, "--time-limit", "1"});
+  };
+  const CommandRun barred = plan("2.5");
+  EXPECT_EQ(barred.status, exit_no) << barred.out;
+  EXPECT_NE(
+      barred.log.find("joint turn turns without limits; -3.783 rad is the same place, the other way round"),
+      std::string::npos)
+      << barred.log;
+  EXPECT_EQ(plan("-3.783").status, exit_done);
+}
+
 }  // namespace plan_test
 }  // namespace clearway
