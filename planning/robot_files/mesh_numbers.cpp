@@ -116,21 +116,26 @@ void check_numbers_of_mesh(const std::string& content, const std::string& kind) 
 }
 
 std::string plain_obj(const std::string& content) {
+  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
   std::string plain, whole;
-  visit_lines(content, [&](std::string_view line, std::size_t number) {
-    const std::size_t last = line.find_last_not_of(" \t\r");
-    if (last != std::string_view::npos && line[last] == '\\') {
-      whole.append(line.substr(0, last)).append(1, ' ');
-      return true;
-    }
-    whole.append(line);
+  std::string_view text = content;
+  if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+  visit_lines(text, [&](std::string_view line, std::size_t number) {
+    whole.append(line.substr(0, line.find('#')));
     std::string_view words = whole;
     const std::string_view kind = next_word(words);
+    const bool is_element = kind == "f" || kind == "l" || kind == "p";
+    const std::size_t last = whole.find_last_not_of(" \t\r");
+    if ((is_element || kind == "v") && whole[last] == '\\') {  // others may end so: "mtllib C:\\"
+      whole.replace(last, std::string::npos, " ");
+      return true;
+    }
     if (kind == "v") add_vertex(words, number, plain);
-    if (kind == "f" || kind == "l" || kind == "p") add_element(kind, words, plain);
+    if (is_element) add_element(kind, words, plain);
     whole.clear();
     return true;
   });
+  if (!whole.empty()) throw std::runtime_error("its last line goes on, and nothing follows");
   return plain;
 }
 

@@ -57,7 +57,10 @@ TEST_F(MeshNumbers, ObjectsHoldEveryVertexHoweverItIsSpelt) {
   ASSERT_GT(expected.size(), 20U);
   const std::vector<std::string> behind{"", "", " 1", " .5 1 .5", " 1 0.2 .4 .6"};
   for (int trial = 0; trial < 30; ++trial) {
-    std::string text = "mtllib none.mtl\n\to Thing\n";
+    std::string text = std::string(random() % 2 == 0 ? "" : "\xEF\xBB\xBF") +
+                       (random() % 2 == 0 ? "" : "v 0 0 0 # \\\n") +
+                       "mtllib C:\\meshes\\\n# ends so, too \\\n\to Thing\n";
+    const std::size_t before = text.find("v 0 0 0") == std::string::npos ? 0 : 1;
     for (const Eigen::Vector3f& v : sample_.vertices) {
       text += std::string(random() % 3, ' ') + "v" + (random() % 5 == 0 ? " \\\n" : "\t");
       for (const float value : v) text += spelt(static_cast<double>(value), random) + " ";
@@ -69,9 +72,11 @@ TEST_F(MeshNumbers, ObjectsHoldEveryVertexHoweverItIsSpelt) {
       text += std::string(random() % 3, ' ') + "f";
       for (const int i : t) {
         const bool from_end = random() % 2 == 0;
-        const int index = from_end ? i - static_cast<int>(sample_.vertices.size()) : i + 1;
+        const int index =
+            from_end ? i - static_cast<int>(sample_.vertices.size()) : i + 1 + static_cast<int>(before);
         const std::vector<std::string> others{"", "/1", "/1/1", "//1"};
         text += " " + std::to_string(index) + others[random() % others.size()];
+        if (&i == &t.back() && random() % 3 == 0) text += "#corner";
       }
       text += "\n";
     }
@@ -88,6 +93,7 @@ TEST_F(MeshNumbers, VerticesOfOtherCountsAndWeightsAreRefusedByTheirLine) {
     EXPECT_NE(failure("m.obj", "v " + std::string(numbers) + "\n" + rest).find("line 1 has a vertex of "),
               std::string::npos)
         << numbers;
+  EXPECT_NE(failure("m.obj", rest + "v 1 2 3 \\\n").find("its last line goes on"), std::string::npos);
   EXPECT_NE(failure("m.obj", rest + "v 1 2 3 0.5\n").find("line 5 has a vertex of another weight than 1"),
             std::string::npos);
 }
