@@ -15,6 +15,7 @@ RobotRequest without_choices(const RobotChoice& choice) {
   RobotRequest request = robot_request(choice);
   request.group.clear();
   request.fixed.clear();
+  request.fixed_states.clear();
   request.standing.clear();
   return request;
 }
@@ -61,9 +62,23 @@ void note_xacro(const Robot& robot, const Plan& plan, std::vector<std::string>& 
                   ") than those of the robot that is checked (" + told(robot.xacro) + ")");
 }
 
-TermSource source_of(const CheckOptions& options, const Plan& plan, const HeldJoint& joint) {
+/// Whether a state that --fix names holds the joint.
+bool is_held_by_state(RobotRequest request, const std::string& group, const std::string& joint) {
+  if (request.fixed_states.empty()) return false;
+  request.group = group;
+  request.standing.clear();
+  const Robot robot = load_robot(request);
+  return std::any_of(robot.held.begin(), robot.held.end(), [&](const HeldJoint& held) {
+    return held.name == joint && held.source == HoldSource::asked;
+  });
+}
+
+TermSource source_of(const CheckOptions& options, const Plan& plan, const Robot& robot,
+                     const HeldJoint& joint) {
   if (joint.source != HoldSource::asked) return TermSource::by_default;
-  return robot_request(options.robot).fixed.contains(joint.name) || !plan.held.contains(joint.name)
+  const RobotRequest request = robot_request(options.robot);
+  return request.fixed.contains(joint.name) || !plan.held.contains(joint.name) ||
+                 is_held_by_state(request, robot.group, joint.name)
              ? TermSource::flag
              : TermSource::plan;
 }
@@ -105,7 +120,7 @@ void state_robot(const CheckOptions& options, const Plan& plan, const Robot& rob
   contract.robot = {options.robot.robot, TermSource::flag};
   contract.group = group_of(options, robot);
   for (const HeldJoint& joint : robot.held)
-    contract.held[joint.name] = {joint.value, source_of(options, plan, joint)};
+    contract.held[joint.name] = {joint.value, source_of(options, plan, robot, joint)};
   note_held(options, contract, robot, contract.notes);
   note_xacro(robot, plan, contract.notes);
 }

@@ -126,6 +126,9 @@ int run_import(const ImportOptions& options, Console& console) {
   // Refuses before the work what cannot be written; of what is there nothing is ours.
   AtomicFolder folder(options.out, [](const std::filesystem::path&) { return false; });
   const RobotRequest request = robot_request(options.robot);
+  if (!request.fixed_states.empty())
+    throw std::invalid_argument("--fix: expected JOINT=VALUE, got " + quote(request.fixed_states.front()) +
+                                ": of states `import` takes those that its problems name");
   const ForeignSet set = options.kind == "json"          ? read_sets(options, read_problem_json)
                          : options.kind == "robometrics" ? read_robometrics_sets(options, request)
                                                          : read_scenes(options, request);

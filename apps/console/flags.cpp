@@ -123,9 +123,11 @@ void add_model_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNote
                   "planning group of the SRDF; other joints are held fixed" + notes.group)
       ->type_name("NAME");
   command
-      .add_option("--fix", choice.fixed,
-                  "hold a joint at this value, rad or m at full size; it is then not part of Q; repeatable" +
-                      notes.fixed)
+      .add_option(
+          "--fix", choice.fixed,
+          "hold a joint at this value, rad or m at full size, or what a state of the SRDF says of joints "
+          "outside of the group; they are then not part of Q; repeatable" +
+              notes.fixed)
       ->type_name("JOINT=VALUE")
       ->allow_extra_args(false)
       ->take_all();

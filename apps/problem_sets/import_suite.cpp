@@ -76,6 +76,7 @@ class SuiteWriter {
   static RobotRequest without_motion(RobotRequest request) {
     request.group.clear();
     request.fixed.clear();
+    request.fixed_states.clear();
     return request;
   }
 

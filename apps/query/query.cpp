@@ -22,8 +22,11 @@ RobotRequest robot_request(const RobotChoice& choice) {
   request.standing = choice.standing;
   for (const std::string& text : choice.fixed) {
     const std::size_t equals = text.find('=');
-    if (equals == std::string::npos || equals == 0)
-      throw std::invalid_argument("--fix: expected JOINT=VALUE, got " + quote(text));
+    if (equals == 0) throw std::invalid_argument("--fix: expected JOINT=VALUE, got " + quote(text));
+    if (equals == std::string::npos) {
+      request.fixed_states.push_back(text);
+      continue;
+    }
     const std::string joint = text.substr(0, equals);
     const std::vector<double> values = parse_numbers(text.substr(equals + 1), "--fix " + quote(joint));
     if (values.size() != 1)

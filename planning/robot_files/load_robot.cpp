@@ -120,20 +120,47 @@ void choose_tip(const Srdf& srdf, const fs::path& file, Robot& robot) {
   robot.tip_link = static_cast<int>(link - robot.links.begin());
 }
 
+/// What the states that were asked for say of joints that are not planned.
+std::map<std::string, double> fixed_by_states(const Robot& robot, const RobotRequest& request,
+                                              const std::optional<Srdf>& srdf,
+                                              const std::set<std::string>& planned) {
+  std::map<std::string, double> fixed;
+  std::vector<std::string> known;
+  if (srdf)
+    for (const Srdf::State& state : srdf->states) known.push_back(state.name);
+  for (const std::string& name : request.fixed_states) {
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      throw std::invalid_argument(
+          "--fix: expected JOINT=VALUE or a state of a SRDF, got " + quote(name) +
+          (known.empty() ? ", and the robot has no SRDF with states"
+                         : ", did you mean " + quote(nearest_name(name.substr(0, 100), known)) + "?"));
+    for (const Srdf::State& state : srdf->states)
+      for (const auto& [joint, value] : state.values)
+        if (state.name == name && !planned.contains(joint) &&
+            std::any_of(robot.joints.begin(), robot.joints.end(),
+                        [&](const Joint& one) { return one.name == joint; }))
+          fixed.emplace(joint, value);
+  }
+  return fixed;
+}
+
 /// Holds what is fixed, and what is outside of the planning group.
 Robot hold(const Robot& robot, const RobotRequest& request, const RobotSettings& settings,
            const fs::path& settings_file, const std::optional<Srdf>& srdf) {
+  if (!robot.group.empty() && !srdf)
+    throw std::invalid_argument("group " + quote(robot.group) + " of robot " + quote(robot.name) +
+                                ": expected a SRDF that defines it, by --srdf or beside the URDF");
+  std::set<std::string> planned;
+  if (!robot.group.empty()) planned = joints_of_group(robot, *srdf, robot.group, robot.srdf);
+  std::map<std::string, double> asked = request.fixed;
+  asked.merge(fixed_by_states(robot, request, srdf, planned));
   std::vector<HeldJoint> held;
-  for (const auto& [name, value] : request.fixed) held.push_back({name, value, HoldSource::asked});
+  for (const auto& [name, value] : asked) held.push_back({name, value, HoldSource::asked});
   for (const auto& [name, value] : settings.fixed)
-    if (!request.fixed.contains(name)) held.push_back({name, value, HoldSource::settings});
+    if (!asked.contains(name)) held.push_back({name, value, HoldSource::settings});
   if (!robot.group.empty()) {
-    if (!srdf)
-      throw std::invalid_argument("group " + quote(robot.group) + " of robot " + quote(robot.name) +
-                                  ": expected a SRDF that defines it, by --srdf or beside the URDF");
-    const std::set<std::string> planned = joints_of_group(robot, *srdf, robot.group, robot.srdf);
     for (const Joint& joint : robot.joints) {
-      const bool is_fixed = request.fixed.contains(joint.name) || settings.fixed.contains(joint.name);
+      const bool is_fixed = asked.contains(joint.name) || settings.fixed.contains(joint.name);
       if (!is_fixed && !planned.contains(joint.name)) held.push_back(at_rest(robot, joint));
     }
   }

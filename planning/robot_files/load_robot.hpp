@@ -22,13 +22,16 @@ struct RobotRequest {
   std::map<std::string, std::string> xacro{};  ///< arguments of a .xacro, before the settings' (`xacro:`)
   std::vector<std::string>
       standing{};  ///< links on held joints, as wheels; beside the settings' (`standing:`)
+  /// States of the SRDF: what they say of joints outside of the group, and `fixed` does not, stands there; of
+  /// two that say something of one joint the first counts.
+  std::vector<std::string> fixed_states{};
 };
 
-/// Loads a robot. Joints that `fixed` or the settings' `fixed:` name and, when a group is chosen, all outside
-/// of it are no part of configurations (Robot::held): they stand at that value, else where the SRDF's state
-/// "default" puts them, else at 0 clamped into their limits. Their bodies still count. The tip is the
-/// settings', else the parent link of the end effector on the group, else the tip of its chain, else the last
-/// link that the group's joints move.
+/// Loads a robot. Joints that `fixed`, `fixed_states` or the settings' `fixed:` name and, when a group is
+/// chosen, all outside of it are no part of configurations (Robot::held): they stand at that value, else
+/// where the SRDF's state "default" puts them, else at 0 clamped into their limits. Their bodies still count.
+/// The tip is the settings', else the parent link of the end effector on the group, else the tip of its
+/// chain, else the last link that the group's joints move.
 /// @throws as load_robot(name_or_path); std::invalid_argument for a group without a SRDF or that it does not
 ///         define, a fixed joint that is none or out of its limits, xacro arguments of a file that is none,
 ///         or a standing link that is none or that a joint of configurations moves.

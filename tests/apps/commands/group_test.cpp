@@ -182,6 +182,34 @@ TEST_F(Group, APlanThatHoldsAJointElsewhereThanTheUserSaysIsRefused) {
   EXPECT_TRUE(check().complains_in_one_sentence());
 }
 
+/// The other joints, as a second arm's, stand where a state of theirs says; values of their own go before.
+TEST_F(Group, JointsOutsideOfTheGroupStandWhereAStateHasThem) {
+  const std::string srdf = read_file(folder_.file("arm.srdf"));
+  const std::string hand =
+      "<group name='hand'><joint name='grip'/></group><group_state name='open' group='hand'>"
+      "<joint name='grip' value='0.04'/><joint name='elbow' value='1'/></group_state></robot>";
+  folder_.write("arm.srdf", srdf.substr(0, srdf.find("</robot>")) + hand);
+  const auto held = [&](const Arguments& fixed) {
+    Arguments arguments{"--group", "arm", "--start", "home", "--goal", "ready"};
+    arguments.insert(arguments.end(), fixed.begin(), fixed.end());
+    EXPECT_EQ(plan(arguments).status, exit_done);
+    return Json::parse(read_file(folder_.file("plan.json")))["held"];
+  };
+  EXPECT_EQ(held({"--fix", "open"}), Json({{"grip", 0.04}}));
+  EXPECT_EQ(held({"--fix", "open", "--fix", "grip=0.01"}), Json({{"grip", 0.01}}));
+  EXPECT_EQ(held({}), Json({{"grip", 0.0}}));
+  const CommandRun elsewhere = check({"--group", "arm", "--fix", "open"});  // the plan's is at 0
+  EXPECT_EQ(elsewhere.status, exit_no);
+  const Json term = Json::parse(elsewhere.out)["contract"]["held"]["grip"];
+  EXPECT_EQ(term["value"], 0.04) << elsewhere.out;
+  EXPECT_EQ(term["source"], "flag") << elsewhere.out;
+  held({"--fix", "open"});
+  EXPECT_EQ(check({"--group", "arm", "--fix", "open"}).status, exit_done);
+  const CommandRun unknown = plan({"--group", "arm", "--fix", "opn", "--start", "home", "--goal", "ready"});
+  EXPECT_EQ(unknown.status, exit_bad_input);
+  EXPECT_NE(unknown.log.find("did you mean 'open'?"), std::string::npos) << unknown.log;
+}
+
 TEST_F(Group, WhatCannotBeReadIsReportedInOneSentence) {
   const auto expect_refused = [&](const Arguments& more, const std::string& expected) {
     const CommandRun run = plan(more);
@@ -194,7 +222,7 @@ TEST_F(Group, WhatCannotBeReadIsReportedInOneSentence) {
                  "says nothing of joint 'shoulder', expected a state of the whole group 'arm', or --fix "
                  "JOINT=VALUE for that joint (states of");
   expect_refused({"--fix", "grip", "--start", "home", "--goal", "ready"},
-                 "--fix: expected JOINT=VALUE, got 'grip'");
+                 "--fix: expected JOINT=VALUE or a state of a SRDF, got 'grip'");
   expect_refused({"--fix", "grip=x", "--start", "home", "--goal", "ready"},
                  "--fix 'grip': 'x' is not a finite number");
   expect_refused({"--fix", "grip=0", "--fix", "grip=0", "--start", "home", "--goal", "ready"}, "given twice");
