@@ -12,11 +12,15 @@ constexpr double least_sinking = 1e-4, most_sinking = 1e-3;  ///< m; as Pick say
 
 using Path = std::vector<Configuration>;
 
-/// Why a path is not free: of its first waypoint that is not.
-std::string obstruction_on(const ConfigurationSpace& space, const Path& path) {
+/// Whether a way is free; `why` says what stands in it, of its first waypoint that is not.
+bool require_free(bool is_free, const std::string& what, const ConfigurationSpace& space, const Path& path,
+                  std::string& why) {
+  if (is_free) return true;
   const auto blocked =
       std::find_if(path.begin(), path.end(), [&](const Configuration& q) { return !space.is_free(q); });
-  return blocked == path.end() ? "it cannot be proved between waypoints" : space.check(*blocked).sentence();
+  why = what + ": " +
+        (blocked == path.end() ? "it cannot be proved between waypoints" : space.check(*blocked).sentence());
+  return false;
 }
 
 Path joined(Path first, const Path& rest) {
@@ -37,30 +41,32 @@ StraightLegs::StraightLegs(PickScene& scene, const ConfigurationSpace& space, co
 std::optional<Taking> StraightLegs::take(const Hold& grasp, std::string& why) {
   const Configuration open = with_grip(robot_, pick_, grasp.q, false),
                       closed = with_grip(robot_, pick_, grasp.q, true);
-  for (const auto& [space, q] : {std::pair(&scene_.reaching(), &open), {&scene_.grasping(), &closed}}) {
-    why = "no grasp is free: " + space->check(*q).sentence();
-    if (!space->is_free(*q)) return std::nullopt;
-  }
+  for (const auto& [space, q] : {std::pair(&scene_.reaching(), &open), {&scene_.grasping(), &closed}})
+    if (!require_free(space->is_free(*q), "no grasp is free", *space, {*q}, why)) return std::nullopt;
   const auto back = straight_motion(robot_, open, -pick_.approach, step_);
   const auto up = upwards(closed);
   why = "no arm configuration at the grasp can go the straight ways of approach and lift";
   if (!back || !up) return std::nullopt;
   Path reach(back->rbegin(), back->rend());
-  why = "no free configuration before the grasp: " + scene_.before().check(reach.front()).sentence();
-  if (!scene_.before().is_free(reach.front())) return std::nullopt;
-  why = "the straight way to the grasp is not free: " + obstruction_on(scene_.reaching(), reach);
-  if (!is_path_free(scene_.reaching(), reach)) return std::nullopt;
-  why = "the hand cannot close: " + obstruction_on(scene_.grasping(), {open, closed});
-  if (!scene_.grasping().is_edge_free(open, closed)) return std::nullopt;
+  const ConfigurationSpace &before = scene_.before(), &reaching = scene_.reaching(),
+                           &grasping = scene_.grasping();
+  if (!require_free(before.is_free(reach.front()), "no free configuration before the grasp", before,
+                    {reach.front()}, why) ||
+      !require_free(is_path_free(reaching, reach), "the straight way to the grasp is not free", reaching,
+                    reach, why) ||
+      !require_free(grasping.is_edge_free(open, closed), "the hand cannot close", grasping, {open, closed},
+                    why))
+    return std::nullopt;
   if (closed != open) reach.push_back(closed);
   const Eigen::Isometry3d turned =
       pick_.map_from_object * Eigen::AngleAxisd(grasp.turn, Eigen::Vector3d::UnitZ());
   scene_.hold(link_pose(closed).inverse() * turned, closed);
-  why = "the straight way up from the grasp is not free: " + obstruction_on(scene_.lifting(), up->first) +
-        margin_hint();
-  if (!is_contact_free(scene_.lifting(), pick_.map_from_object, up->first)) return std::nullopt;
-  why = "the straight way up from the grasp is not free: " + obstruction_on(scene_.carrying(), up->second);
-  if (!is_path_free(scene_.carrying(), up->second)) return std::nullopt;
+  const std::string lift = "the straight way up from the grasp is not free" + margin_hint();
+  const ConfigurationSpace &lifting = scene_.lifting(), &carrying = scene_.carrying();
+  if (!require_free(is_contact_free(lifting, pick_.map_from_object, up->first), lift, lifting, up->first,
+                    why) ||
+      !require_free(is_path_free(carrying, up->second), lift, carrying, up->second, why))
+    return std::nullopt;
   return Taking{grasp, reach, joined(up->first, up->second)};
 }
 
@@ -74,13 +80,17 @@ std::optional<Putting> StraightLegs::put(const Taking& taking, const Configurati
   auto retreat = straight_motion(robot_, open, back, step_);
   why = "no arm configuration at the place can go the straight ways of lowering and retreat";
   if (!up || !retreat) return std::nullopt;
-  why = "the straight way down to the place is not free: " + obstruction_on(scene_.lowering(), up->first);
-  if (!is_contact_free(scene_.lowering(), pick_.map_from_place, up->first)) return std::nullopt;
-  why = "the straight way down to the place is not free: " + obstruction_on(scene_.carrying(), up->second);
-  if (!is_path_free(scene_.carrying(), up->second)) return std::nullopt;
-  why = "the straight way back from the place is not free: " + obstruction_on(scene_.retreating(), *retreat);
-  if (!scene_.releasing().is_edge_free(placed, open)) return std::nullopt;
-  if (!is_path_free(scene_.retreating(), *retreat)) return std::nullopt;
+  const std::string down = "the straight way down to the place is not free";
+  const ConfigurationSpace &lowering = scene_.lowering(), &carrying = scene_.carrying(),
+                           &releasing = scene_.releasing(), &retreating = scene_.retreating();
+  if (!require_free(is_contact_free(lowering, pick_.map_from_place, up->first), down, lowering, up->first,
+                    why) ||
+      !require_free(is_path_free(carrying, up->second), down, carrying, up->second, why) ||
+      !require_free(releasing.is_edge_free(placed, open), "the hand cannot open", releasing, {placed, open},
+                    why) ||
+      !require_free(is_path_free(retreating, *retreat), "the straight way back from the place is not free",
+                    retreating, *retreat, why))
+    return std::nullopt;
   if (open != placed) retreat->insert(retreat->begin(), placed);
   const Path upward = joined(up->first, up->second);
   return Putting{{upward.rbegin(), upward.rend()}, *retreat, back};

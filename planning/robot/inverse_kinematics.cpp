@@ -126,24 +126,6 @@ double arm_size(const Robot& robot) {
   return size > 0.0 ? size / 2 : 1.0;
 }
 
-/// The same pose of the robot, turning joints that whole turns leave where they are at the turn nearest to
-/// `near` that their limits allow.
-void turn_towards(const Robot& robot, const Configuration& near, Configuration& q) {
-  constexpr double turn = 2.0 * std::numbers::pi;
-  for (std::size_t j = 0; j < robot.dof(); ++j) {
-    const Joint& joint = robot.joints[j];
-    const bool is_geared = std::any_of(robot.links.begin(), robot.links.end(), [&](const Link& link) {
-      return link.joint == static_cast<int>(j) && link.multiplier != std::round(link.multiplier);
-    });
-    if (joint.kind != JointKind::revolute || is_geared) continue;
-    double& value = q[static_cast<Eigen::Index>(j)];
-    double turns = std::round((near[static_cast<Eigen::Index>(j)] - value) / turn);
-    for (; turns != 0.0; turns -= std::copysign(1.0, turns))
-      if (value + turns * turn >= joint.lower && value + turns * turn <= joint.upper) break;
-    value += turns * turn;
-  }
-}
-
 /// `near` first, then seeded random starts within the limits; nothing where all links in a row are too short.
 std::optional<Configuration> numeric_inverse_kinematics(const Robot& robot, const Eigen::Isometry3d& wanted,
                                                         const Configuration& near, const IkOptions& options) {
@@ -161,9 +143,7 @@ std::optional<Configuration> numeric_inverse_kinematics(const Robot& robot, cons
       q[static_cast<Eigen::Index>(j)] = lower + (upper - lower) * random_unit(random);
     }
     clamp_to_limits(robot, q);
-    if (!descend(robot, wanted, options, size, q)) continue;
-    turn_towards(robot, near, q);
-    return q;
+    if (descend(robot, wanted, options, size, q)) return unwrapped_within_limits(robot, q, near).value_or(q);
   }
   return std::nullopt;
 }

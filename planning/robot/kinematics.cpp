@@ -51,11 +51,15 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(const Robot& robot, const Link
   return columns;
 }
 
-bool repeats_after_turns(const Robot& robot, std::size_t joint) {
-  return is_endless(robot.joints[joint]) &&
+bool is_same_after_turns(const Robot& robot, std::size_t joint) {
+  return robot.joints[joint].kind == JointKind::revolute &&
          std::none_of(robot.links.begin(), robot.links.end(), [&](const Link& link) {
            return link.joint == static_cast<int>(joint) && link.multiplier != std::round(link.multiplier);
          });
+}
+
+bool repeats_after_turns(const Robot& robot, std::size_t joint) {
+  return is_endless(robot.joints[joint]) && is_same_after_turns(robot, joint);
 }
 
 Configuration by_whole_turns(const Robot& robot, Configuration q, const Configuration& near) {

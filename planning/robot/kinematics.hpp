@@ -28,8 +28,11 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(const Robot& robot, const Link
 /// sentence naming the joint, the value and the limit.
 std::string limit_violation(const Robot& robot, const Configuration& q);
 
-/// Whether whole turns of a joint leave every link where it is: it turns without end, and what follows it
-/// makes whole turns, too. @pre joint < robot.dof()
+/// Whether whole turns of a joint leave every link where it is: it turns, and what follows it makes whole
+/// turns, too. Limits are not asked. @pre joint < robot.dof()
+bool is_same_after_turns(const Robot& robot, std::size_t joint);
+
+/// The same of a joint that also turns without end. @pre joint < robot.dof()
 bool repeats_after_turns(const Robot& robot, std::size_t joint);
 
 /// The same pose of the robot as at q, with joints that repeat turned by whole turns to be nearest to `near`.

@@ -17,8 +17,8 @@ std::array<std::optional<Configuration>, 8> puma_branches(const Robot& robot,
 /// Which of the eight `q` itself stands on: the one that its own tip pose leads back to.
 std::size_t puma_branch_of(const Robot& robot, const Configuration& q);
 
-/// The same configuration with each revolute joint turned by whole turns to lie nearest to `near` within its
-/// limits; empty when a joint cannot.
+/// The same configuration with each joint that whole turns leave where it is turned by these to lie nearest
+/// to `near` within its limits; empty when a joint that turns cannot be within them.
 std::optional<Configuration> unwrapped_within_limits(const Robot& robot, Configuration q,
                                                      const Configuration& near);
 

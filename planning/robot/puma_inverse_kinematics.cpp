@@ -158,10 +158,12 @@ std::optional<Configuration> unwrapped_within_limits(const Robot& robot, Configu
     if (robot.joints[j].kind != JointKind::revolute) continue;
     double& value = q[static_cast<Eigen::Index>(j)];
     const double wanted = near[static_cast<Eigen::Index>(j)];
-    value += turn * std::round((wanted - value) / turn);
     const double lower = robot.joints[j].lower, upper = robot.joints[j].upper;
-    if (value < lower - at_limit) value += turn;
-    if (value > upper + at_limit) value -= turn;
+    if (is_same_after_turns(robot, j)) {
+      value += turn * std::round((wanted - value) / turn);
+      if (value < lower - at_limit) value += turn;
+      if (value > upper + at_limit) value -= turn;
+    }
     if (value < lower - at_limit || value > upper + at_limit) return std::nullopt;
     value = std::clamp(value, lower, upper);
   }

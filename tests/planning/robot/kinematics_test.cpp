@@ -11,6 +11,7 @@
 #include <numbers>
 #include <random>
 
+#include "planning/robot/puma_branches.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/robot_files/urdf_document.hpp"
 #include "tests/worlds/random_world.hpp"
@@ -263,6 +264,21 @@ TEST(InverseKinematics, NoJointIsMoreThanATurnFromWhereItIsAskedToBeNear) {
     }
   }
   EXPECT_GT(solved, 90);
+}
+
+/// A joint of several turns, and one that follows it by half: a whole turn of the first is another pose.
+TEST(InverseKinematics, JointsThatOthersFollowByHalfAreNotTurned) {
+  for (const double multiplier : {0.5, 2.0}) {
+    const worlds::UrdfRobot geared = worlds::geared(multiplier, "0.05", "0.3 0 0", "0.3 0 0");
+    Robot robot = geared.robot();
+    robot.joints[0].lower = -20.0, robot.joints[0].upper = 20.0;
+    const Configuration q = Eigen::VectorXd::Constant(1, 0.4), near = Eigen::VectorXd::Constant(1, 7.0);
+    const auto turned = unwrapped_within_limits(robot, q, near);
+    ASSERT_TRUE(turned);
+    EXPECT_EQ(*turned == q, multiplier == 0.5);
+    const LinkPoses before = forward_kinematics(robot, q), after = forward_kinematics(robot, *turned);
+    for (std::size_t i = 0; i < before.size(); ++i) EXPECT_LT(pose_error(before[i], after[i]), 1e-12);
+  }
 }
 
 }  // namespace kinematics_test
