@@ -76,7 +76,10 @@ class ScanBag {
   }
 
   /// Takes so many bytes from the end of the last message.
-  void cut_last(std::size_t bytes) { records_.back().bytes.resize(records_.back().bytes.size() - bytes); }
+  void cut_last(std::size_t bytes) {
+    std::string& last = records_.back().bytes;
+    last.erase(last.size() - std::min(bytes, last.size()));
+  }
 
   /// Puts the messages so far in the order in which a recorder meets them.
   void sort() {
