@@ -2,6 +2,7 @@
 
 #include <tinyxml2.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -104,6 +105,24 @@ bool make_unit(XmlNode& rotate) {
   return true;
 }
 
+/// Of an element that holds text, which assimp reads up to the first of them. Whether there were any.
+bool drop_comments(XmlNode& element) {
+  std::string text;
+  bool has_comment = false;
+  for (auto *node = element.FirstChild(), *next = node; node; node = next) {
+    next = node->NextSibling();
+    if (XmlNode* child = node->ToElement()) has_comment |= drop_comments(*child);
+    if (node->ToText()) text.append(node->Value()).append(" ");
+    if (!node->ToComment()) continue;
+    has_comment = true;
+    element.DeleteChild(node);
+  }
+  if (!has_comment || text.empty() || element.FirstChildElement()) return has_comment;
+  element.DeleteChildren();
+  element.SetText(text.c_str());
+  return true;
+}
+
 bool make_axes_unit(XmlNode& parent) {
   bool is_other = false;
   for (auto* child = parent.FirstChildElement(); child; child = child->NextSiblingElement())
@@ -177,7 +196,10 @@ std::string checked_collada(const std::string& content) {
   tinyxml2::XMLDocument xml;
   xml.Parse(content.data(), content.size());
   XmlNode* root = xml.Error() ? nullptr : xml.RootElement();
-  if (!root) throw std::runtime_error("it cannot be read as .dae");
+  if (!root)
+    throw std::runtime_error("it cannot be read as .dae: line " +
+                             std::to_string(std::max(xml.ErrorLineNum(), 1)) + " is not XML");
+  bool is_other = drop_comments(*root);
   check_unit(*root);
   for (auto* library = root->FirstChildElement("library_geometries"); library;
        library = library->NextSiblingElement("library_geometries"))
@@ -193,7 +215,8 @@ std::string checked_collada(const std::string& content) {
     collect_ids(*root, what, ids);
     check_instances(*root, what, ids);
   }
-  if (!make_axes_unit(*root)) return content;
+  is_other |= make_axes_unit(*root);
+  if (!is_other) return content;
   tinyxml2::XMLPrinter printer;
   xml.Print(&printer);
   return printer.CStr();

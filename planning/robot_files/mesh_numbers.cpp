@@ -1,6 +1,7 @@
 #include "planning/robot_files/mesh_numbers.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cstdint>
 #include <functional>
 #include <stdexcept>
@@ -11,6 +12,7 @@
 #include "mapping/files/ply_header.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "planning/robot_files/whole_mesh.hpp"
 
 namespace clearway {
 namespace {
@@ -23,9 +25,10 @@ void require_number(std::string_view word, std::size_t line) {
 /// Calls `visit` with each line, its number from 1 behind it, until that says no.
 void visit_lines(std::string_view text, const std::function<bool(std::string_view, std::size_t)>& visit) {
   for (std::size_t number = 1; !text.empty(); ++number) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
     if (!visit(text.substr(0, end), number)) return;
-    text.remove_prefix(std::min(end + 1, text.size()));
+    text.remove_prefix(end);
+    text.remove_prefix(text.starts_with("\r\n") ? 2 : std::min(text.size(), std::size_t{1}));
   }
 }
 
@@ -79,8 +82,84 @@ void check_ply_line(const PlyElement& element, std::string_view line, std::size_
                              " numbers, other than its properties");
 }
 
-/// A line for each element, all of it numbers.
-void check_ply_numbers(const std::string& content) {
+std::string_view without_byte_order_mark(std::string_view text) {
+  constexpr std::string_view mark = "\xEF\xBB\xBF";
+  if (text.starts_with(mark)) text.remove_prefix(mark.size());
+  return text;
+}
+
+/// Letters of either case.
+bool is_keyword(std::string_view word, std::string_view keyword) {
+  return std::equal(word.begin(), word.end(), keyword.begin(), keyword.end(),
+                    [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; });
+}
+
+/// The words of a text .stl, wherever its lines end.
+class StlText {
+ public:
+  void add_line(std::string_view words, std::size_t line) {
+    for (std::string_view word = next_word(words); !word.empty(); word = next_word(words)) {
+      if (is_keyword(word, "solid") || is_keyword(word, "endsolid")) {
+        close_facet(line);
+        is_open_ = is_keyword(word, "solid");
+        return;  // its name is behind it
+      }
+      add_word(word, words, line);
+    }
+  }
+  std::string take() {
+    if (is_open_ || corners_ != none) throw std::runtime_error("it has no 'endsolid': its end is missing");
+    return "solid mesh\n" + std::move(facets_) + "endsolid mesh\n";
+  }
+
+ private:
+  void add_word(std::string_view word, std::string_view& words, std::size_t line) {
+    if (is_keyword(word, "normal")) {
+      for (int axis = 0; axis < 3; ++axis) next_word(words);
+    } else if (is_keyword(word, "facet")) {
+      close_facet(line);
+      is_open_ = true;
+      corners_ = 0;
+      facets_ += "facet normal 0 0 0\nouter loop\n";
+    } else if (is_keyword(word, "endfacet")) {
+      close_facet(line);
+    } else if (is_keyword(word, "vertex")) {
+      add_vertex(words, line);
+    } else if (!is_keyword(word, "outer") && !is_keyword(word, "loop") && !is_keyword(word, "endloop")) {
+      throw std::runtime_error("line " + std::to_string(line) + " has " + quote(word) +
+                               ", expected a word of a text .stl");
+    }
+  }
+  void add_vertex(std::string_view& words, std::size_t line) {
+    if (corners_ == none)
+      throw std::runtime_error("line " + std::to_string(line) + " has a vertex outside of a facet");
+    ++corners_;
+    facets_ += "vertex";
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::string_view word = next_word(words);
+      require_number(word, line);
+      facets_.append(1, ' ').append(to_text(*parsed_number(word)));
+    }
+    facets_ += '\n';
+  }
+  void close_facet(std::size_t line) {
+    if (corners_ == none) return;
+    if (corners_ != 3)
+      throw std::runtime_error("line " + std::to_string(line) + " ends a facet of " +
+                               std::to_string(corners_) + " vertices, expected 3");
+    corners_ = none;
+    facets_ += "endloop\nendfacet\n";
+  }
+
+  static constexpr int none = -1;
+  std::string facets_;
+  int corners_ = none;  // of the facet that is open
+  bool is_open_ = false;
+};
+
+}  // namespace
+
+void check_numbers_of_ply(const std::string& content) {
   const PlyHeader header = ply_header(content);
   if (header.format != "ascii") return;
   auto element = header.elements.begin();
@@ -99,28 +178,24 @@ void check_ply_numbers(const std::string& content) {
               });
 }
 
-/// "vertex x y z".
-void check_stl_numbers(std::string_view content) {
-  visit_lines(content, [](std::string_view line, std::size_t number) {
-    if (next_word(line) == "vertex")
-      for (int axis = 0; axis < 3; ++axis) require_number(next_word(line), number);
+std::string plain_stl(const std::string& content) {
+  if (const std::size_t bytes = binary_stl_bytes(content); bytes > 0) return content.substr(0, bytes);
+  if (content.find('\0') != std::string::npos)
+    throw std::runtime_error("its header counts other facets than it holds");
+  std::string_view text = without_byte_order_mark(content), begin = text;
+  if (!is_keyword(next_word(begin), "solid"))
+    throw std::runtime_error("it is neither a binary .stl nor a text that begins with 'solid'");
+  StlText facets;
+  visit_lines(text, [&](std::string_view line, std::size_t number) {
+    facets.add_line(line, number);
     return true;
   });
-}
-
-}  // namespace
-
-void check_numbers_of_mesh(const std::string& content, const std::string& kind) {
-  if (kind == "ply") check_ply_numbers(content);
-  if (kind == "stl") check_stl_numbers(content);
+  return facets.take();
 }
 
 std::string plain_obj(const std::string& content) {
-  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
   std::string plain, whole;
-  std::string_view text = content;
-  if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
-  visit_lines(text, [&](std::string_view line, std::size_t number) {
+  visit_lines(without_byte_order_mark(content), [&](std::string_view line, std::size_t number) {
     whole.append(line.substr(0, line.find('#')));
     std::string_view words = whole;
     const std::string_view kind = next_word(words);

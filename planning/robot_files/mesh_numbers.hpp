@@ -6,10 +6,10 @@
 
 namespace clearway {
 
-/// assimp takes "2m" for 2 and "1,5" for 1. Checks that the coordinates of vertices in the text of a .ply or
-/// .stl file are numbers, as those of clouds and robots have to be; `check_collada` does so for .dae, and
-/// `plain_obj` for .obj. @throws std::runtime_error naming the line and the word
-void check_numbers_of_mesh(const std::string& content, const std::string& kind);
+/// assimp takes "2m" for 2 and "1,5" for 1. Checks that the coordinates of vertices in the text of a .ply
+/// file are numbers, as those of clouds and robots have to be; `checked_collada` does so for .dae, `plain_obj`
+/// for .obj and `plain_stl` for .stl. @throws std::runtime_error naming the line and the word
+void check_numbers_of_ply(const std::string& content);
 
 /// The vertices and faces of the text of an .obj file, one in a line, so that assimp reads what is there: it
 /// leaves out vertices with a number such as ".5", with a blank before the "v" or with a weight and a colour,
@@ -17,6 +17,13 @@ void check_numbers_of_mesh(const std::string& content, const std::string& kind);
 /// out.
 /// @throws std::runtime_error naming the line, for vertices that are no three numbers
 std::string plain_obj(const std::string& content);
+
+/// The facets of a .stl file, of all its solids and of none, so that assimp reads what is there: of a binary
+/// one without what some programs append, of a text, in letters of either case, each vertex and no normal
+/// ("-nan(ind)" is one that programs write). assimp leaves out facets behind a solid.
+/// @throws std::runtime_error naming the line, for facets that are no three vertices, or where the end is
+/// missing
+std::string plain_stl(const std::string& content);
 
 /// All vertices of what plain_obj gives, those of no face, too: a file that was cut off has lost faces.
 std::vector<Eigen::Vector3d> vertices_of_obj(const std::string& plain);

@@ -89,9 +89,9 @@ std::vector<Eigen::Vector3d> points_of_mesh(const std::filesystem::path& file, c
   if (!stream) throw std::runtime_error("it cannot be opened for reading");
   std::string content{std::istreambuf_iterator<char>(stream), {}};
   check_mesh_is_whole(content, kind);
-  check_numbers_of_mesh(content, kind);
+  if (kind == "ply") check_numbers_of_ply(content);
   if (kind == "dae") content = checked_collada(content);
-  if (kind == "stl") content.resize(whole_stl(content));
+  if (kind == "stl") content = plain_stl(content);
   if (kind == "obj") content = plain_obj(content);
 
   Assimp::Importer importer;
@@ -102,11 +102,7 @@ std::vector<Eigen::Vector3d> points_of_mesh(const std::filesystem::path& file, c
   const aiScene* scene = importer.ReadFile(name, steps);
   if (!scene) refuse(importer, kind);
   std::vector<Eigen::Vector3d> points = points_of(*scene, content);
-  std::size_t faces = 0;
-  for (unsigned i = 0; i < scene->mNumMeshes; ++i) faces += scene->mMeshes[i]->mNumFaces;
   importer.FreeScene();
-  if (kind == "stl" && faces != facets_of_stl(content))
-    throw std::runtime_error("it holds facets that do not belong to a solid");
   if (points.empty()) throw std::runtime_error("it holds no vertices");
   for (Eigen::Vector3d& point : points) point = point.cwiseProduct(scale);
   if (!are_sensible(points))

@@ -1,13 +1,11 @@
 #include "planning/robot_files/whole_mesh.hpp"
 
-#include <algorithm>
 #include <cctype>
 #include <cstdint>
 #include <cstring>
 #include <stdexcept>
 #include <string_view>
 
-#include "mapping/files/number_words.hpp"
 #include "mapping/files/ply_header.hpp"
 
 namespace clearway {
@@ -43,8 +41,8 @@ void check_ply(const std::string& content) {
   require_nothing_more(data.substr(bytes_of_elements(header, data)));
 }
 
-/// Bytes that the facets of a binary .stl take as its header counts them, or 0 where they are not there. What
-/// is appended must not be whole facets, nor a second such file: then the count is wrong.
+}  // namespace
+
 std::size_t binary_stl_bytes(const std::string& content) {
   constexpr std::size_t head = 84, facet = 50;
   if (content.size() < head) return 0;
@@ -62,37 +60,9 @@ std::size_t binary_stl_bytes(const std::string& content) {
   return rest.empty() || rest.size() % facet != 0 ? bytes : 0;
 }
 
-void check_stl(const std::string& content) {
-  if (binary_stl_bytes(content) > 0) return;
-  const std::size_t last = content.rfind("endfacet");
-  if (last != std::string::npos && content.find("endsolid", last) == std::string::npos)
-    throw std::runtime_error("it has no 'endsolid': its end is missing");
-}
-
-}  // namespace
-
 void check_mesh_is_whole(const std::string& content, const std::string& kind) {
   if (content.empty()) throw std::runtime_error("it is empty");
   if (kind == "ply") check_ply(content);
-  if (kind == "stl") check_stl(content);
-}
-
-std::size_t whole_stl(const std::string& content) {
-  const std::size_t binary = binary_stl_bytes(content);
-  return binary > 0 ? binary : content.size();
-}
-
-std::size_t facets_of_stl(const std::string& content) {
-  if (const std::size_t bytes = binary_stl_bytes(content); bytes > 0) return (bytes - 84) / 50;
-  std::size_t facets = 0;
-  std::string_view rest = content;
-  while (!rest.empty()) {
-    const std::size_t end = std::min(rest.find('\n'), rest.size());
-    std::string_view line = rest.substr(0, end);
-    facets += next_word(line) == "facet";
-    rest.remove_prefix(std::min(end + 1, rest.size()));
-  }
-  return facets;
 }
 
 }  // namespace clearway

@@ -63,10 +63,12 @@ TEST_F(MeshFile, EveryKindOfFileGivesTheSameHullTimesItsScaleInOneGo) {
 
 TEST_F(MeshFile, FilesThatAreNotWholeSayWhatIsMissing) {
   EXPECT_EQ(failure("m.stl", ""), "'m.stl' is damaged: it is empty");
-  EXPECT_EQ(failure("m.dae", "hello"), "'m.dae' is damaged: it cannot be read as .dae");
+  EXPECT_EQ(failure("m.dae", "hello"), "'m.dae' is damaged: it cannot be read as .dae: line 1 is not XML");
   std::string fewer = as_stl(sample_);
   --fewer[80];  // how many facets its header counts
-  EXPECT_EQ(failure("m.stl", fewer), "'m.stl' is damaged: it cannot be read as .stl");
+  EXPECT_EQ(failure("m.stl", fewer), "'m.stl' is damaged: its header counts other facets than it holds");
+  EXPECT_EQ(failure("m.stl", "no mesh"),
+            "'m.stl' is damaged: it is neither a binary .stl nor a text that begins with 'solid'");
   EXPECT_EQ(failure("m.obj", "# nothing\n"), "'m.obj' is damaged: it cannot be read as .obj");
   EXPECT_EQ(failure("m.ply", "ply\nformat ascii 1.0\nend_head"),
             "'m.ply' is damaged: its header is cut off or garbled");

@@ -133,7 +133,76 @@ TEST_F(MeshNumbers, DataBehindThoseThatAreCountedIsDamage) {
   const std::string solid = as_text_stl(sample_), facets = as_text_stl(other);
   const std::string bare =
       facets.substr(facets.find("facet"), facets.find("endsolid") - facets.find("facet"));
-  EXPECT_NE(failure("m.stl", solid + bare + "endsolid\n"), "");
+  EXPECT_EQ(farthest_from(read("other.stl", as_stl(other)).corners,
+                          read("m.stl", solid + bare + "endsolid\n").corners),
+            0.0);
+}
+
+/// The words of a text .stl as programs write them: letters of either case, lines that end anywhere.
+TEST_F(MeshNumbers, TextsOfStlHoldEveryVertexHoweverTheyAreSpelt) {
+  std::mt19937_64 random(6);
+  const Points expected = read("mesh.stl", as_stl(sample_)).corners;
+  const std::vector<std::string> ends{"\n", "\r\n", "\r", "\n\n \t\n"}, joined{" ", "\t", "\n"},
+      normals{"0 0 1", "-nan(ind) -nan(ind) -nan(ind)", "1.#IND 1.#QNAN -1.#IND", "nan NaN inf"};
+  for (int trial = 0; trial < 30; ++trial) {
+    const std::string& end = ends[random() % ends.size()];
+    const auto word = [&, is_upper = random() % 2 == 0](std::string text) {
+      if (is_upper) std::transform(text.begin(), text.end(), text.begin(), ::toupper);
+      return text;
+    };
+    const auto pause = [&] { return random() % 4 == 0 ? joined[random() % joined.size()] : end; };
+    std::string text = std::string(random() % 2 == 0 ? "" : "\xEF\xBB\xBF") + (random() % 2 == 0 ? "" : end) +
+                       word("solid") + " facet of vertex 9 9 9" + end;
+    for (const auto& triangle : sample_.triangles) {
+      text +=
+          word("facet normal ") + normals[random() % normals.size()] + pause() + word("outer loop") + pause();
+      for (const int i : triangle) {
+        text += word("vertex");
+        for (const float value : sample_.vertices[static_cast<std::size_t>(i)])
+          text += " " + spelt(static_cast<double>(value), random);
+        text += pause();
+      }
+      text += word("endloop") + pause() + word("endfacet") + pause();
+      if (random() % 9 == 0)
+        text += word("endsolid") + end + (random() % 2 == 0 ? word("solid b") + end : "");
+    }
+    const MeshHull hull = read("mesh.stl", text + word("endsolid facet") + end);
+    ASSERT_EQ(hull.failure, "") << text.substr(0, 400);
+    EXPECT_LT(farthest_from(hull.corners, expected), 1e-6) << trial;
+    EXPECT_LT(farthest_from(expected, hull.corners), 1e-6) << trial;
+  }
+}
+
+TEST_F(MeshNumbers, FacetsOfStlAreThreeVerticesEach) {
+  const std::string head = "solid\nfacet normal 0 0 1\nouter loop\n", vertex = "vertex 1 2 3\n";
+  const std::string tail = "endloop\nendfacet\nendsolid\n";
+  EXPECT_NE(failure("m.stl", head + vertex + vertex + tail).find("line 7 ends a facet of 2 vertices"),
+            std::string::npos);
+  EXPECT_NE(failure("m.stl", head + vertex + vertex + vertex + vertex + tail).find("a facet of 4 vertices"),
+            std::string::npos);
+  EXPECT_NE(
+      failure("m.stl", "solid\n" + vertex + "endsolid\n").find("line 2 has a vertex outside of a facet"),
+      std::string::npos);
+  EXPECT_NE(failure("m.stl", head + "vertx 1 2 3\n" + tail)
+                .find("line 4 has 'vertx', expected a word of a text .stl"),
+            std::string::npos);
+  const std::string whole = as_text_stl(sample_);
+  EXPECT_NE(failure("m.stl", whole.substr(0, whole.rfind("endsolid"))).find("it has no 'endsolid'"),
+            std::string::npos);
+}
+
+/// assimp reads the numbers up to the first comment.
+TEST_F(MeshNumbers, CommentsOfColladaEndNoListOfNumbers) {
+  const std::string whole = as_dae(sample_);
+  const Points expected = read("m.dae", whole).corners;
+  for (const char* list : {"<float_array", "<p>"}) {
+    std::string text = whole;
+    const std::size_t begin = text.find('>', text.find(list)) + 1;
+    text.insert(text.find(' ', begin + 40), "<!-- 1 2 3 -->");
+    const MeshHull hull = read("m.dae", text);
+    ASSERT_EQ(hull.failure, "");
+    EXPECT_EQ(farthest_from(expected, hull.corners), 0.0) << list;
+  }
 }
 
 TEST_F(MeshNumbers, ColladaFilesThatPlaceNothingOrWhatIsNotThereAreRefused) {

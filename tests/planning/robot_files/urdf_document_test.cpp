@@ -163,7 +163,8 @@ TEST_F(UrdfDocumentFile, WhatIsEchoedFromTheFileIsShortAndPlain) {
 TEST_F(UrdfDocumentFile, ADamagedMeshIsReportedWithItsLinkAndAsDamage) {
   folder_.write("m.stl", as_stl(ellipsoid(6, 8, {1, 1, 1})).substr(0, 300));
   EXPECT_EQ(with_shape("<mesh filename='m.stl'/>"),
-            "damaged: r.urdf: link 'arm': 'm.stl' is damaged: it cannot be read as .stl");
+            "damaged: r.urdf: link 'arm': 'm.stl' is damaged: its header counts other facets than it "
+            "holds");
   EXPECT_EQ(with_shape("<mesh filename='r.urdf'/>"),
             "r.urdf: link 'arm': r.urdf: is not a mesh of a known kind, expected .dae, .obj, .ply or .stl");
 }
