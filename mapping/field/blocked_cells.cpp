@@ -106,6 +106,21 @@ class TreeReader {
     read(node, cube, false);
   }
 
+  /// Calls visit(box) for cubes that hold all that is forbidden, cut to the block; those of which only a part
+  /// is are not wider than `narrow` cells.
+  template <class Visit>
+  void survey(const FusedNode* node, const CellCube& cube, bool inside, int narrow,
+              const Visit& visit) const {
+    if (!inside) {
+      if (is_outside(cube)) return;
+      inside = is_inside(cube);
+    }
+    if (is_allowed(node)) return;
+    if (node == nullptr || !node->has_children() || cube.edge <= narrow) return visit(part_of(cube));
+    for (unsigned i = 0; i < 8; ++i) __builtin_prefetch(node->child(i));
+    for (unsigned i = 0; i < 8; ++i) survey(node->child(i), cube.child(i), inside, narrow, visit);
+  }
+
   /// Fills in what differs between two versions of the tree.
   std::vector<CellBox> follow(const FusedNode* before, const FusedNode* now) {
     follow(before, now, CellCube{}, false);
@@ -178,10 +193,16 @@ class TreeReader {
     return says_for_all && allows(requirement_, tree_.state(node), node.painted());
   }
 
+  /// What of the cube lies in the block.
+  CellBox part_of(const CellCube& cube) const {
+    const Eigen::Vector3i corner = cube.corner - first_;
+    return {corner.cwiseMax(low_), (corner.array() + cube.edge).matrix().cwiseMin(high_)};
+  }
+
   /// @returns the part of the cube that lies in the block
   CellBox fill(const CellCube& cube, bool blocked) {
-    const Eigen::Vector3i corner = cube.corner - first_;
-    const CellBox box{corner.cwiseMax(low_), (corner.array() + cube.edge).matrix().cwiseMin(high_)};
+    const CellBox box = part_of(cube);
+    const Eigen::Vector3i& corner = box.low;
     if (cube.edge == 1)
       cells_.set(corner.x(), corner.y(), corner.z(), blocked);
     else
@@ -226,6 +247,14 @@ void read_blocked_cells(const FusedTree& tree, const Requirement& requirement, c
                         const Eigen::Vector3i& low, const Eigen::Vector3i& high, BlockedCells& cells) {
   cells.fill(low, high, !allows(requirement, VoxelState::unknown, 0));
   TreeReader(tree, requirement, first, low, high, cells).read();
+}
+
+void visit_blocked_boxes(const FusedTree& tree, const Requirement& requirement, const Eigen::Vector3i& first,
+                         const Eigen::Vector3i& size, int narrow,
+                         const std::function<void(const CellBox&)>& visit) {
+  BlockedCells none(Eigen::Vector3i::Zero(), false);
+  TreeReader(tree, requirement, first, Eigen::Vector3i::Zero(), size, none)
+      .survey(tree.getRoot(), CellCube{}, false, narrow, visit);
 }
 
 std::vector<CellBox> follow_blocked_cells(const FusedTree& tree, const Requirement& requirement,

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "mapping/voxels/voxel_state.hpp"
@@ -78,6 +79,12 @@ BlockedCells blocked_cells(const FusedTree& tree, const Requirement& requirement
 /// Writes the cells low to high (exclusive, counted from `first`) of such a block, and no others.
 void read_blocked_cells(const FusedTree& tree, const Requirement& requirement, const Eigen::Vector3i& first,
                         const Eigen::Vector3i& low, const Eigen::Vector3i& high, BlockedCells& cells);
+
+/// Visits boxes of cells (counted from `first`) that hold all that are forbidden. A box holds free ones, too,
+/// only where it is a cube of the tree, or a part of one, of at most `narrow` cells along an edge, 1 or more.
+void visit_blocked_boxes(const FusedTree& tree, const Requirement& requirement, const Eigen::Vector3i& first,
+                         const Eigen::Vector3i& size, int narrow,
+                         const std::function<void(const CellBox&)>& visit);
 
 /// Brings the cells of an earlier version of the tree, with the same occupancy threshold, up to date. Reads
 /// only what the two versions do not share.

@@ -48,14 +48,24 @@ Corners corners_of(const DistanceTiles& tiles, int low_x, int low_y, int low_z, 
 
 namespace {
 
-/// Reads the cells of a region, from a copy of the tree, which shares its nodes.
-DistanceTiles::ReadCells reader(const FusedTree& tree, const Requirement& requirement,
-                                const FieldRegion& cells) {
-  return [kept = std::make_shared<const FusedTree>(tree), requirement, first = cells.first](
-             const DistanceTiles::Box& box, BlockedCells& blocked) {
-    read_blocked_cells(*kept, requirement, first, box.low, box.high, blocked);
-  };
-}
+/// The cells of a region, from a copy of the tree, which shares its nodes.
+struct TreeCells {
+  std::shared_ptr<const FusedTree> tree;
+  Requirement requirement;
+  FieldRegion cells;
+
+  DistanceTiles::ReadCells read() const {
+    return [own = *this](const DistanceTiles::Box& box, BlockedCells& blocked) {
+      read_blocked_cells(*own.tree, own.requirement, own.cells.first, box.low, box.high, blocked);
+    };
+  }
+  DistanceTiles::VisitBlocked visit() const {
+    return [own = *this](const std::function<void(const CellBox&)>& visit) {
+      visit_blocked_boxes(*own.tree, own.requirement, own.cells.first, own.cells.size, DistanceTiles::ny,
+                          visit);
+    };
+  }
+};
 
 }  // namespace
 
@@ -78,8 +88,9 @@ BlockedField::BlockedField(const FusedTree& tree, const Requirement& requirement
     tiles_ = std::make_shared<const DistanceTiles>(
         blocked_cells(tree, seen, requirement, cells.first, cells.size), cap_of(cells));
   } else {
+    const TreeCells of_tree{std::make_shared<const FusedTree>(tree), requirement, cells};
     tiles_ =
-        std::make_shared<const DistanceTiles>(cells.size, cap_of(cells), reader(tree, requirement, cells));
+        std::make_shared<const DistanceTiles>(cells.size, cap_of(cells), of_tree.read(), of_tree.visit());
   }
 }
 
@@ -99,7 +110,8 @@ BlockedField::BlockedField(const FusedTree& tree, const FusedTree& tree_before, 
   const auto follow = [&](BlockedCells& cells) {
     return follow_blocked_cells(tree, requirement_, cells_.first, tree_before, cells);
   };
-  tiles_ = std::make_shared<const DistanceTiles>(*before.tiles_, follow, reader(tree, requirement_, cells_));
+  const TreeCells of_tree{std::make_shared<const FusedTree>(tree), requirement_, cells_};
+  tiles_ = std::make_shared<const DistanceTiles>(*before.tiles_, follow, of_tree.read(), of_tree.visit());
 }
 
 const ByteField& BlockedField::byte_field() const {

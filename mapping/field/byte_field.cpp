@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
+#include <cstring>
 
 #include "mapping/field/blocked_field.hpp"
+#include "mapping/field/byte_numbers.hpp"
 #include "mapping/field/zero_memory.hpp"
 
 namespace clearway {
@@ -23,17 +24,6 @@ int units(const BlockedField& field) {
   return std::clamp(static_cast<int>((most - blocked) / voxels), 2, 16);
 }
 
-/// The number of each squared distance in half voxels, up to `cap`.
-std::vector<std::uint8_t> numbers_of(int cap, int units) {
-  std::vector<std::uint8_t> numbers;
-  numbers.reserve(static_cast<std::size_t>(cap) + 1);
-  for (int squared = 0; squared <= cap; ++squared) {  // whole numbers have whole roots: nothing is rounded up
-    const double number = blocked + std::floor(0.5 * units * std::sqrt(double(squared)));
-    numbers.push_back(static_cast<std::uint8_t>(std::min(number, double{most})));
-  }
-  return numbers;
-}
-
 }  // namespace
 
 ByteField::ByteField(const BlockedField& field)
@@ -44,11 +34,12 @@ ByteField::ByteField(const BlockedField& field)
       step(resolution / units(field)),
       outside_blocked(field.is_outside_blocked()),
       distances_(field.distances()),
-      numbers_(numbers_of(distances_->cap(), units(field))),
+      units_(units(field)),
       memory_(zero_memory(tiles.cast<std::size_t>().prod() * DistanceTiles::tile_cells + beyond)),
       is_known_(std::make_unique<std::atomic<bool>[]>(tiles.cast<std::size_t>().prod())) {
   cells = memory_;
-  end = numbers_.back();
+  end = static_cast<std::uint8_t>(
+      std::min(blocked + std::floor(0.5 * units_ * std::sqrt(double(distances_->cap()))), double{most}));
 }
 
 ByteField::~ByteField() { free_zero_memory(memory_); }
@@ -65,12 +56,13 @@ void ByteField::make(std::size_t tile) const {
   if (is_known_[tile].load(std::memory_order_relaxed)) return;
   const Eigen::Vector3i first = distances_->box_of(distances_->place(tile)).low;
   const std::uint16_t* squared = distances_->line(first.x() >> 5, first.y(), first.z());
-  std::uint8_t* out = &memory_[tile * DistanceTiles::tile_cells];
-  for (std::size_t cell = 0; cell < DistanceTiles::tile_cells; cell += sizeof(Word)) {
-    std::array<std::uint8_t, sizeof(Word)> some;
-    for (std::size_t i = 0; i < some.size(); ++i) some[i] = numbers_[squared[cell + i]];
-    std::atomic_ref(reinterpret_cast<Word&>(out[cell]))
-        .store(std::bit_cast<Word>(some), std::memory_order_relaxed);
+  std::array<std::uint8_t, DistanceTiles::tile_cells> numbers;
+  number_bytes(squared, numbers.size(), units_, best_instruction_set(), numbers.data());
+  std::uint8_t* out = &memory_[tile * numbers.size()];
+  for (std::size_t cell = 0; cell < numbers.size(); cell += sizeof(Word)) {
+    Word some;
+    std::memcpy(&some, &numbers[cell], sizeof some);
+    std::atomic_ref(reinterpret_cast<Word&>(out[cell])).store(some, std::memory_order_relaxed);
   }
   is_known_[tile].store(true, std::memory_order_release);
 }

@@ -7,7 +7,6 @@
 #include <memory>
 #include <mutex>
 #include <span>
-#include <vector>
 
 namespace clearway {
 
@@ -50,7 +49,7 @@ struct ByteField {
   void make(std::size_t tile) const;
 
   std::shared_ptr<const DistanceTiles> distances_;
-  std::vector<std::uint8_t> numbers_;              ///< of each squared distance in half voxels
+  int units_;                                      ///< of a voxel's edge
   std::span<std::uint8_t> memory_;                 ///< of `cells`; each is written once, at most
   std::unique_ptr<std::atomic<bool>[]> is_known_;  ///< of each tile
   mutable std::mutex making_;

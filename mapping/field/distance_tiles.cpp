@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <new>
+#include <type_traits>
 #include <utility>
 
 #include "mapping/field/tile_pool.hpp"
@@ -40,18 +42,40 @@ int least_between(const CellBox& a, const CellBox& b) {
 /// What neighbouring tiles need again: distances along z, and within planes of y and z. It may be forgotten.
 struct DistanceTiles::Memory {
   static constexpr std::size_t most = 4096;  ///< tiles of each kind
-  explicit Memory(std::size_t tiles) : holds(tiles, Holds::not_known), steps(tiles), planes(tiles) {}
+  explicit Memory(std::size_t tiles) : steps(tiles), planes(tiles) {}
+
+  struct FreeSlot {
+    void operator()(Tile* tile) const { TilePool::free(tile); }
+  };
+  using OwnTile = std::unique_ptr<Tile, FreeSlot>;
+  static OwnTile make() {
+    static_assert(std::is_trivially_destructible_v<Tile>);
+    return OwnTile(new (TilePool::allocate()) Tile);  // its cells are not set
+  }
+
+  /// The squared distances along z; a line is useful, by its bit, where one is below the cap.
+  struct Squares {
+    OwnTile cells;
+    std::uint64_t useful = 0;
+  };
 
   void forget() {
-    std::fill(steps.begin(), steps.end(), nullptr);
-    std::fill(planes.begin(), planes.end(), nullptr);
+    for (Squares& squares : steps) squares = {};
+    for (OwnTile& plane : planes) plane = nullptr;
     kept = 0;
   }
 
-  std::vector<Holds> holds;  ///< of each tile
-  std::vector<std::unique_ptr<Steps>> steps;
-  std::vector<std::unique_ptr<Tile>> planes;
+  std::vector<Squares> steps;
+  std::vector<OwnTile> planes;
   std::size_t kept = 0;
+
+  // What one tile needs, kept for the next.
+  std::vector<std::uint32_t> words;
+  std::vector<std::uint8_t> counted, useful;
+  std::vector<std::uint16_t> squares, row;
+  std::vector<int> nearest;
+  std::vector<const Squares*> around;
+  std::vector<const Tile*> lanes;
 };
 
 /// Computes tiles, one axis after the other: z by counting, then y, then x by the least sum.
@@ -61,14 +85,16 @@ class DistanceTiles::Maker {
       : tiles_(tiles), axes_(tiles.axes_), memory_(*tiles.memory_), size_(tiles.size()) {}
 
   std::shared_ptr<const Tile> made(const Eigen::Vector3i& at) {
-    if (!any_holds(at, tiles_.reach_)) return tiles_.nothing_;
-    if (holds(at) == Holds::all) return tiles_.all_;
+    if (!may_hold(at, within_reach)) return tiles_.nothing_;
+    if (holds_all(at)) return tiles_.all_;
     const int around = (axes_.margin() + nx - 1) / nx, lanes = 2 * around + 1;
-    std::vector<const Tile*> planes(static_cast<std::size_t>(lanes), nullptr);
+    std::vector<const Tile*>& planes = memory_.lanes;
+    planes.assign(static_cast<std::size_t>(lanes), nullptr);
     for (int lane = -tiles_.reach_.x(); lane <= tiles_.reach_.x(); ++lane)
       planes[static_cast<std::size_t>(around + lane)] = plane(at + Eigen::Vector3i(lane, 0, 0));
     const auto tile = std::allocate_shared<Tile>(TileAllocator<Tile>());
-    std::vector<std::uint16_t> row(static_cast<std::size_t>(lanes * nx), axes_.cap());
+    std::vector<std::uint16_t>& row = memory_.row;
+    row.assign(static_cast<std::size_t>(lanes * nx), axes_.cap());
     for (std::size_t cell = 0; cell < tile_cells; cell += nx) {
       for (std::size_t i = 0; i < planes.size(); ++i) {
         if (planes[i] != nullptr) std::memcpy(&row[i * nx], &(*planes[i])[cell], nx * sizeof(std::uint16_t));
@@ -86,100 +112,100 @@ class DistanceTiles::Maker {
   }
   std::size_t index(const Eigen::Vector3i& at) const { return tiles_.tile(at.x(), at.y() * ny, at.z() * nz); }
 
-  /// Whether cells of a tile are blocked.
-  Holds holds(const Eigen::Vector3i& at) const {
-    if (!is_inside(at)) return Holds::nothing;
-    const std::size_t i = index(at);
-    if (memory_.holds[i] != Holds::not_known) return memory_.holds[i];
-    tiles_.read_under_lock(i);
-    std::uint32_t any = 0, all = ~0U;
+  /// Whether cells of the tiles so near to one may be blocked.
+  bool may_hold(const Eigen::Vector3i& at, std::uint8_t where) const {
+    return is_inside(at) && (tiles_.near_[index(at)] & where) != 0;
+  }
+
+  bool holds_all(const Eigen::Vector3i& at) const {
+    if (!may_hold(at, here)) return false;
+    tiles_.read_under_lock(index(at));
+    std::uint32_t all = ~0U;
     const Box box = tiles_.box_of(at);
     for (int z = box.low.z(); z < box.high.z(); ++z) {
       const std::uint32_t* row = tiles_.blocked_.row(at.x(), z);
-      for (int y = box.low.y(); y < box.high.y(); ++y) {
-        any |= row[y];
-        all &= row[y];
-      }
+      for (int y = box.low.y(); y < box.high.y(); ++y) all &= row[y];
     }
-    return memory_.holds[i] = any == 0 ? Holds::nothing : all == ~0U ? Holds::all : Holds::something;
+    return all == ~0U;
   }
 
-  /// Whether cells of a tile, or so many tiles beside it, are blocked. Afterwards all of these are read.
-  bool any_holds(const Eigen::Vector3i& at, const Eigen::Vector3i& reach) const {
-    bool any = false;
-    for (int z = -reach.z(); z <= reach.z(); ++z) {
-      for (int y = -reach.y(); y <= reach.y(); ++y) {
-        for (int x = -reach.x(); x <= reach.x(); ++x)
-          any |= holds(at + Eigen::Vector3i(x, y, z)) != Holds::nothing;
-      }
+  /// The squared distances along z; null: at the cap everywhere.
+  const Memory::Squares* steps(const Eigen::Vector3i& at) {
+    if (!may_hold(at, along_z)) return nullptr;
+    Memory::Squares& known = memory_.steps[index(at)];
+    if (known.cells) return &known;
+    for (int z = -tiles_.reach_.z(); z <= tiles_.reach_.z(); ++z) {
+      const Eigen::Vector3i beside = at + Eigen::Vector3i(0, 0, z);
+      if (may_hold(beside, here)) tiles_.read_under_lock(index(beside));
     }
-    return any;
-  }
-
-  /// How many steps along z the nearest blocked cell is away; null: too many everywhere.
-  const Steps* steps(const Eigen::Vector3i& at) {
-    const int reach = tiles_.reach_.z();
-    if (!is_inside(at) || !any_holds(at, {0, 0, reach})) return nullptr;
-    std::unique_ptr<Steps>& known = memory_.steps[index(at)];
-    if (known) return known.get();
     const Box box = tiles_.box_of(at);
     const int first = std::max(box.low.z() - axes_.window(), 0);
     const int end = std::min(box.high.z() + axes_.window(), size_.z());
-    std::vector<std::uint32_t> words(static_cast<std::size_t>((end - first) * ny), 0);
+    std::vector<std::uint32_t>& words = memory_.words;
+    words.assign(static_cast<std::size_t>((end - first) * ny), 0);
     for (int z = first; z < end; ++z) {
       const std::uint32_t* row = tiles_.blocked_.row(at.x(), z);
       std::copy(row + box.low.y(), row + box.high.y(), &words[static_cast<std::size_t>((z - first) * ny)]);
     }
-    counted_.resize(words.size() * nx);
-    axes_.count_steps(words.data(), ny, end - first, counted_.data());
-    known = std::make_unique<Steps>();  // 0 above the block: no change there is near enough to reach
+    std::vector<std::uint8_t>& counted = memory_.counted;
+    counted.resize(words.size() * nx);
+    axes_.count_steps(words.data(), ny, end - first, counted.data());
+    known.cells = Memory::make();
     ++memory_.kept;
-    std::copy_n(&counted_[static_cast<std::size_t>((box.low.z() - first) * line_cells)],
-                (box.high.z() - box.low.z()) * line_cells, known->begin());
-    return known.get();
+    const std::size_t lines = static_cast<std::size_t>(box.high.z() - box.low.z()) * ny;
+    static_assert(ny * nz == 64);
+    for (std::size_t line = 0; line < lines; ++line) {
+      const std::size_t from = static_cast<std::size_t>((box.low.z() - first) * line_cells) + line * nx;
+      const bool is_useful = axes_.square_steps(&counted[from], &(*known.cells)[line * nx]);
+      known.useful |= std::uint64_t{is_useful} << line;
+    }
+    // 0 above the block: no change there is near enough to reach.
+    std::fill(known.cells->begin() + static_cast<std::ptrdiff_t>(lines * nx), known.cells->end(), 0);
+    return &known;
   }
 
   /// The squared distances within the planes of y and z; null: at the cap everywhere.
   const Tile* plane(const Eigen::Vector3i& at) {
-    const int reach = tiles_.reach_.y();
-    if (!is_inside(at) || !any_holds(at, {0, reach, tiles_.reach_.z()})) return nullptr;
-    std::unique_ptr<Tile>& known = memory_.planes[index(at)];
+    if (!may_hold(at, in_plane)) return nullptr;
+    Memory::OwnTile& known = memory_.planes[index(at)];
     if (known) return known.get();
-    std::vector<const Steps*> around;
-    for (int y = -reach; y <= reach; ++y) around.push_back(steps(at + Eigen::Vector3i(0, y, 0)));
-    known = std::make_unique<Tile>();
+    memory_.around.clear();
+    for (int y = -tiles_.reach_.y(); y <= tiles_.reach_.y(); ++y)
+      memory_.around.push_back(steps(at + Eigen::Vector3i(0, y, 0)));
+    known = Memory::make();
     ++memory_.kept;
-    squares_.assign(static_cast<std::size_t>((ny + 2 * axes_.margin()) * nx), axes_.cap());
-    for (int z = 0; z < nz; ++z) plane_line(around, z, &(*known)[static_cast<std::size_t>(z * line_cells)]);
+    memory_.squares.assign(static_cast<std::size_t>((ny + 2 * axes_.margin()) * nx), axes_.cap());
+    for (int z = 0; z < nz; ++z) plane_line(z, &(*known)[static_cast<std::size_t>(z * line_cells)]);
     return known.get();
   }
 
-  /// All lines of a tile at one z: y by the least sum of the squared steps along z.
-  /// @param around steps of the tiles before, of and after it along y; without them squares_ stay at the cap
-  void plane_line(const std::vector<const Steps*>& around, int z, std::uint16_t* out) {
-    const int window = axes_.window(), count = ny + 2 * window;
-    useful_.assign(static_cast<std::size_t>(count), 0);
-    nearest_.resize(static_cast<std::size_t>(count));
-    std::uint16_t* squares = &squares_[static_cast<std::size_t>(axes_.margin() * nx)];
-    for (int y = -window; y < ny + window; ++y) {
-      const int from_first = y + tiles_.reach_.y() * ny;
-      const Steps* counted = around[static_cast<std::size_t>(from_first / ny)];
-      if (counted == nullptr) continue;
-      const std::uint8_t* line = &(*counted)[static_cast<std::size_t>(z * line_cells + from_first % ny * nx)];
-      useful_[static_cast<std::size_t>(y + window)] = axes_.square_steps(line, squares + y * nx) ? 1 : 0;
+  /// All lines of a tile at one z: y by the least sum of the squared steps along z, which the tiles `around`
+  /// have, along y. Without them `squares` stay at the cap.
+  void plane_line(int z, std::uint16_t* out) {
+    const int window = axes_.window(), reach = tiles_.reach_.y();
+    std::vector<std::uint8_t>& useful = memory_.useful;
+    useful.assign(static_cast<std::size_t>(ny + 2 * window), 0);
+    memory_.nearest.resize(useful.size());
+    std::uint16_t* squares = &memory_.squares[static_cast<std::size_t>(axes_.margin() * nx)];
+    for (int along = -reach; along <= reach; ++along) {
+      const Memory::Squares* tile = memory_.around[static_cast<std::size_t>(along + reach)];
+      if (tile == nullptr) continue;
+      const int first = along * ny, low = std::max(first, -window), high = std::min(first + ny, ny + window);
+      const std::uint16_t* from =
+          &(*tile->cells)[static_cast<std::size_t>(z * line_cells + (low - first) * nx)];
+      std::copy(from, from + (high - low) * nx, squares + low * nx);
+      for (int y = low; y < high; ++y)
+        useful[static_cast<std::size_t>(y + window)] = tile->useful >> (z * ny + y - first) & 1U;
     }
-    find_nearest(useful_, window + 1, nearest_);
+    find_nearest(useful, window + 1, memory_.nearest);
     for (int y = 0; y < ny; ++y)
-      axes_.lower(squares + y * nx, nx, nearest_[static_cast<std::size_t>(y + window)], out + y * nx);
+      axes_.lower(squares + y * nx, nx, memory_.nearest[static_cast<std::size_t>(y + window)], out + y * nx);
   }
 
   const DistanceTiles& tiles_;
   const DistanceAxes& axes_;
   Memory& memory_;
   Eigen::Vector3i size_;
-  std::vector<std::uint8_t> counted_, useful_;
-  std::vector<std::uint16_t> squares_;
-  std::vector<int> nearest_;
 };
 
 DistanceTiles::DistanceTiles(BlockedCells blocked, std::uint16_t cap)
@@ -188,15 +214,18 @@ DistanceTiles::DistanceTiles(BlockedCells blocked, std::uint16_t cap)
   for (std::size_t i = 0; i < tiles_.size(); ++i) is_read_[i] = true;
 }
 
-DistanceTiles::DistanceTiles(const Eigen::Vector3i& size, std::uint16_t cap, ReadCells read)
-    : axes_(cap), blocked_(size, false), read_(std::move(read)) {
+DistanceTiles::DistanceTiles(const Eigen::Vector3i& size, std::uint16_t cap, ReadCells read,
+                             VisitBlocked visit)
+    : axes_(cap), blocked_(size, false), read_(std::move(read)), visit_blocked_(std::move(visit)) {
   allocate();
 }
 
-DistanceTiles::DistanceTiles(const DistanceTiles& before, const FollowCells& follow, ReadCells read)
+DistanceTiles::DistanceTiles(const DistanceTiles& before, const FollowCells& follow, ReadCells read,
+                             VisitBlocked visit)
     : axes_(before.axes_),
       blocked_(before.size(), false),
       read_(std::move(read)),
+      visit_blocked_(std::move(visit)),
       nothing_(before.nothing_),
       all_(before.all_) {
   allocate();
@@ -327,6 +356,7 @@ DistanceTiles::Box DistanceTiles::box_of(const Eigen::Vector3i& place) const {
 const std::uint16_t* DistanceTiles::computed(std::size_t tile) const {
   const std::lock_guard lock(computing_);
   if (tiles_[tile] != nullptr) return tiles_[tile]->data();  // another thread was quicker
+  if (near_.empty()) look_near();
   if (memory_ == nullptr) memory_ = std::make_unique<Memory>(tiles_.size());
   if (memory_->kept > Memory::most) memory_->forget();
   tiles_[tile] = Maker(*this).made(place(tile));
@@ -337,6 +367,56 @@ const std::uint16_t* DistanceTiles::computed(std::size_t tile) const {
 void DistanceTiles::read_cells(std::size_t tile) const {
   const std::lock_guard lock(computing_);
   read_under_lock(tile);
+}
+
+/// Of each tile, whether cells of it may be blocked, and cells of tiles that matter to it, axis after axis.
+/// Where none are, they are known.
+void DistanceTiles::look_near() const {
+  near_.assign(tiles_.size(), read_ && !visit_blocked_ ? here : 0);
+  const auto mark = [&](const Box& box) {
+    const Eigen::Array3i edges(nx, ny, nz);
+    const Eigen::Array3i low = box.low.array() / edges, high = (box.high.array() - 1) / edges;
+    for (int z = low.z(); z <= high.z(); ++z) {
+      for (int y = low.y(); y <= high.y(); ++y)
+        std::fill_n(&near_[tile(low.x(), y * ny, z * nz)], high.x() - low.x() + 1, here);
+    }
+  };
+  if (visit_blocked_) visit_blocked_(mark);
+  for (std::size_t i = 0; i < near_.size(); ++i) {
+    if (!read_ && any_blocked(box_of(place(i)))) near_[i] = here;
+    if (near_[i] == 0) is_read_[i].store(true, std::memory_order_release);
+  }
+  spread(2, here, along_z);
+  spread(1, along_z, in_plane);
+  spread(0, in_plane, within_reach);
+}
+
+bool DistanceTiles::any_blocked(const Box& box) const {
+  std::uint32_t any = 0;
+  for (int z = box.low.z(); z < box.high.z(); ++z) {
+    const std::uint32_t* row = blocked_.row(box.low.x() / nx, z);
+    for (int y = box.low.y(); y < box.high.y(); ++y) any |= row[y];
+  }
+  return any != 0;
+}
+
+/// Gives `to` to the tiles that have `from`, and to those in reach of them along an axis: two sweeps count
+/// the steps.
+void DistanceTiles::spread(int axis, std::uint8_t from, std::uint8_t to) const {
+  const auto stride = static_cast<std::size_t>(counts_.head(axis).prod());
+  const auto length = stride * static_cast<std::size_t>(counts_[axis]);  // of all lines side by side
+  const auto far = static_cast<std::uint8_t>(reach_[axis] + 1);
+  std::vector<std::uint8_t> steps(near_.size());
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const bool is_first = i % length < stride;
+    const int before = is_first ? far : std::min<int>(steps[i - stride] + 1, far);
+    steps[i] = (near_[i] & from) != 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(before);
+  }
+  for (std::size_t i = steps.size(); i-- > 0;) {
+    const bool is_last = i % length >= length - stride;
+    if (!is_last) steps[i] = static_cast<std::uint8_t>(std::min<int>(steps[i], steps[i + stride] + 1));
+    if (steps[i] < far) near_[i] |= to;
+  }
 }
 
 void DistanceTiles::read_under_lock(std::size_t tile) const {

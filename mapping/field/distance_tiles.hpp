@@ -29,17 +29,22 @@ class DistanceTiles {
   /// Writes all cells of a box, and of no other, into the block.
   using ReadCells = std::function<void(const Box&, BlockedCells&)>;
 
+  /// Visits boxes of cells that hold all blocked ones, quickly: the boxes may be larger, a tile or more.
+  using VisitBlocked = std::function<void(const std::function<void(const Box&)>&)>;
+
   /// @param cap min(cap, squared distance) is kept, 1 to largest_cap
   DistanceTiles(BlockedCells blocked, std::uint16_t cap);
   /// The same with cells that are read where they are needed. @param read called by one thread at a time
-  DistanceTiles(const Eigen::Vector3i& size, std::uint16_t cap, ReadCells read);
+  /// @param visit of the same cells; without it, each tile that may matter is read
+  DistanceTiles(const Eigen::Vector3i& size, std::uint16_t cap, ReadCells read, VisitBlocked visit = {});
 
   /// Brings cells up to date, and names boxes that hold all that changed; cells that were not read may become
   /// anything.
   using FollowCells = std::function<std::vector<Box>(BlockedCells&)>;
   /// Of a later version of the same block: tiles that `before` knows and no change reaches are shared.
-  /// @param read reads cells of the later version
-  DistanceTiles(const DistanceTiles& before, const FollowCells& follow, ReadCells read);
+  /// @param read reads cells of the later version @param visit of the later version
+  DistanceTiles(const DistanceTiles& before, const FollowCells& follow, ReadCells read,
+                VisitBlocked visit = {});
   /// The same from cells that are all known, as they are in `before`.
   DistanceTiles(const DistanceTiles& before, BlockedCells blocked);
   ~DistanceTiles();
@@ -91,8 +96,9 @@ class DistanceTiles {
 
  private:
   using Tile = std::array<std::uint16_t, tile_cells>;
-  using Steps = std::array<std::uint8_t, tile_cells>;
-  enum class Holds : std::uint8_t { not_known, nothing, something, all };
+  /// Where there may be blocked cells: in a tile, or in those that matter to it along z, along z and y, along
+  /// all axes.
+  static constexpr std::uint8_t here = 1, along_z = 2, in_plane = 4, within_reach = 8;
   class Maker;
   struct Memory;
 
@@ -104,10 +110,14 @@ class DistanceTiles {
   const std::uint16_t* computed(std::size_t tile) const;
   void read_cells(std::size_t tile) const;
   void read_under_lock(std::size_t tile) const;
+  void look_near() const;
+  bool any_blocked(const Box& box) const;
+  void spread(int axis, std::uint8_t from, std::uint8_t to) const;
 
   DistanceAxes axes_;
   mutable BlockedCells blocked_;
   ReadCells read_;
+  VisitBlocked visit_blocked_;
   std::shared_ptr<const Tile> nothing_, all_;  ///< tiles without a blocked cell in reach, and without another
   Eigen::Vector3i counts_, reach_;             ///< tiles along each axis; so many to each side matter to one
   std::unique_ptr<std::atomic<const std::uint16_t*>[]> known_;
@@ -116,7 +126,8 @@ class DistanceTiles {
   mutable std::mutex computing_;                  ///< of what follows, and of writing blocked_
   mutable std::vector<std::shared_ptr<const Tile>> tiles_;
   mutable std::unique_ptr<Memory> memory_;
-  std::vector<std::size_t> outdated_;  ///< tiles that an earlier version knew
+  mutable std::vector<std::uint8_t> near_;  ///< of each tile; empty until the first is computed
+  std::vector<std::size_t> outdated_;       ///< tiles that an earlier version knew
 };
 
 }  // namespace clearway

@@ -9,6 +9,7 @@ namespace clearway {
 namespace {
 
 constexpr double farthest_cell = 1 << 28;
+constexpr double cube_cells = 8.0;  ///< along an edge
 
 constexpr double cells_of_a_tile = double{DistanceTiles::tile_cells};
 
@@ -47,7 +48,8 @@ FieldRegion field_region(const Eigen::AlignedBox3d& region, double resolution, d
     throw std::invalid_argument(
         "distance field: the region is empty or not finite, expected min <= max in metres");
   }
-  const Eigen::Array3d low = (region.min().array() / resolution).floor();
+  // From cubes of the tree on, which tiles then consist of: these are read many times as fast.
+  const Eigen::Array3d low = (region.min().array() / resolution / cube_cells).floor() * cube_cells;
   const Eigen::Array3d high = (region.max().array() / resolution).ceil().max(low + 1.0);
   if (low.minCoeff() < -farthest_cell || high.maxCoeff() > farthest_cell) {
     throw std::invalid_argument("distance field: the region reaches beyond " +

@@ -4,9 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
 #include <vector>
 
+#include "mapping/field/byte_numbers.hpp"
+#include "mapping/field/distance_axes.hpp"
 #include "mapping/snapshot.hpp"
+#include "tests/worlds/instruction_sets.hpp"
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
@@ -56,6 +60,22 @@ TEST(ByteField, EachNumberIsTheDistanceRoundedDown) {
             requirement, {Eigen::Vector3d(-0.5, -1.2, -0.3), Eigen::Vector3d(0.63, 1.3, 0.4)}, reach);
         expect_bounds(*space);
         EXPECT_EQ(space->byte_field().outside_blocked, requirement.policy != Policy::not_occupied);
+      }
+    }
+  }
+}
+
+TEST(ByteNumbers, AreTheRootsOfWholeNumbersRoundedDown) {
+  std::vector<std::uint16_t> squared(std::size_t{largest_cap} + 1);
+  std::iota(squared.begin(), squared.end(), std::uint16_t{0});
+  std::vector<std::uint8_t> numbers(squared.size());
+  for (const InstructionSet set : worlds::instruction_sets()) {
+    for (int units = 2; units <= 16; ++units) {
+      number_bytes(squared.data(), squared.size(), units, set, numbers.data());
+      long long root = 0;  // the largest whole number whose square is at most units^2 / 4 of what is asked
+      for (long long i = 0; i <= largest_cap; ++i) {
+        while (4 * (root + 1) * (root + 1) <= units * units * i) ++root;
+        ASSERT_EQ(int{numbers[static_cast<std::size_t>(i)]}, std::min(1 + root, 255LL)) << i << " " << units;
       }
     }
   }

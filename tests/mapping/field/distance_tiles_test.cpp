@@ -50,6 +50,17 @@ DistanceTiles::ReadCells reading(const BlockedCells& cells) {
   };
 }
 
+/// Boxes about the blocked cells of the same block, wider than they have to be.
+DistanceTiles::VisitBlocked visiting(const BlockedCells& cells, int wider) {
+  return [&cells, wider](const std::function<void(const DistanceTiles::Box&)>& visit) {
+    visit_cells(cells.size(), [&](int x, int y, int z) {
+      if (!cells.at(x, y, z)) return;
+      const Eigen::Array3i low = Eigen::Array3i(x, y, z) - wider, high = Eigen::Array3i(x, y, z) + 1 + wider;
+      visit({low.max(0).matrix(), high.min(cells.size().array()).matrix()});
+    });
+  };
+}
+
 /// Every cell of the tiles against the distances to all blocked cubes.
 void expect_exact(const DistanceTiles& tiles, const std::vector<Eigen::Vector3i>& cells) {
   visit_cells(tiles.size(), [&](int x, int y, int z) {
@@ -78,7 +89,10 @@ TEST(DistanceTiles, HoldExactlyTheDistanceToTheNearestCube) {
     if (trial % 3 == 0)
       expect_exact(DistanceTiles(blocked, cap), cells);
     else
-      expect_exact(DistanceTiles(size, cap, reading(blocked)), cells);
+      expect_exact(
+          DistanceTiles(size, cap, reading(blocked),
+                        trial % 3 == 1 ? visiting(blocked, trial % 2) : DistanceTiles::VisitBlocked()),
+          cells);
   }
 }
 
@@ -104,7 +118,10 @@ TEST(DistanceTiles, AfterAnySequenceOfChangesAndLooksTheyAreThoseMadeFromNothing
     const auto cap = static_cast<std::uint16_t>(dice.whole(1, trial % 2 == 0 ? 3000 : largest_cap));
     BlockedCells blocked(size, trial % 4 == 0);
     std::vector<BlockedCells> versions(11, blocked);  // readers refer to them
-    auto tiles = std::make_unique<DistanceTiles>(size, cap, reading(versions[0]));
+    const auto visit = [&, is_asked = trial % 3 != 0, wider = trial % 2](const BlockedCells& cells) {
+      return is_asked ? visiting(cells, wider) : DistanceTiles::VisitBlocked();
+    };
+    auto tiles = std::make_unique<DistanceTiles>(size, cap, reading(versions[0]), visit(versions[0]));
     for (std::size_t round = 1; round < versions.size(); ++round) {
       const BlockedCells before = blocked;
       for (int i = dice.whole(0, 8); i > 0; --i)
@@ -120,7 +137,8 @@ TEST(DistanceTiles, AfterAnySequenceOfChangesAndLooksTheyAreThoseMadeFromNothing
         if (round % 2 == 0) changes = before.differing(blocked);  // which may be larger boxes
         return changes;
       };
-      tiles = std::make_unique<DistanceTiles>(*tiles, follow, reading(versions[round]));
+      tiles =
+          std::make_unique<DistanceTiles>(*tiles, follow, reading(versions[round]), visit(versions[round]));
       if (round % 2 == 0) tiles->renew();
       const DistanceTiles fresh(blocked, cap);
       for (int i = dice.whole(0, 40); i > 0; --i) {
@@ -273,7 +291,7 @@ TEST(DistanceTiles, ASmallChangeCopiesFewTiles) {
 }
 
 TEST(DistanceTiles, OneLookComputesOneTileAndReadsOnlyWhatReachesIt) {
-  const BlockedCells blocked({320, 160, 160}, true);
+  BlockedCells blocked({320, 160, 160}, true);
   std::size_t read = 0;
   const auto counting = [&, copy = reading(blocked)](const DistanceTiles::Box& box, BlockedCells& cells) {
     copy(box, cells);
@@ -283,7 +301,37 @@ TEST(DistanceTiles, OneLookComputesOneTileAndReadsOnlyWhatReachesIt) {
   EXPECT_EQ(read, 0U);
   EXPECT_EQ(tiles.squared(100, 80, 80), 0);
   EXPECT_EQ(tiles.known(), 1U);
-  EXPECT_EQ(read, 27U);
+  EXPECT_EQ(read, 1U);  // of a tile that is all blocked no other matters
+  blocked.set(250, 81, 82, false);
+  EXPECT_EQ(tiles.squared(250, 81, 82), 1);
+  EXPECT_EQ(tiles.known(), 2U);
+  EXPECT_EQ(read, 1U + 27U);
+}
+
+// Where boxes say that nothing is blocked, nothing is read, and a change there is known to matter.
+TEST(DistanceTiles, TilesOutsideOfTheBoxesOfBlockedCellsAreNotRead) {
+  BlockedCells blocked({320, 160, 160}, false);
+  blocked.fill({100, 80, 80}, {101, 81, 81}, true);
+  std::size_t read = 0;
+  const auto counting = [&, copy = reading(blocked)](const DistanceTiles::Box& box, BlockedCells& cells) {
+    copy(box, cells);
+    ++read;
+  };
+  const DistanceTiles tiles(blocked.size(), 225, counting, visiting(blocked, 0));
+  EXPECT_EQ(tiles.squared(101, 80, 80), 1);
+  EXPECT_EQ(tiles.squared(10, 10, 10), 225);
+  EXPECT_EQ(read, 1U);
+  EXPECT_FALSE(tiles.is_blocked(300, 10, 10));
+  EXPECT_EQ(read, 1U);
+  const auto follow = [](BlockedCells& cells) {
+    cells.set(12, 10, 10, true);
+    return std::vector<CellBox>{{{12, 10, 10}, {13, 11, 11}}};
+  };
+  BlockedCells later = blocked;
+  later.set(12, 10, 10, true);
+  const DistanceTiles after(tiles, follow, reading(later), visiting(later, 0));
+  EXPECT_EQ(after.squared(10, 10, 10), 9);
+  EXPECT_EQ(after.squared(101, 80, 80), 1);
 }
 
 TEST(DistanceTiles, EmptySpaceTakesHardlyAnyMemory) {
