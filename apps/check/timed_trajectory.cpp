@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 
 #include "apps/console/parse.hpp"
@@ -97,39 +98,60 @@ void add_start(const ForeignTrajectory& trajectory, const Robot& robot, TimedTra
                   " at the first point, expected a time_from_start above 0 in which it gets there";
 }
 
-/// Why no motion through points on straight lines keeps the limits of acceleration: over two edges that meet
-/// it is, somewhere, twice the change of the mean velocities over the time of both (a second divided
-/// difference is half a second derivative); beside a point at which the robot rests, twice the mean velocity
-/// over the edge's time, and on the way from rest to rest by one edge four times. Empty where one may.
+/// The least acceleration that takes a joint over an edge of a mean velocity in a time, where the velocities
+/// at its ends are known: of one end 2 |v - mean| / time, of both that of full speed up and down once.
+double least_acceleration(double mean, double time, std::optional<double> first, std::optional<double> last) {
+  if (first && last) {
+    const double change = *last - *first, beyond = 2.0 * (mean - 0.5 * (*first + *last));
+    return (std::abs(beyond) + std::hypot(beyond, change)) / time;
+  }
+  if (!first && !last) return 0.0;
+  return 2.0 * std::abs((first ? *first : *last) - mean) / time;
+}
+
+/// Why no motion through points on straight lines keeps the limits of acceleration: along an edge with a
+/// known velocity at an end (that of its point, or rest at the first and the last one) it is what
+/// least_acceleration says, and over two edges that meet at a point without one it is, somewhere, twice the
+/// change of the mean velocities over the time of both (a second divided difference is half a second
+/// derivative). Empty where one may.
 std::string corner_fault(const TimedTrajectory& trajectory, const Robot& robot) {
   constexpr double rounding = 0.01;  // of a limit
   const std::vector<SplinePoint>& points = trajectory.points;
-  const bool is_one = points.size() == 2 && points[0].velocity.size() + points[1].velocity.size() == 0;
-  const double factor = is_one ? 4.0 : 2.0;
+  const auto known = [&](std::size_t point, Eigen::Index joint) -> std::optional<double> {
+    if (points[point].velocity.size() > 0) return points[point].velocity[joint];
+    return point == 0 || point + 1 == points.size() ? std::optional(0.0) : std::nullopt;
+  };
   const auto is_line = [&](std::size_t edge) {
-    return edge + 1 < points.size() &&
-           (points[edge].velocity.size() == 0 || points[edge + 1].velocity.size() == 0);
+    return points[edge].velocity.size() == 0 || points[edge + 1].velocity.size() == 0;
   };
   const auto time_of = [&](std::size_t edge) { return points[edge + 1].time - points[edge].time; };
-  const auto velocity = [&](std::size_t edge, Eigen::Index j) {
+  const auto mean = [&](std::size_t edge, Eigen::Index j) {
     return (points[edge + 1].position[j] - points[edge].position[j]) / time_of(edge);
   };
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const bool after = is_line(i), before = i > 0 && is_line(i - 1);
-    const bool is_end = i == 0 || i + 1 == points.size();
-    if (is_end && points[i].velocity.size() > 0 && points[i].velocity.cwiseAbs().maxCoeff() > rests_within)
-      continue;
-    if ((!after && !before) || (i > 0 && i + 1 < points.size() && !(after && before))) continue;
-    const double time = (before ? time_of(i - 1) : 0.0) + (after ? time_of(i) : 0.0);
-    for (std::size_t j = 0; j < robot.dof(); ++j) {
-      const auto joint = static_cast<Eigen::Index>(j);
-      const double from = before ? velocity(i - 1, joint) : 0.0, to = after ? velocity(i, joint) : 0.0;
-      const double limit = robot.joints[j].max_acceleration, asked = factor * std::abs(to - from) / time;
-      if (limit <= 0.0 || asked <= (1.0 + rounding) * limit) continue;
-      return "motion: joint " + shortened(robot.joints[j].name) + " has to come from " + significant(from) +
-             " to " + significant(to) + " at the point at " + significant(points[i].time) +
-             " s: no motion through the points does so within its acceleration limit of " +
-             significant(limit);
+  const auto fault = [&](Eigen::Index joint, double asked, double from, double to, std::size_t point) {
+    const Joint& mover = robot.joints[static_cast<std::size_t>(joint)];
+    const double limit = mover.max_acceleration;
+    if (limit <= 0.0 || asked <= (1.0 + rounding) * limit) return std::string();
+    return "motion: joint " + shortened(mover.name) + " has to come from " + significant(from) + " to " +
+           significant(to) + " at the point at " + significant(points[point].time) +
+           " s: no motion through the points does so within its acceleration limit of " + significant(limit);
+  };
+  for (std::size_t edge = 0; edge + 1 < points.size(); ++edge) {
+    if (!is_line(edge)) continue;
+    for (Eigen::Index joint = 0; joint < points[edge].position.size(); ++joint) {
+      const double along = mean(edge, joint);
+      const std::optional<double> first = known(edge, joint), last = known(edge + 1, joint);
+      const bool is_first = first && (!last || std::abs(*first - along) >= std::abs(*last - along));
+      std::string found =
+          fault(joint, least_acceleration(along, time_of(edge), first, last), is_first ? *first : along,
+                is_first ? along : last.value_or(along), is_first ? edge : edge + 1);
+      if (!found.empty()) return found;
+      const bool is_corner = edge + 2 < points.size() && points[edge + 1].velocity.size() == 0;
+      if (!is_corner) continue;
+      const double next = mean(edge + 1, joint);
+      found = fault(joint, 2.0 * std::abs(next - along) / (time_of(edge) + time_of(edge + 1)), along, next,
+                    edge + 1);
+      if (!found.empty()) return found;
     }
   }
   return {};

@@ -182,6 +182,46 @@ void read_times(const std::vector<YamlFields>& points, ForeignTrajectory& trajec
   }
 }
 
+/// The rates of all points, each of them with or without.
+std::vector<std::vector<double>> rates_in(const YamlFields& root, const std::string& key,
+                                          const ForeignTrajectory& trajectory) {
+  const std::size_t count = trajectory.points.size(), joints = trajectory.joints.size();
+  std::vector<std::vector<double>> rates(count);
+  if (root.has(key)) rates = root.lists_of_numbers(key, any_value);
+  const bool fits = std::all_of(rates.begin(), rates.end(), [&](const std::vector<double>& list) {
+    return list.empty() || list.size() == joints;
+  });
+  if (rates.size() != count || !fits)
+    root.fail(key, "expected " + std::to_string(joints) + " numbers or none for each of the " +
+                       std::to_string(count) + " points");
+  return rates;
+}
+
+/// What `plan --export json` writes: a list for each quantity.
+ForeignTrajectory own_export(const YamlFields& root) {
+  if (root.has("events"))
+    root.fail("events",
+              "expected none: what the robot carries, and when, is in the plan's JSON "
+              "(plan --out --motion), which check reads");
+  ForeignTrajectory trajectory;
+  trajectory.joints = root.texts("joints");
+  if (trajectory.joints.empty()) root.fail("joints", "expected at least one");
+  trajectory.times = root.numbers("times_s", {0.0, 1e9});
+  trajectory.points = root.lists_of_numbers("positions", any_value, trajectory.joints.size());
+  if (trajectory.points.empty()) root.fail("positions", "expected at least one");
+  if (trajectory.times.size() != trajectory.points.size())
+    root.fail("times_s", "expected as many as there are positions, " +
+                             std::to_string(trajectory.points.size()) + ", got " +
+                             std::to_string(trajectory.times.size()));
+  for (std::size_t i = 1; i < trajectory.times.size(); ++i)
+    if (!(trajectory.times[i] > trajectory.times[i - 1]))
+      root.fail("times_s", "expected times that rise, got " + significant(trajectory.times[i], 10) +
+                               " after " + significant(trajectory.times[i - 1], 10));
+  trajectory.velocities = rates_in(root, "velocities", trajectory);
+  trajectory.accelerations = rates_in(root, "accelerations", trajectory);
+  return trajectory;
+}
+
 template <typename Value>
 void take_default(Term<Value>& term) {
   if (term.source == TermSource::plan) term.source = TermSource::by_default;
@@ -191,11 +231,19 @@ void take_default(Term<Value>& term) {
 
 std::optional<ForeignTrajectory> read_trajectory(const std::filesystem::path& file) {
   const std::string kind = extension_of(file);
+  if (kind == ".csv")
+    throw std::invalid_argument(file.string() +
+                                ": a trajectory as CSV is for spreadsheets, expected a plan's JSON, or a "
+                                "trajectory as --export ros, ros-json or json writes it");
   const bool is_yaml = kind == ".yaml" || kind == ".yml";
   if (!is_yaml && kind != ".json") return std::nullopt;
   const std::string text = read_input(file, "plan file", 64U << 20U);
-  if (!is_yaml && text.find("\"joint_names\"") == std::string::npos) return std::nullopt;
+  const bool is_own = !is_yaml && text.find("\"times_s\"") != std::string::npos &&
+                      text.find("\"joints\"") != std::string::npos &&
+                      text.find("\"legs\"") == std::string::npos;
+  if (!is_yaml && !is_own && text.find("\"joint_names\"") == std::string::npos) return std::nullopt;
   const YamlFields root(text, "trajectory " + quote_path(file.string()));
+  if (is_own) return own_export(root);
   const std::optional<YamlFields> found = innermost(root);
   if (!found) root.fail("joint_names", "expected the names of a JointTrajectory");
   ForeignTrajectory trajectory;

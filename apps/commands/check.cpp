@@ -8,6 +8,7 @@
 #include "apps/check/timed_trajectory.hpp"
 #include "apps/check/trajectory_plan.hpp"
 #include "apps/console/commands.hpp"
+#include "apps/console/parse.hpp"
 #include "apps/console/table.hpp"
 #include "apps/query/goal_poses.hpp"
 #include "apps/query/loads.hpp"
@@ -127,6 +128,9 @@ void take_start(const CheckOptions& options, const Robot& robot, ForeignTrajecto
   const bool has_time = !trajectory.times.empty() && trajectory.times.front() > 0.0;
   if (options.start.empty() || !has_time || !trajectory.start.empty()) return;
   const Configuration q = choose_configuration(options.start, "--start", robot, options.degrees);
+  if (q.cwiseAbs().maxCoeff() > largest_joint_value)
+    throw std::invalid_argument("--start: expected joint values of at most " +
+                                significant(largest_joint_value) + ", beyond which angles lose their digits");
   for (std::size_t j = 0; j < robot.dof(); ++j)
     trajectory.start[robot.joints[j].name] = q[static_cast<Eigen::Index>(j)];
 }

@@ -16,6 +16,7 @@
 #include "mapping/maps/map_integration.hpp"
 #include "mapping/stamps/seen_stamps.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "planning/check/path_check.hpp"
 #include "planning/files/gate_line.hpp"
 #include "planning/robot_files/srdf_file.hpp"
 #include "planning/survey/path_survey.hpp"
@@ -92,6 +93,8 @@ GateVerdict too_long(std::size_t most) {
 
 int run_gate(const GateCommandOptions& options, Console& console) {
   const Robot robot = loaded_robot(options);
+  if (const std::string disagreement = file_disagreement(robot); !disagreement.empty())
+    throw std::invalid_argument(disagreement);
   const Policies policies = choose_policies(options.robot.policies, robot);
   const GateOptions gate_terms = gate_options(options, robot);
   joint_limits(robot, gate_terms.limits);  // throws before the map is read

@@ -39,6 +39,7 @@ Json links_of(const Robot& robot) {
                      {"parent", link.parent},
                      {"parent_from_link", json_of(link.parent_from_link)},
                      {"joint", link.joint},
+                     {"axis", link.joint < 0 ? Json(nullptr) : list_of(axis_of(robot, link))},
                      {"multiplier", link.multiplier},
                      {"offset", link.offset}});
   return links;

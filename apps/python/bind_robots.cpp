@@ -160,6 +160,7 @@ void bind_parts(py::module_& module) {
       .field("name", &Link::name, "Its name in the robot's file.")
       .field("parent", &Link::parent)
       .field("parent_from_link", &Link::parent_from_link)
+      .field("own_axis", &Link::own_axis)
       .field("joint", &Link::joint)
       .field("mass", &Link::mass)
       .field("center_of_mass", &Link::center_of_mass);

@@ -361,6 +361,44 @@ CameraIntrinsics read_plain(const YamlFields& fields, std::optional<ImageSize> g
   return only_camera(fields, camera, is_rectified);
 }
 
+/// How the names of an ORB-SLAM's camera begin; empty: it is none of its settings.
+std::string orb_slam_prefix(const YamlFields& fields) {
+  for (const char* prefix : {"Camera1.", "Camera."})
+    if (fields.has(std::string(prefix) + "fx")) return prefix;
+  return "";
+}
+
+/// ORB-SLAM's settings, of the one or the left camera.
+CameraIntrinsics read_orb_slam(const YamlFields& fields, const std::string& prefix,
+                               std::optional<ImageSize> given, bool is_rectified) {
+  constexpr Bounds sides{32, 20000};
+  const auto of_camera = [&](const char* name, double otherwise) {
+    return fields.number(prefix + name, within_reach, otherwise);
+  };
+  ImageSize size = given.value_or(ImageSize{});
+  if (fields.has("Camera.width") || fields.has("Camera.height") || !given)
+    size = {fields.integer("Camera.width", sides), fields.integer("Camera.height", sides)};
+  CameraIntrinsics camera{size.width,
+                          size.height,
+                          fields.number(prefix + "fx", positive),
+                          fields.number(prefix + "fy", positive),
+                          fields.number(prefix + "cx", within_reach),
+                          fields.number(prefix + "cy", within_reach),
+                          {}};
+  const std::string type = fields.has("Camera.type") ? fields.text("Camera.type") : "PinHole";
+  const std::array<double, 5> plumb_bob{of_camera("k1", 0.0), of_camera("k2", 0.0), of_camera("p1", 0.0),
+                                        of_camera("p2", 0.0), of_camera("k3", 0.0)};
+  const std::array<double, 4> fisheye{of_camera("k1", 0.0), of_camera("k2", 0.0), of_camera("k3", 0.0),
+                                      of_camera("k4", 0.0)};
+  if (type == "PinHole")
+    set_lens(camera, LensModel::plumb_bob, plumb_bob);
+  else if (type == "KannalaBrandt8")
+    set_lens(camera, LensModel::fisheye, fisheye);
+  else if (type != "Rectified")
+    fields.fail("Camera.type", "expected PinHole, KannalaBrandt8 or Rectified, got " + quote(type));
+  return only_camera(fields, camera, is_rectified);
+}
+
 bool is_realsense(const YamlFields& fields) { return fields.has("ppx"); }
 bool is_plain(const YamlFields& fields) {
   return fields.has("fx") && fields.has("fy") && fields.has("cx") && fields.has("cy");
@@ -408,6 +446,8 @@ CameraIntrinsics read_any(const YamlFields& file, const std::string& camera, Bes
   if (is_echo(file)) return read_echo(file, is_rectified);
   if (file.is_list("intrinsics") && file.is_list("resolution")) return read_chain_camera(file, is_rectified);
   if (file.has("image_width") || has_any_matrix(file)) return read_camera_info(file, camera, beside);
+  if (const std::string prefix = orb_slam_prefix(file); !prefix.empty())
+    return read_orb_slam(file, prefix, beside.size, is_rectified);
   if (const auto fields = json_camera(file, camera)) {
     if (is_realsense(*fields)) return read_realsense(*fields, beside.size, is_rectified);
     return is_open3d(*fields) ? read_open3d(*fields, beside.size, is_rectified)
@@ -419,9 +459,9 @@ CameraIntrinsics read_any(const YamlFields& file, const std::string& camera, Bes
   file.fail("",
             "expected kalibr's camchain (`cam0`), ROS's camera_info or OpenCV's calibration (`image_width`, "
             "`camera_matrix`), a CameraInfo as `ros2 topic echo` prints it (`width`, `k`), librealsense's "
-            "intrinsics (`fx`, `ppx`), Open3D's (`intrinsic_matrix`), EuRoC's sensor.yaml, Replica's "
-            "cam_params.json "
-            "(`fx`, `cx`), or a matrix alone");
+            "intrinsics (`fx`, `ppx`), Open3D's (`intrinsic_matrix`), EuRoC's sensor.yaml, ORB-SLAM's "
+            "settings (`Camera.fx`, `Camera1.fx`), Replica's "
+            "cam_params.json (`fx`, `cx`), or a matrix alone");
 }
 
 }  // namespace

@@ -308,15 +308,19 @@ std::vector<double> YamlFields::flat_numbers(const std::string& key, Bounds boun
 
 std::vector<std::vector<double>> YamlFields::lists_of_numbers(const std::string& key, Bounds bounds,
                                                               size_t size) const {
+  std::vector<std::vector<double>> lists = lists_of_numbers(key, bounds);
+  for (const std::vector<double>& list : lists)
+    if (list.size() != size)
+      fail(key, "expected " + std::to_string(size) + " numbers in each of its lists, got " +
+                    std::to_string(list.size()));
+  return lists;
+}
+
+std::vector<std::vector<double>> YamlFields::lists_of_numbers(const std::string& key, Bounds bounds) const {
   const YAML::Node node = required(key);
   if (!node.IsSequence()) fail(key, "expected a list of lists of numbers, got " + shown_node(node));
   std::vector<std::vector<double>> result;
-  for (const auto& item : node) {
-    result.push_back(numbers_of(item, key, bounds));
-    if (result.back().size() != size)
-      fail(key, "expected " + std::to_string(size) + " numbers in each of its lists, got " +
-                    std::to_string(result.back().size()));
-  }
+  for (const auto& item : node) result.push_back(numbers_of(item, key, bounds));
   return result;
 }
 

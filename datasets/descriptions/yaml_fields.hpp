@@ -70,6 +70,8 @@ class YamlFields {
   /// A list, or lists of one row or of one column, as a matrix of numbers is written.
   std::vector<double> flat_numbers(const std::string& key, Bounds) const;
   std::vector<std::vector<double>> lists_of_numbers(const std::string& key, Bounds, size_t size) const;
+  std::vector<std::vector<double>> lists_of_numbers(const std::string& key,
+                                                    Bounds) const;  ///< of any lengths
   /// Rows of `size` numbers, each a list or a map with `names`, which hold a number or a list of them; or one
   /// list with the numbers of all rows.
   std::vector<std::vector<double>> rows(const std::string& key, Bounds, size_t size,

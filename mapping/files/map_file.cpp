@@ -53,9 +53,20 @@ std::vector<PaintedVolume> volumes_beside(const fs::path& file, bool in_director
   return parse_painted(read_bytes(painted), painted);
 }
 
+/// The tree of another program, which knows of no paint, with what the balls hold.
+std::shared_ptr<const FusedTree> painted(const FusedTree& tree, const std::vector<PaintedVolume>& volumes) {
+  const auto result = std::make_shared<FusedTree>(tree);
+  for (std::size_t i = 0; i < volumes.size(); ++i)
+    for (const Sphere& ball : volumes[i].spheres) result->paint(static_cast<int>(i), ball);
+  return result;
+}
+
 Snapshot load_octree(const fs::path& file, bool in_directory) {
   OctreeContent content = parse_octree(read_bytes(file), file);
-  if (!content.has_volumes) content.volumes = volumes_beside(file, in_directory);
+  if (!content.has_volumes) {
+    content.volumes = volumes_beside(file, in_directory);
+    if (!content.volumes.empty()) content.tree = painted(*content.tree, content.volumes);
+  }
   unsigned seen = 0;
   content.tree->visit_leaves([&](const FusedNode& node, const CellCube&) { seen |= node.painted(); });
   if (content.has_volumes) check_masks(seen, content.volumes.size(), file);
@@ -142,9 +153,12 @@ MapLeaves MapLeaves::in_file(const fs::path& path, std::optional<double> cloud_r
   const std::string kind = extension_of(file);
   if (kind != ".ot" && kind != ".bt") return MapLeaves(load_map(path, cloud_resolution));
   const auto stream = std::make_shared<const OctreeStream>(file);
-  const Snapshot about(stream->shared_bare_tree(),
-                       stream->is_ours() ? stream->volumes() : volumes_beside(file, file != path),
-                       stream->seen());
+  if (!stream->is_ours() && !volumes_beside(file, file != path).empty()) {  // its leaves are to be painted
+    MapLeaves map(load_map(path));
+    map.sha256_ = stream->sha256();
+    return map;
+  }
+  const Snapshot about(stream->shared_bare_tree(), stream->volumes(), stream->seen());
   MapLeaves map(about, [stream](const Visit& visit) {
     stream->visit_leaves([&](const FusedNode& node, const CellCube& cube) {
       visit({stream->bare_tree().state(node), node.painted(), cube.corner, cube.edge, node.observed(),

@@ -69,13 +69,16 @@ class Reader {
     ++line_;
     const auto end = text_.find('\n');
     if (end == std::string_view::npos) refuse("a line end: the file is cut off");
-    const std::string_view line = text_.substr(0, end);
+    std::string_view line = text_.substr(0, end);
     text_.remove_prefix(end + 1);
+    if (line.ends_with('\r')) line.remove_suffix(1);  // of an editor or a spreadsheet
     return line;
   }
 
   /// The line with the names of the columns: all of them, or those that there were before strokes.
   void take_head() {
+    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+    if (text_.starts_with(byte_order_mark)) text_.remove_prefix(byte_order_mark.size());
     const std::string_view line = take_line();
     if (line != column_names && line != old_column_names) refuse_columns();
     columns_ = 1 + static_cast<std::size_t>(std::count(line.begin(), line.end(), ','));

@@ -61,7 +61,7 @@ class Maker {
         continue;
       }
       const Joint& joint = robot_.joints[static_cast<std::size_t>(link.joint)];
-      const Eigen::Matrix3d turned = turned_to(joint.axis);
+      const Eigen::Matrix3d turned = turned_to(axis_of(robot_, link));
       SphereRobot::Frame frame;
       frame.parent = parent_frame;
       frame.joint = link.joint;

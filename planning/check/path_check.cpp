@@ -279,6 +279,12 @@ std::string malformed(const Robot& robot, const std::vector<Configuration>& path
     for (std::size_t j = 0; j < robot.dof(); ++j) {
       const double value = path[i][static_cast<Eigen::Index>(j)];
       const Joint& joint = robot.joints[j];
+      if (std::abs(value) > largest_joint_value) {
+        text << "joint " << shortened(joint.name) << " is " << value
+             << ", where angles have lost their digits; "
+             << "expected at most " << largest_joint_value;
+        return text.str();
+      }
       if (std::isfinite(value) && value >= joint.lower && value <= joint.upper) continue;
       text << "joint " << shortened(joint.name) << " is " << value << ", outside its limits " << joint.lower
            << " to " << joint.upper;
@@ -345,7 +351,7 @@ PathVerdict check_tubes(const Robot& robot, const Snapshot& map,
   try {
     const Robot stated = check::with_stated_loads(robot);
     const check::KdlArm arm(stated);
-    if (!robot.source.empty() || !robot.loads.empty()) check::require_same_poses(robot, arm);
+    check::require_same_poses(robot, arm);
     verdict.first_contact = let_go(stated, arm, waypoints, deviations);
     if (!verdict.first_contact.empty()) return verdict;
     return Checker(stated, arm, map, policies, padding, waypoints, distance_cap, seen_within, deviations)
@@ -353,6 +359,15 @@ PathVerdict check_tubes(const Robot& robot, const Snapshot& map,
   } catch (const check::FileDisagrees& error) {
     verdict.first_contact = error.what();
     return verdict;
+  }
+}
+
+std::string file_disagreement(const Robot& robot) {
+  try {
+    check::require_same_poses(robot, check::KdlArm(check::with_stated_loads(robot)));
+    return {};
+  } catch (const check::FileDisagrees& error) {
+    return error.what();
   }
 }
 

@@ -46,6 +46,10 @@ PathVerdict check_path(const Robot& robot, const Snapshot& map, const std::map<s
                        double padding, const std::vector<Configuration>& waypoints, double distance_cap = 0.0,
                        double seen_within = 0.0);
 
+/// Empty, or the sentence with which check_path would refuse any path, because the planners' robot is not
+/// what its file says: for programs that let motions pass and are no planners. @throws as check_path
+std::string file_disagreement(const Robot& robot);
+
 /// The same for every configuration of which no joint is farther than deviations[i] (rad or m, one value for
 /// each joint) from where it is at one place of edge i: a tube about each edge, for curves that stay in it.
 /// Of joint limits only those of the waypoints are asked. No deviations: none.

@@ -36,7 +36,8 @@ KDL::Segment segment_of(const Robot& robot, const Link& link) {
   if (link.joint < 0) return KDL::Segment(link.name, KDL::Joint(link.name, KDL::Joint::None), tip);
   const Joint& joint = robot.joints[static_cast<std::size_t>(link.joint)];
   const auto kind = joint.kind == JointKind::revolute ? KDL::Joint::RotAxis : KDL::Joint::TransAxis;
-  return KDL::Segment(link.name, KDL::Joint(joint.name, tip.p, tip.M * vector_of(joint.axis), kind), tip);
+  return KDL::Segment(link.name, KDL::Joint(joint.name, tip.p, tip.M * vector_of(axis_of(robot, link)), kind),
+                      tip);
 }
 
 }  // namespace
@@ -171,8 +172,6 @@ void KdlArm::place_on_base(const Eigen::VectorXd& q, std::vector<Eigen::Isometry
   links.clear();
   for (const KDL::Frame& frame : frames) links.push_back(isometry_of(frame));
 }
-
-bool KdlArm::is_turned(std::size_t link) const { return chains_->model.links[link].is_turned; }
 
 double KdlArm::motion(std::size_t body, const Eigen::VectorXd& abs_dq) const {
   return chains_->sum(body, -1, abs_dq);

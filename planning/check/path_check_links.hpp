@@ -30,8 +30,6 @@ struct KdlLink {
   double multiplier = 1.0, offset = 0.0;
   bool is_held = false;  ///< its joint could move, but stands still
   bool stands = false;   ///< its bodies may touch the map, as Robot::standing says: a wheel on its floor
-  /// A mimic joint about another axis than its master's: Robot's frame of the link is turned (read_urdf).
-  bool is_turned = false;
 
   double value(const Eigen::VectorXd& q) const { return offset + (joint < 0 ? 0.0 : multiplier * q[joint]); }
 };

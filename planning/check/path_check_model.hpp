@@ -42,11 +42,9 @@ class KdlArm {
   /// Places one body.
   Eigen::Isometry3d place(const Eigen::VectorXd& q, std::size_t body) const;
 
-  /// Places all links and bodies in the frame of the robot's base, wherever that stands. A turned link's
-  /// frame is the file's; the robot's has another orientation.
+  /// Places all links and bodies in the frame of the robot's base, wherever that stands.
   void place_on_base(const Eigen::VectorXd& q, std::vector<Eigen::Isometry3d>& links,
                      BodyPoses& bodies) const;
-  bool is_turned(std::size_t link) const;
 
   /// Bound on the path length of any point of the body when each joint j turns or slides by abs_dq[j] in all.
   double motion(std::size_t body, const Eigen::VectorXd& abs_dq) const;

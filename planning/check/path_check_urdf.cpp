@@ -137,10 +137,6 @@ Eigen::Isometry3d isometry(const urdf::Pose& pose) {
   return result;
 }
 
-Eigen::Vector3d axis_of(const urdf::Joint& joint) {
-  return Eigen::Vector3d(joint.axis.x, joint.axis.y, joint.axis.z).normalized();
-}
-
 class FileReader {
  public:
   explicit FileReader(const Robot& robot) : robot_(robot), model_(scaled_model(robot)) {
@@ -207,7 +203,6 @@ class FileReader {
     if (joint.mimic) {
       kdl_.links.back().multiplier = end.multiplier;
       kdl_.links.back().offset = end.offset;
-      kdl_.links.back().is_turned = axis_of(joint).cross(axis_of(*model_->getJoint(master))).norm() > 1e-13;
     }
     if (is_held) return hold(joint, *held);
     kdl_.links.back().joint = static_cast<int>(known - robot_.joints.begin());

@@ -106,6 +106,45 @@ std::vector<std::array<int, 3>> hull_triangles(const std::vector<Eigen::Vector3d
 
 namespace {
 
+/// A face: normal . x <= offset inside, normal of length 1.
+struct Face {
+  Eigen::Vector3d normal;
+  double offset;
+};
+
+/// Those of the hull, each flat one once.
+std::vector<Face> faces_of(const std::vector<Eigen::Vector3d>& points) {
+  std::vector<Face> faces;
+  if (points.size() < 4) return faces;
+  std::vector<double> coordinates = flattened(points);
+  run_qhull(coordinates, static_cast<int>(points.size()), "", [&](qhT& state) {
+    for (facetT* facet = state.facet_list; facet && facet->next; facet = facet->next)
+      faces.push_back({{facet->normal[0], facet->normal[1], facet->normal[2]}, -facet->offset});
+  });
+  return faces;
+}
+
+}  // namespace
+
+/// By duality: a plane normal . x = offset about an inner point is the point normal / offset, and the faces
+/// of the hull of these points are the corners where the planes meet.
+std::vector<Eigen::Vector3d> corners_behind_faces(const std::vector<Eigen::Vector3d>& points,
+                                                  const Eigen::Vector3d& middle, double by) {
+  std::vector<Eigen::Vector3d> dual, corners;
+  for (const Face& face : faces_of(points)) {
+    const double apart = face.offset - face.normal.dot(middle) - by;
+    if (!(apart > 0.0)) return {};
+    dual.emplace_back(face.normal / apart);
+  }
+  for (const Face& face : faces_of(dual)) {
+    if (!(face.offset > 0.0)) return {};
+    corners.emplace_back(middle + face.normal / face.offset);
+  }
+  return corners;
+}
+
+namespace {
+
 /// Whether each side of a triangle is a side of exactly one other, the other way round.
 bool is_closed(const std::vector<std::array<int, 3>>& triangles) {
   std::vector<std::pair<int, int>> sides, back;

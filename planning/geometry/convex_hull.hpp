@@ -14,6 +14,11 @@ std::vector<Eigen::Vector3d> hull_corners(std::vector<Eigen::Vector3d> points);
 /// points that span no volume. For drawing; collision queries need the corners only.
 std::vector<std::array<int, 3>> hull_triangles(const std::vector<Eigen::Vector3d>& points);
 
+/// The corners of what lies `by` (> 0) and more behind each face of the hull of `points`; none where that
+/// does not hold `middle`, or where the points span no volume.
+std::vector<Eigen::Vector3d> corners_behind_faces(const std::vector<Eigen::Vector3d>& points,
+                                                  const Eigen::Vector3d& middle, double by);
+
 /// The planes of the hull's faces, for spheres inside it.
 class HullPlanes {
  public:

@@ -67,6 +67,7 @@ class ConvexKind final : public ShapeKind {
     return Shape::convex(std::move(corners));
   }
   Shape core(const Shape& s, double depth) const override {
+    if (depth <= 0.0) return s;
     const ShapeSurface hull = surface(s);
     Vector middle = Vector::Zero();
     for (const Vector& corner : s.vertices()) middle += corner / static_cast<double>(s.vertices().size());
@@ -76,9 +77,11 @@ class ConvexKind final : public ShapeKind {
       const Vector normal = (corner(b) - corner(a)).cross(corner(c) - corner(a));
       if (normal.norm() > 0.0) inner = std::min(inner, normal.normalized().dot(corner(a) - middle));
     }
-    const double share = depth < 0.5 * inner ? depth / inner : 0.5;
-    std::vector<Vector> corners;
-    for (const Vector& corner : s.vertices()) corners.push_back(middle + (1.0 - share) * (corner - middle));
+    std::vector<Vector> corners = corners_behind_faces(s.vertices(), middle, std::min(depth, 0.5 * inner));
+    if (corners.size() < 4) {  // a flat hull, or faces that qhull does not close
+      corners.clear();
+      for (const Vector& corner : s.vertices()) corners.push_back(middle + 0.5 * (corner - middle));
+    }
     return Shape::convex(std::move(corners));
   }
   double signed_distance(const Shape& s, const Vector& point) const override {

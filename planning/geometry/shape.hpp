@@ -96,7 +96,7 @@ class Shape {
   Shape grown(double padding) const;
 
   /// What lies `depth` (metres, >= 0) and more inside of this one, of which a quarter of its least width
-  /// stays at least; of a hull a part of that, the hull drawn together about its middle.
+  /// stays at least; of a hull what lies so far behind each of its faces.
   Shape core(double depth) const;
 
   /// Distance of a point (shape's frame) from the surface, negative inside. Where it is not exact it is that

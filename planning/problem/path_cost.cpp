@@ -46,7 +46,7 @@ JointForces joint_forces(const Robot& robot, const CostOptions& options, const L
     const Link& link = robot.links[i];
     if (link.joint < 0 || distal[i].mass <= 0.0) continue;
     const Joint& joint = robot.joints[static_cast<std::size_t>(link.joint)];
-    const Eigen::Vector3d z = poses[i].linear() * joint.axis;
+    const Eigen::Vector3d z = poses[i].linear() * axis_of(robot, link);
     const Eigen::Vector3d W = distal[i].mass * options.gravity;
     const double along = W.dot(z);
     if (joint.kind == JointKind::revolute) {

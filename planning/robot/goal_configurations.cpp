@@ -80,11 +80,10 @@ std::optional<SphericalWrist> spherical_wrist(const Robot& robot, const Configur
       });
   if (!is_arm) return std::nullopt;
   const LinkPoses poses = forward_kinematics(robot, q);
-  const auto axis_of = [&](std::size_t i) {
-    const Joint& joint = robot.joints[static_cast<std::size_t>(robot.links[i].joint)];
-    return JointAxis{poses[i].translation(), poses[i].linear() * joint.axis};
+  const auto placed_axis = [&](std::size_t i) {
+    return JointAxis{poses[i].translation(), poses[i].linear() * axis_of(robot, robot.links[i])};
   };
-  const JointAxis last = axis_of(moved[0]), middle = axis_of(moved[1]), first = axis_of(moved[2]);
+  const JointAxis last = placed_axis(moved[0]), middle = placed_axis(moved[1]), first = placed_axis(moved[2]);
   const Eigen::Vector3d across = first.direction.cross(middle.direction);
   if (across.norm() < near || last.direction.cross(middle.direction).norm() < near) return std::nullopt;
   // The point of the middle axis that is nearest to the first one.
@@ -115,7 +114,7 @@ std::vector<Configuration> turned_wrists(const Robot& robot, const SphericalWris
   std::array<Eigen::Index, 3> joints{};
   for (std::size_t k = 0; k < 3; ++k) {
     joints[k] = robot.links[wrist.bent[k]].joint;
-    axes[k] = poses[wrist.bent[k]].linear() * robot.joints[static_cast<std::size_t>(joints[k])].axis;
+    axes[k] = poses[wrist.bent[k]].linear() * axis_of(robot, robot.links[wrist.bent[k]]);
   }
   const Eigen::Matrix3d turn =
       map_from_tip.linear() *

@@ -15,7 +15,7 @@ struct LinkMotion {
 };
 
 Eigen::Vector3d axis_in_map(const Robot& robot, const Link& link, const Eigen::Isometry3d& pose) {
-  return pose.linear() * robot.joints[static_cast<std::size_t>(link.joint)].axis;
+  return pose.linear() * axis_of(robot, link);
 }
 
 /// From the parent outwards.
@@ -57,7 +57,8 @@ bool turns_upright(const Robot& robot, const LinkPoses& poses, std::size_t link,
     const int index = robot.links[static_cast<std::size_t>(at)].joint;
     if (index < 0) continue;
     const Joint& joint = robot.joints[static_cast<std::size_t>(index)];
-    const Eigen::Vector3d axis = poses[static_cast<std::size_t>(at)].linear() * joint.axis;
+    const Eigen::Vector3d axis =
+        axis_in_map(robot, robot.links[static_cast<std::size_t>(at)], poses[static_cast<std::size_t>(at)]);
     is_upright = joint.kind == JointKind::revolute && axis.cross(gravity).norm() <= 1e-9 * gravity.norm();
     ++joints;
   }

@@ -40,7 +40,7 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(const Robot& robot, const Link
     if (mover.joint < 0) continue;
     const Joint& joint = robot.joints[static_cast<std::size_t>(mover.joint)];
     const Eigen::Isometry3d& pose = map_from_link[static_cast<std::size_t>(i)];
-    const Eigen::Vector3d axis = mover.multiplier * (pose.linear() * joint.axis);
+    const Eigen::Vector3d axis = mover.multiplier * (pose.linear() * axis_of(robot, mover));
     if (joint.kind == JointKind::revolute) {
       columns.col(mover.joint).head<3>() += axis.cross(point - pose.translation());
       columns.col(mover.joint).tail<3>() += axis;

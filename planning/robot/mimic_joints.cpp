@@ -6,7 +6,6 @@
 
 #include "mapping/system/nearest_name.hpp"
 #include "mapping/system/plain_text.hpp"
-#include "planning/geometry/turn_between.hpp"
 
 namespace clearway {
 namespace {
@@ -74,26 +73,15 @@ void keep_mimic_limits(const std::filesystem::path& file, const MimicJoint& mimi
   if (master.lower > master.upper) refuse(file, mimic, " and is never within its own limits");
 }
 
-/// Makes the master's axis, read in the frame of the link, mean the link's own axis.
-void turn_link_frame(int index, const Eigen::Vector3d& master_axis, const Eigen::Vector3d& own_axis,
-                     Robot& robot) {
-  Link& link = robot.links[static_cast<std::size_t>(index)];
+/// A mimic joint turns about its own axis, in its own link's frame.
+void keep_own_axis(const Eigen::Vector3d& master_axis, const Eigen::Vector3d& own_axis, Link& link) {
   if (master_axis.isApprox(own_axis, 1e-12)) return;
-  if (master_axis.isApprox(-own_axis, 1e-12)) {
-    link.multiplier = -link.multiplier;
-    link.offset = -link.offset;
+  if (!master_axis.isApprox(-own_axis, 1e-12)) {
+    link.own_axis = own_axis;
     return;
   }
-  const Eigen::Isometry3d old_from_new(turn_between(master_axis, own_axis));
-  const Eigen::Isometry3d new_from_old = old_from_new.inverse();
-  link.parent_from_link = link.parent_from_link * old_from_new;
-  link.center_of_mass = new_from_old * link.center_of_mass;
-  for (Link& child : robot.links) {
-    if (child.parent == index) child.parent_from_link = new_from_old * child.parent_from_link;
-  }
-  for (Body& body : robot.bodies) {
-    if (body.link == index) body.link_from_shape = new_from_old * body.link_from_shape;
-  }
+  link.multiplier = -link.multiplier;
+  link.offset = -link.offset;
 }
 
 }  // namespace
@@ -106,7 +94,7 @@ void resolve_mimics(const std::filesystem::path& file, const std::vector<MimicJo
     const std::size_t master = master_of(file, mimic, moving, robot);
     link.joint = static_cast<int>(master);
     keep_mimic_limits(file, mimic, link, robot.joints[master]);
-    turn_link_frame(mimic.link, robot.joints[master].axis, mimic.joint.axis, robot);
+    keep_own_axis(robot.joints[master].axis, mimic.joint.axis, link);
   }
 }
 

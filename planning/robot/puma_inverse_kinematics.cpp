@@ -57,7 +57,7 @@ PumaTable read_table(const Robot& robot) {
     const Joint& joint = robot.joints[i];
     const bool plain = link.joint == static_cast<int>(i) && link.multiplier == 1.0 && link.offset == 0.0;
     if (!plain || joint.kind != JointKind::revolute ||
-        (joint.axis - Eigen::Vector3d::UnitZ()).norm() > table_tolerance)
+        (axis_of(robot, link) - Eigen::Vector3d::UnitZ()).norm() > table_tolerance)
       refuse();
     if (i > 0 && !is_turned(link, alpha[i])) refuse();
     offset[i] = link.parent_from_link.translation();

@@ -89,13 +89,13 @@ Eigen::AlignedBox3d reach_box(const Robot& robot, const Body& body) {
     place.rotation = place.rotation * link.parent_from_link.linear();
     if (slides(robot, link)) {
       const auto [low, high] = travel(robot, link);
-      const Eigen::Vector3d axis = joint_of(robot, link).axis;
+      const Eigen::Vector3d axis = axis_of(robot, link);
       Place other = place;
       place.shift(std::max(low, -beyond_maps) * axis);  // without limits: infinite
       other.shift(std::min(high, beyond_maps) * axis);
       place.box.extend(other.box);
     }
-    if (turns(robot, link)) place.turn_about(joint_of(robot, link).axis);
+    if (turns(robot, link)) place.turn_about(axis_of(robot, link));
   }
   if (place.turned == Place::Turned::not_at_all) {
     const Eigen::Isometry3d rotation(place.rotation);
@@ -115,7 +115,7 @@ Eigen::AlignedBox3d reach_box(const Robot& robot, const Body& body) {
 double lever(const Robot& robot, int link, const Body& body) {
   const Link& mover = link_at(robot, link);
   if (!turns(robot, mover)) return 1.0;
-  const Eigen::Vector3d axis = joint_of(robot, mover).axis;
+  const Eigen::Vector3d axis = axis_of(robot, mover);
   const auto off_axis = [&](const Eigen::Vector3d& v) { return (v - v.dot(axis) * axis).norm(); };
   if (body.link == link) {
     double farthest = 0.0;
@@ -152,7 +152,7 @@ double tip_reach(const Robot& robot) {
     reach += link.parent_from_link.translation().norm();
     if (slides(robot, link)) {
       const auto [low, high] = travel(robot, link);
-      reach += std::max(std::abs(low), std::abs(high)) * joint_of(robot, link).axis.norm();
+      reach += std::max(std::abs(low), std::abs(high)) * axis_of(robot, link).norm();
     }
   }
   return (1.0 + 1e-9) * reach;

@@ -50,6 +50,9 @@ struct Link {
   std::string joint_name{};  ///< of the joint above it in the robot's file, fixed or mimic ones too
   double mass = 0.0;         ///< kg
   Eigen::Vector3d center_of_mass = Eigen::Vector3d::Zero();  ///< link frame
+  /// Where a mimic joint's axis is another than its master's, each in its own link's frame: that axis, a unit
+  /// vector. Else 0, and the joint's axis is that of the link as well.
+  Eigen::Vector3d own_axis = Eigen::Vector3d::Zero();
 };
 
 /// One convex collision body on a link. `part` is the name by which policies and painted volumes refer to it.
@@ -114,6 +117,11 @@ struct Robot {
 
   std::size_t dof() const { return joints.size(); }
 };
+
+/// The axis about or along which a link's joint moves it, unit vector, link frame. @pre a joint moves it
+inline const Eigen::Vector3d& axis_of(const Robot& robot, const Link& link) {
+  return link.own_axis.isZero(0.0) ? robot.joints[static_cast<std::size_t>(link.joint)].axis : link.own_axis;
+}
 
 /// The same robot `factor` times as large: lengths, prismatic limits and accuracy by factor, masses by
 /// factor^3.

@@ -107,7 +107,7 @@ bool never_meet(const Robot& robot, const AcrossJoint& pair) {
   const LinkPoses first = poses_at(lower);
   const Eigen::Vector3d center =
       first[static_cast<std::size_t>(pair.mover)].inverse() * place(first, b).translation();
-  const double lever = center.cross(joint.axis).norm() + b.shape.bounding_radius();
+  const double lever = center.cross(axis_of(robot, link)).norm() + b.shape.bounding_radius();
   const double speed = std::abs(link.multiplier) * (joint.kind == JointKind::revolute ? lever : 1.0);
   std::vector<std::pair<double, double>> open{{lower, upper}};
   for (int looks = 0; !open.empty(); ++looks) {

@@ -157,7 +157,8 @@ double BodyCollision::quick_clearance(const Eigen::Isometry3d& map_from_link) co
 }
 
 bool BodyCollision::visit_near(const Eigen::Isometry3d& map_from_link, double margin,
-                               const std::function<bool(const Eigen::Vector3d&, double)>& visit) const {
+                               const std::function<bool(const Eigen::Vector3d&, double)>& visit,
+                               bool only_in_reach) const {
   const Eigen::Vector3d middle = map_from_link * geometry_->bound.center;
   if (space_->clearance(middle) > geometry_->bound.radius + margin) return true;
   struct Query {
@@ -169,7 +170,7 @@ bool BodyCollision::visit_near(const Eigen::Isometry3d& map_from_link, double ma
   Eigen::AlignedBox3d box = body().shape.bounds(query.map_from_shape);
   box.min().array() -= margin;
   box.max().array() += margin;
-  box = box.intersection(reach_);
+  if (only_in_reach) box = box.intersection(reach_);
   if (box.isEmpty()) return true;
   return space_->visit_blocked(box, [&query](const Eigen::Vector3d& cube) {
     const BodyCollision& self = query.self;
@@ -184,12 +185,13 @@ bool BodyCollision::visit_near(const Eigen::Isometry3d& map_from_link, double ma
 double BodyCollision::exact_clearance(const Eigen::Isometry3d& map_from_link, double limit) const {
   const Eigen::Isometry3d map_from_shape = map_from_link * body().link_from_shape;
   double least = limit;
-  visit_near(map_from_link, limit, [&](const Eigen::Vector3d& cube, double bound) {
+  const auto lower_least = [&](const Eigen::Vector3d& cube, double bound) {
     if (bound >= least) return true;
     least = std::min(least,
                      distance_to_cube(body().shape, map_from_shape, cube, space_->resolution(), least).lower);
     return least > 0.0;
-  });
+  };
+  visit_near(map_from_link, limit, lower_least, false);
   return least;
 }
 

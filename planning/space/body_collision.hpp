@@ -105,8 +105,10 @@ class BodyCollision {
 
   /// Calls `visit(cube centre, lower bound of its distance)` for each blocked cube that may lie within
   /// `margin` of the body until it returns false; a cube may come twice. False when it was stopped.
+  /// @param only_in_reach leaves out cubes that the body meets in no configuration
   bool visit_near(const Eigen::Isometry3d& map_from_link, double margin,
-                  const std::function<bool(const Eigen::Vector3d&, double)>& visit) const;
+                  const std::function<bool(const Eigen::Vector3d&, double)>& visit,
+                  bool only_in_reach = true) const;
 
  private:
   static constexpr double half_diagonal = 0.8660254037844387;  ///< of a cube of edge 1, rounded up

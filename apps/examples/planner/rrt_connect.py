@@ -64,7 +64,7 @@ class World:
             pose = (self.base if link["parent"] < 0 else poses[link["parent"]]) @ link["parent_from_link"]
             if link["joint"] >= 0:
                 joint, value = self.joints[link["joint"]], link["multiplier"] * q[link["joint"]] + link["offset"]
-                motion, axis = np.eye(4), np.array(joint["axis"])
+                motion, axis = np.eye(4), np.array(link["axis"])
                 if joint["type"] == "prismatic":
                     motion[:3, 3] = value * axis
                 else:

@@ -311,6 +311,67 @@ TEST(TimedCorners, ATrajectoryThatNoLimitedMotionFollowsIsRefused) {
   }
 }
 
+/// What a point says of its velocity asks for more than what only follows from its neighbours.
+TEST(TimedCorners, AStatedVelocityAtOneEndOfALineCounts) {
+  Robot robot = load_robot("point");
+  for (Joint& joint : robot.joints) joint.max_acceleration = 1.0, joint.max_velocity = 10.0;
+  struct Known {
+    double time, x;
+    std::optional<double> velocity = std::nullopt;
+  };
+  const auto fault = [&](const std::vector<Known>& points) {
+    TimedTrajectory trajectory;
+    for (const Known& point : points) {
+      trajectory.points.push_back({point.time, Eigen::Vector2d(point.x, 0.0)});
+      if (point.velocity) trajectory.points.back().velocity = Eigen::Vector2d(*point.velocity, 0.0);
+    }
+    return check_timed(trajectory, robot, Snapshot(), {{"base", Policy::not_occupied}}, 0.0, 0.0).fault;
+  };
+  EXPECT_NE(fault({{0, 0, 0.0}, {1.9, 1}}), "");  // from rest to rest: 4 / 1.9^2
+  EXPECT_EQ(fault({{0, 0, 0.0}, {2.1, 1}}), "");
+  EXPECT_NE(fault({{0, 0}, {1.9, 1, 0.0}}), "");
+  EXPECT_NE(fault({{0, 0}, {1, 0.1}, {2, 0.2, 1.0}, {3, 1.2, 1.0}, {5, 2.2}})
+                .find("joint x has to come from 0.1 to 1 at the point at 2 s"),
+            std::string::npos);
+  std::mt19937_64 random(8);
+  for (int trial = 0; trial < 60;
+       ++trial) {  // velocity of 1 - cos, stated at some points, left out at others
+    const double rate = std::uniform_real_distribution<double>(0.5, 4.0)(random);
+    const double swing = 1.0 / (rate * rate), half = std::numbers::pi / rate;
+    std::vector<Known> points;
+    for (int i = 0; i <= 12; ++i) {
+      const double time = half * i / 12;
+      points.push_back({time, swing * (1.0 - std::cos(rate * time))});
+      if (random() % 3 == 0) points.back().velocity = swing * rate * std::sin(rate * time);
+    }
+    for (std::size_t i = 0; i + 1 < points.size();
+         ++i)  // two that state it in turn are a cubic, judged elsewhere
+      if (points[i].velocity && points[i + 1].velocity) points[i + 1].velocity.reset();
+    EXPECT_EQ(fault(points), "") << rate;
+  }
+}
+
+/// The way with the least acceleration from one velocity to another: full speed up, then down.
+TEST(TimedCorners, BothEndsOfALineAskForSpeedUpAndDown) {
+  Robot robot = load_robot("point");
+  std::mt19937_64 random(9);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  for (int trial = 0; trial < 200; ++trial) {
+    const double limit = 1.0, first = 0.1 + std::abs(unit(random)), up = 1.0 + 0.9 * unit(random),
+                 top = first + limit * up;
+    TimedTrajectory trajectory;  // its last point is where the robot rests: full braking from a velocity to 0
+    trajectory.points.push_back({0.0, Eigen::Vector2d::Zero(), Eigen::Vector2d(first, 0.0)});
+    const double braking = top / limit, way = (first + top) / 2 * up + top / 2 * braking;
+    trajectory.points.push_back({up + braking, Eigen::Vector2d(way, 0.0)});
+    for (const double share : {0.97, 1.05}) {
+      for (Joint& joint : robot.joints) joint.max_acceleration = share * limit, joint.max_velocity = 100.0;
+      const std::string fault =
+          check_timed(trajectory, robot, Snapshot(), {{"base", Policy::not_occupied}}, 0.0, 0.0).fault;
+      EXPECT_EQ(fault.empty(), share > 1.0) << fault;
+    }
+  }
+}
+
 /// `--start` says where the robot is before a first point that it reaches after some time.
 TEST_F(CheckTimed, AStartThatIsStatedIsGoneFrom) {
   const std::vector<Point> one{{0.5, {0.2, 0.0}, {0, 0}}};

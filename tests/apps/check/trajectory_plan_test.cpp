@@ -60,6 +60,41 @@ TEST_F(CheckTrajectory, EachFormOfAJointTrajectoryIsCheckedInTheRobotsOrder) {
       exit_done);
 }
 
+/// `plan --export json`: what it says is checked as the same message of ROS is.
+TEST_F(CheckTrajectory, OurOwnExportWithAListForEachQuantityIsRead) {
+  const auto own = [](const Json& positions) {
+    return Json{{"robot", "point"},
+                {"joints", {"x", "y"}},
+                {"times_s", {0, 2, 4}},
+                {"positions", positions},
+                {"velocities", {{0, 0}, {0, 0}, {0, 0}}},
+                {"accelerations", {Json::array(), Json::array(), Json::array()}}};
+  };
+  const Json inside = {{0.0, 0.5}, {0.5, 0.0}, {0.5, 0.3}};
+  const CommandRun run = check_file("t.json", own(inside).dump(), {"--json"});
+  EXPECT_EQ(run.status, exit_done) << run.out << run.log;
+  EXPECT_EQ(check_file("t.json", own({{0.0, 0.5}, {0.5, 0.0}, {1.2, 0.0}}).dump()).status, exit_no);
+  EXPECT_EQ(check_file("t.json", own({{0.0, 0.5}, {0.5, 0.0}, {-0.9, 0.0}}).dump()).status, exit_no);
+  const auto refusal = [&](const std::string& field, const Json& value) {
+    Json changed = own(inside);
+    changed[field] = value;
+    const CommandRun refused = check_file("t.json", changed.dump());
+    EXPECT_EQ(refused.status, exit_bad_input) << field;
+    return refused.log;
+  };
+  EXPECT_NE(refusal("times_s", {0, 2}).find("expected as many as there are positions, 3, got 2"),
+            std::string::npos);
+  EXPECT_NE(refusal("times_s", {0, 2, 2}).find("expected times that rise, got 2 after 2"), std::string::npos);
+  EXPECT_NE(refusal("velocities", {{0, 0}, {0}, {0, 0}})
+                .find("expected 2 numbers or none for each of the 3 points"),
+            std::string::npos);
+  EXPECT_NE(refusal("positions", Json::array()).find("expected at least one"), std::string::npos);
+  EXPECT_NE(refusal("events", {{{"action", "attach"}}}).find("is in the plan's JSON"), std::string::npos);
+  const CommandRun table = check_file("t.csv", "time_s,x,y\n0,0,0\n");
+  EXPECT_EQ(table.status, exit_bad_input);
+  EXPECT_NE(table.log.find("is for spreadsheets, expected a plan's JSON"), std::string::npos) << table.log;
+}
+
 TEST_F(CheckTrajectory, WhereTheRobotIsBeforeItCounts) {
   const auto from = [&](double x) {
     const Json message{

@@ -205,5 +205,26 @@ TEST(CameraFile, other_lenses_and_damaged_files_are_refused_in_a_sentence) {
   EXPECT_NE(refusal_of(kalibr, "cam7"), "");
 }
 
+TEST(CameraFile, OrbSlamsSettingsAreRead) {
+  for (const std::string prefix : {"Camera.", "Camera1."}) {
+    std::string text = "%YAML:1.0\n---\nFile.version: \"1.0\"\nCamera.type: \"PinHole\"\n";
+    for (const char* value : {"fx: 517.3", "fy: 516.5", "cx: 318.6", "cy: 255.3", "k1: 0.26", "k2: -0.95",
+                              "p1: -0.005", "p2: 0.0026", "k3: 1.16"})
+      text += prefix + value + "\n";
+    text += "Camera.width: 640\nCamera.height: 480\nCamera.fps: 30\n";
+    const CameraIntrinsics camera = parse_camera_file(text, "f", "", false);
+    EXPECT_EQ(camera,
+              (CameraIntrinsics{640, 480, 517.3, 516.5, 318.6, 255.3, {0.26, -0.95, -0.005, 0.0026, 1.16}}));
+    const CameraIntrinsics fisheye =
+        parse_camera_file(with(text, "PinHole", "KannalaBrandt8"), "f", "", false);
+    EXPECT_EQ(fisheye.lens, LensModel::fisheye);
+    EXPECT_EQ(fisheye.distortion, (std::array<double, 8>{0.26, -0.95, 1.16, 0}));
+    EXPECT_NE(complaint([&] {
+                parse_camera_file(with(text, "PinHole", "Omni"), "f", "", false);
+              }).find("expected PinHole, KannalaBrandt8 or Rectified, got 'Omni'"),
+              std::string::npos);
+  }
+}
+
 }  // namespace camera_file_test
 }  // namespace clearway

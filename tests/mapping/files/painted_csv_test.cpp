@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "mapping/files/map_file.hpp"
+#include "mapping/files/map_leaves.hpp"
 #include "mapping/free_space_map.hpp"
 #include "tests/worlds/random_map.hpp"
 #include "tests/worlds/temporary_folder.hpp"
@@ -144,6 +145,36 @@ TEST(PaintedCsv, beside_our_own_map_it_is_a_copy_and_whoever_changes_it_is_warne
   export_map(map.snapshot(), folder / "map.ot");  // a tree of another program, without volumes
   EXPECT_EQ(load_map(folder.path()).volumes().size(), 1u);
   EXPECT_NE(remark().find("because map.ot holds none"), std::string::npos) << remark();
+}
+
+TEST(PaintedCsv, its_balls_paint_a_map_of_another_program) {
+  const TemporaryFolder folder;
+  worlds::Dice dice(4);
+  FreeSpaceMap map({.resolution = 0.05});
+  const int first = map.add_volume("tool", {"hand"}), second = map.add_volume("arm, long", {"elbow"});
+  for (int i = 0; i < 30; ++i)
+    map.paint(i % 2 == 0 ? first : second,
+              {{dice.uniform(-1, 1), dice.uniform(-1, 1), dice.uniform(0, 1)}, 0.2});
+  Scan scan;
+  for (int i = 0; i < 400; ++i) scan.points.emplace_back(dice.uniform(-1, 1), dice.uniform(-1, 1), 1.0f);
+  map.insert(scan);
+  const Snapshot before = map.snapshot();
+  save_map(before, folder.path());
+  export_map(before, folder / "map.ot");
+  std::string text = read_file(folder / "painted.csv"), spreadsheet = "\xEF\xBB\xBF";
+  for (const char c : text) spreadsheet += c == '\n' ? std::string("\r\n") : std::string(1, c);
+  write_file(folder / "painted.csv", spreadsheet);
+  const Snapshot after = load_map(folder.path());
+  for (int i = 0; i < 20'000; ++i) {
+    const Eigen::Vector3d point(dice.uniform(-1.3, 1.3), dice.uniform(-1.3, 1.3), dice.uniform(-0.3, 1.3));
+    ASSERT_EQ(after.state(point), before.state(point)) << point.transpose();
+    ASSERT_EQ(after.voxel(point).volumes, before.voxel(point).volumes);
+  }
+  const VoxelCounts read = MapLeaves::in_file(folder.path()).counts(), expected = MapLeaves(before).counts();
+  EXPECT_EQ(read.painted, expected.painted);
+  EXPECT_GT(read.painted, 100U);
+  EXPECT_EQ(read.seen_free, expected.seen_free);
+  EXPECT_EQ(MapLeaves::in_file(folder.path()).sha256().size(), 64U);
 }
 
 }  // namespace painted_csv_test

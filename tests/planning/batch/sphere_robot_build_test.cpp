@@ -197,8 +197,7 @@ TEST(SphereRobotBuild, LeversHoldTheMiddlesOfAllSpheres) {
             continue;
           }
           const auto link = static_cast<std::size_t>(link_of[static_cast<std::size_t>(mover)]);
-          const Eigen::Vector3d& axis =
-              model.robot.joints[static_cast<std::size_t>(model.robot.links[link].joint)].axis;
+          const Eigen::Vector3d& axis = axis_of(model.robot, model.robot.links[link]);
           for (const Sphere& sphere : body.cover) {
             const Eigen::Vector3d at =
                 poses[link].inverse() * poses[static_cast<std::size_t>(body.link)] * sphere.center;

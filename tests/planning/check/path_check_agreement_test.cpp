@@ -1,6 +1,9 @@
 // Where the independent check compares its kinematics with the planners': wherever the robot can be.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "planning/check/path_check.hpp"
 #include "planning/check/path_check_links.hpp"
 #include "planning/check/path_check_model.hpp"
 #include "tests/worlds/urdf_robots.hpp"
@@ -54,6 +57,34 @@ TEST(PathCheckAgreement, ATurnOfMoreThanANanoradIsNamedWithItsLink) {
   EXPECT_EQ(told(0.0), "");
   EXPECT_EQ(told(0.99e-9), "");
   EXPECT_NE(told(1.01e-9).find("link 'hand' is "), std::string::npos) << told(1.01e-9);
+}
+
+/// What programs ask that let motions pass without a check of each.
+TEST(PathCheckAgreement, ARobotIsComparedWithItsFileWithoutAPath) {
+  const worlds::UrdfRobot whip = worlds::whip();
+  Robot robot = whip.robot();
+  EXPECT_EQ(file_disagreement(robot), "");
+  robot.links.back().parent_from_link.translate(Eigen::Vector3d(0.0, 0.0, 1e-6));
+  EXPECT_NE(file_disagreement(robot).find("link 'lash' is 1e-06 m"), std::string::npos)
+      << file_disagreement(robot);
+}
+
+TEST(PathCheckAgreement, ValuesWhoseDigitsAreLostAreRefused) {
+  const worlds::UrdfRobot turner(
+      "turner", "<link name='base'/>" + worlds::urdf_link("hand", "0.5 0 0", "<sphere radius='0.1'/>") +
+                    worlds::urdf_joint("turn", "continuous", "base", "hand", "0 0 0", "0 0 1",
+                                       "<limit effort='1' velocity='1'/>"));
+  const auto said = [&](double value) {
+    return check_path(
+               turner.robot(), Snapshot(), {{"hand", Policy::not_occupied}}, 0.0,
+               {Configuration::Constant(1, value), Configuration::Constant(1, std::nextafter(value, 2e17))})
+        .first_contact;
+  };
+  EXPECT_EQ(said(1e6 - 1.0), "");
+  EXPECT_NE(said(1e16).find("waypoint 0: joint turn is 1e+16, where angles have lost their digits"),
+            std::string::npos)
+      << said(1e16);
+  EXPECT_NE(said(-1e16).find("have lost their digits"), std::string::npos);
 }
 
 TEST(PathCheckAgreement, ABodyThatIsElsewhereOnItsLinkIsNamed) {

@@ -96,7 +96,7 @@ TEST(PathCheckUrdf, RefusesARobotThatIsNotWhatItsFileSaysAndNamesTheLink) {
   EXPECT_TRUE(names(altered([](Robot& r) { r.joints[0].axis = {0.0, 2e-9, 1.0}; }), "link 'a'"));
   EXPECT_TRUE(names(altered([](Robot& r) { r.links[2].multiplier += 1e-8; }), "link 'b'"));
   EXPECT_TRUE(names(altered([](Robot& r) { r.links[3].offset = -r.links[3].offset; }), "link 'c'"));
-  EXPECT_TRUE(names(altered([](Robot& r) { r.links[4].multiplier *= -1; }), "link 'e'"));
+  EXPECT_TRUE(names(altered([](Robot& r) { r.links[4].multiplier *= -1; }), "link 'd'"));
   EXPECT_TRUE(names(altered([](Robot& r) { r.joints[1].kind = JointKind::revolute; }), "link 'e'"));
   EXPECT_TRUE(names(altered([](Robot& r) { r.links[6].joint = -1; }), "link 'f'"));
   EXPECT_TRUE(

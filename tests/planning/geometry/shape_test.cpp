@@ -197,8 +197,17 @@ TEST(Shape, CoresHoldWhatLiesDeepAndNothingElse) {
           EXPECT_TRUE(in_core < 1e-9 || deep > by - 1e-9);
           inside += in_core > 0.0;
           beyond += deep > 0.0 && in_core < 0.0;
-        } else if (depth < 0.02) {
+        } else {
           EXPECT_GE(gap, std::min(depth, 0.2 * least) - 1e-9);
+          // Of a hull: deep is how far a point lies behind the nearest face.
+          const HullPlanes faces(shape.vertices()), in_faces(core.vertices());
+          const double share = random.unit();
+          const Eigen::Vector3d point = share * shape.support(d);
+          const double deep = faces.inner_radius(point), in_core = in_faces.inner_radius(point);
+          EXPECT_TRUE(deep < depth + 1e-9 || in_core > -1e-5) << deep << " " << in_core;
+          EXPECT_TRUE(in_core < 0.0 || deep > std::min(depth, 0.2 * least) - 1e-5);
+          inside += in_core > 0.0;
+          beyond += deep > 0.0 && in_core < -1e-5;
         }
       }
     }

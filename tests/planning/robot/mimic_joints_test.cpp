@@ -2,8 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
+#include "mapping/system/random_unit.hpp"
 #include "planning/check/path_check.hpp"
+#include "planning/robot/arm_kinematics.hpp"
 #include "planning/robot/kinematics.hpp"
+#include "planning/robot/load.hpp"
+#include "planning/robot/reach.hpp"
 #include "tests/worlds/hostile_robots.hpp"
 #include "tests/worlds/urdf_robots.hpp"
 
@@ -112,7 +118,103 @@ TEST(MimicJoints, ItsOwnSpeedIsKept) {
   EXPECT_EQ(speed("0", "multiplier='4'"), 2.0);  // none is known
 }
 
-/// A follower's frame is turned so that its axis is its master's: its bodies stay where they are.
+/// Arms with followers about axes of their own, in frames that are turned as CAD programs write them.
+worlds::UrdfRobot drawn_followers(std::mt19937_64& random) {
+  const auto number = [&](double most) { return std::to_string(most * (2.0 * random_unit(random) - 1.0)); };
+  const auto three = [&](double most) { return number(most) + " " + number(most) + " " + number(most); };
+  const std::string ball = "<sphere radius='0.02'/>", wide = worlds::urdf_limit(-2, 2);
+  std::string elements = worlds::urdf_link("base", "0 0 0", ball), parent = "base";
+  const std::string kind = random() % 3 == 0 ? "prismatic" : "revolute";
+  for (const std::string link : {"a", "b", "c", "d"}) {
+    const bool follows = link == "b" || link == "d";
+    const std::string mimic =
+        follows ? "<mimic joint='a' multiplier='" + number(2) + "' offset='" + number(0.2) + "'/>" : "";
+    elements += worlds::urdf_link(link, three(0.2), ball) +
+                worlds::urdf_joint(link, follows || link == "a" ? kind : "revolute", parent, link,
+                                   three(0.3) + "' rpy='" + three(3), three(1), wide + mimic);
+    parent = link;
+  }
+  return worlds::UrdfRobot("drawn", elements);
+}
+
+Eigen::Matrix4d by_differences(const Robot& robot, int link, const Configuration& q, Eigen::Index joint) {
+  constexpr double step = 1e-6;
+  Configuration before = q, after = q;
+  before[joint] -= step;
+  after[joint] += step;
+  const auto at = static_cast<std::size_t>(link);
+  return (forward_kinematics(robot, after)[at].matrix() - forward_kinematics(robot, before)[at].matrix()) /
+         (2.0 * step);
+}
+
+/// The check compares the pose of every link with KDL's; the Jacobian is that of differences.
+TEST(MimicJoints, FollowersAboutOtherAxesHaveTheFramesOfTheirFile) {
+  std::mt19937_64 random(3);
+  for (int trial = 0; trial < 30; ++trial) {
+    const worlds::UrdfRobot arm = drawn_followers(random);
+    const Robot& robot = arm.robot();
+    ASSERT_EQ(robot.dof(), 2U);
+    const Configuration q = 0.1 * Configuration::Random(2);
+    const PathVerdict check = check_path(robot, Snapshot(), {}, 0.0, {q, q + 0.01 * Configuration::Ones(2)});
+    EXPECT_EQ(check.first_contact.find("is not what its file"), std::string::npos) << check.first_contact;
+    const LinkPoses poses = forward_kinematics(robot, q);
+    ArmKinematics fast(robot);
+    fast.place(q);
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      EXPECT_TRUE(fast.map_from_link()[i].isApprox(poses[i], 1e-12));
+      const auto columns = jacobian(robot, poses, static_cast<int>(i), poses[i].translation());
+      for (Eigen::Index joint = 0; joint < 2; ++joint) {
+        const Eigen::Matrix4d rate = by_differences(robot, static_cast<int>(i), q, joint);
+        const Eigen::Matrix3d turn = rate.topLeftCorner<3, 3>() * poses[i].linear().transpose();
+        EXPECT_LT((columns.col(joint).head<3>() - rate.topRightCorner<3, 1>()).norm(), 1e-8);
+        EXPECT_LT((columns.col(joint).tail<3>() - Eigen::Vector3d(turn(2, 1), turn(0, 2), turn(1, 0))).norm(),
+                  1e-8);
+      }
+    }
+    for (const Body& body : robot.bodies) {  // its box of reach holds it wherever the joints are
+      const Eigen::AlignedBox3d reach = reach_box(robot, body);
+      for (int draw = 0; draw < 20; ++draw) {
+        Configuration any(2);
+        for (Eigen::Index j = 0; j < 2; ++j) {
+          const Joint& joint = robot.joints[static_cast<std::size_t>(j)];
+          any[j] = joint.lower + random_unit(random) * (joint.upper - joint.lower);
+        }
+        const Eigen::Vector3d at =
+            (forward_kinematics(robot, any)[static_cast<std::size_t>(body.link)] * body.link_from_shape)
+                .translation();
+        EXPECT_LT(reach.exteriorDistance(at), 1e-9);
+      }
+    }
+  }
+}
+
+/// A load hangs where the frame of its link is: a levelling wrist, whose joint's axis has another direction
+/// in its own frame than its master's.
+TEST(MimicJoints, ALoadOnAFollowerIsWhereItsFrameIs) {
+  const std::string ball = "<sphere radius='0.02'/>", wide = worlds::urdf_limit(-2, 2);
+  const worlds::UrdfRobot level(
+      "level",
+      worlds::urdf_link("base", "0 0 0", ball) + worlds::urdf_link("arm", "0.5 0 0", ball) +
+          worlds::urdf_link("wrist", "0 0 0", ball) +
+          worlds::urdf_joint("lift", "revolute", "base", "arm", "0 0 0", "0 0 1", wide) +
+          worlds::urdf_joint("level", "revolute", "arm", "wrist", "1 0 0' rpy='1.5707963267948966 0 0",
+                             "0 1 0", wide + "<mimic joint='lift' multiplier='-1'/>"));
+  Load bar;
+  bar.name = "bar";
+  bar.link = "wrist";
+  bar.shape = Shape::box({0.01, 0.01, 0.4});  // along z of the wrist, which is -y of the map for ever
+  bar.link_from_load.translation() = Eigen::Vector3d(0, 0, 0.3);
+  const Robot robot = with_load(level.robot(), bar);
+  for (const double q : {-1.0, 0.0, 0.7}) {
+    const LinkPoses poses = forward_kinematics(robot, Configuration::Constant(1, q));
+    const Body& body = robot.bodies.back();
+    const Eigen::Isometry3d at = poses[static_cast<std::size_t>(body.link)] * body.link_from_shape;
+    EXPECT_LT((at.translation() - Eigen::Vector3d(std::cos(q), std::sin(q) - 0.3, 0.0)).norm(), 1e-12);
+    EXPECT_LT((at.linear().col(2) + Eigen::Vector3d::UnitY()).norm(), 1e-12);
+  }
+}
+
+/// Axes that are opposite but for digits, and others.
 TEST(MimicJoints, AxesThatAreAlmostOppositeMoveNoBody) {
   for (const std::string axis : {"0 0 1", "0 0 -1", "1.5e-06 0 -1", "3.67e-06 0 -1", "1e-04 0 -1", "1 0 0"}) {
     const worlds::UrdfRobot pair(

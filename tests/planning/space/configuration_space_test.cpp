@@ -7,6 +7,7 @@
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/fcl_truth.hpp"
 #include "tests/worlds/random_world.hpp"
+#include "tests/worlds/urdf_robots.hpp"
 
 namespace clearway {
 namespace configuration_space_test {
@@ -14,6 +15,39 @@ namespace configuration_space_test {
 constexpr double edge = 0.05;
 
 Policies not_occupied() { return {.critical_by_default = false}; }
+
+/// Of voxels that no configuration reaches as well, which cannot be hit.
+TEST(ConfigurationSpace, NoClearanceExceedsTheDistanceToAnyBlockedVoxel) {
+  Random random(5);
+  int beyond_reach = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    const worlds::UrdfRobot arm("arm", "<link name='base'/>" +
+                                           worlds::urdf_link("hand", "0.5 0 0", "<sphere radius='0.05'/>") +
+                                           worlds::urdf_joint("turn", "revolute", "base", "hand", "0 0 0",
+                                                              "0 0 1", worlds::urdf_limit(-0.3, 0.3)));
+    FreeSpaceMap builder({.resolution = edge});
+    Scan scan;
+    for (int i = 0; i < 3; ++i)
+      scan.points.push_back((Eigen::Vector3d(0.5, 0.0, 0.0) + random.point(0.5)).cast<float>());
+    builder.insert(scan);
+    const Snapshot map = builder.snapshot();
+    const ConfigurationSpace space(arm.robot(), map, not_occupied(), {.max_distance = 0.6});
+    for (int i = 0; i < 20; ++i) {
+      const Configuration q = random.configuration(arm.robot());
+      const Eigen::Vector3d middle(0.5 * std::cos(q[0]), 0.5 * std::sin(q[0]), 0.0);
+      double nearest = 0.6;
+      map.visit_leaves([&](const Voxel& voxel) {
+        if (voxel.state != VoxelState::occupied) return;
+        const Eigen::Array3d gap = ((middle - voxel.center).array().abs() - voxel.size / 2).max(0.0);
+        nearest = std::min(nearest, gap.matrix().norm() - 0.05);
+      });
+      const double clearance = space.clearance(q);
+      EXPECT_LE(clearance, std::max(nearest, 0.0) + 1e-9);
+      beyond_reach += clearance > 0.0 && clearance < 0.2;
+    }
+  }
+  EXPECT_GT(beyond_reach, 50);
+}
 
 TEST(ConfigurationSpace, CriticalPartsMustLieInsideTheirPaintedVolume) {
   const Robot robot = load_robot("puma560");
