@@ -242,6 +242,48 @@ TEST(Crop, KeepsTheVoxelsOfTheBoxAndNothingElse) {
   }
 }
 
+/// Behind each face of the box, which is snapped outwards to voxels, a ball that touches it and one that does
+/// not; and two that the box about them takes across an edge of it. All numbers are exact.
+TEST(Crop, KeepsTheBallsThatReachTheSnappedBoxWithTheirTimesAndStrokes) {
+  constexpr double voxel = 0.0625, radius = 0.25, inwards = 0.25 * voxel, gap = 0.5 * voxel;
+  const Eigen::Vector3d low(-0.5, 0.125, 0.3125), high(0.1875, 0.625, 0.75), middle = (low + high) / 2;
+  FreeSpaceMap map({.resolution = voxel});
+  map.add_volume("v", {"base"});
+  std::vector<std::string> expected;
+  double time = 0.0;
+  const auto paint = [&](const Eigen::Vector3d& at, const std::string& name, bool is_kept) {
+    map.begin_stroke(name, "hand");
+    map.paint(0, {at, radius}, time += 1.0);
+    map.end_stroke();
+    if (is_kept) expected.push_back(name + " at " + std::to_string(time));
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {-1.0, 1.0}) {
+      Eigen::Vector3d at = middle;
+      at[axis] = (side < 0.0 ? low : high)[axis] + side * radius;
+      paint(at, "touches", true);
+      at[axis] += side * gap;
+      paint(at, "beside", false);
+    }
+  }
+  paint(high + Eigen::Vector3d(0.1875, 0.1875, 0.0), "off an edge", false);
+  paint(high + Eigen::Vector3d(0.1875, 0.125, 0.0), "at an edge", true);
+  map.paint(0, {middle, radius}, time += 1.0);
+  expected.push_back(" at " + std::to_string(time));
+  const Eigen::Vector3d in = Eigen::Vector3d::Constant(inwards);
+  const Snapshot part = crop(map.snapshot(), {low + in, high - in});
+  const PaintedVolume& volume = part.volumes()[0];
+  EXPECT_EQ(volume.label, "v");
+  EXPECT_EQ(volume.critical_parts, std::vector<std::string>{"base"});
+  std::vector<std::string> kept;
+  for (std::size_t i = 0; i < volume.spheres.size(); ++i) {
+    const Stroke* stroke = volume.stroke(i);
+    kept.push_back((stroke == nullptr ? "" : stroke->label) + " at " + std::to_string(volume.times[i]));
+    EXPECT_EQ(volume.spheres[i].radius, radius);
+  }
+  EXPECT_EQ(kept, expected);
+}
+
 TEST(Crop, RefusesABoxThatIsNone) {
   const Snapshot map = worlds::random_map(4, edge).snapshot();
   EXPECT_THROW(crop(map, {}), std::invalid_argument);

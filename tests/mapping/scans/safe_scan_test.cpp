@@ -73,6 +73,33 @@ TEST(SafeScan, TakesExactlyTheCellsNearHitsOutOfTheFreeOnes) {
   }
 }
 
+/// A map ends where its keys do: nothing is beside a cell there that lies at the other end.
+TEST(SafeScan, TheTwoEndsOfAMapAreNoNeighbours) {
+  const std::vector<GrowthStep> growth{GrowthStep::edges, GrowthStep::faces};
+  constexpr int first = -32768, last = 32767;
+  for (int axes = 1; axes < 8; ++axes) {  // those along which both cells are at an end
+    for (int i = 0; i < 16; ++i) {        // elsewhere in tiles of even and odd numbers
+      const bool is_hit_first = i % 2 == 0;
+      const Eigen::Vector3i at(5 + (i & 2) * 16, 5 + (i & 4) * 8, 5 + (i & 8) * 4);
+      Eigen::Vector3i hit = at, free = at, beside = at;
+      for (int axis = 0; axis < 3; ++axis) {
+        if ((axes >> axis & 1) == 0) continue;
+        hit[axis] = is_hit_first ? first : last;
+        free[axis] = is_hit_first ? last : first;
+        beside[axis] = is_hit_first ? first + 1 : last - 1;
+      }
+      ScanGrid grid;
+      for (const Eigen::Vector3i& cell : {free, beside}) grid.set_free(cell);
+      grid.set_occupied(hit);
+      spare_surfaces(grid, {growth, growth}, 1);
+      EXPECT_TRUE(grid.is_free(free)) << axes << ' ' << i;
+      EXPECT_TRUE(is_clear(grid, free)) << axes << ' ' << i;
+      EXPECT_FALSE(grid.is_free(beside)) << axes << ' ' << i;
+      EXPECT_FALSE(is_clear(grid, beside)) << axes << ' ' << i;
+    }
+  }
+}
+
 TEST(SafeScan, TheNeighbourhoodIsTheBandInWholeVoxelsAtMostFour) {
   for (const double resolution : {0.1, 0.05, 0.03, 0.02, 0.01, 0.005, 0.0025}) {
     const auto growth = growth_of(0.02, resolution);
