@@ -41,8 +41,10 @@ std::string code_only(const std::string& source) {
     blank(code, at, end);
     at = end - 1;
   }
+  // Nor is what sets flags of the compiler, or only fetches memory ahead: no result depends on it.
   static const std::regex no_statement(
-      "(^|\n)[ ]*(#|static_assert|using |namespace |extern |template )[^\n]*");
+      "(^|\n)([ ]*(#|static_assert|using |namespace |extern |template |HWY_\\w+_NAMESPACE\\()"
+      "|[^\n]*__builtin_prefetch\\()[^\n]*");
   const std::string lines = code;
   for (std::sregex_iterator it(lines.begin(), lines.end(), no_statement), end; it != end; ++it)
     blank(code, static_cast<std::size_t>(it->position()),
