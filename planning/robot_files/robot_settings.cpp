@@ -48,20 +48,22 @@ class Section {
     return node_[key].Scalar();
   }
 
+  /// NaN for what is no finite number. Without yaml-cpp, which reads "0.5" as the locale has it.
+  static double number_of(const YAML::Node& value) {
+    return value.IsScalar() ? decimal_number(value.Scalar()) : std::nan("");
+  }
+
   double number(const std::string& key, const YAML::Node& value, double above) const {
-    double result = std::nan("");
-    if (!value.IsScalar() || !YAML::convert<double>::decode(value, result) || !std::isfinite(result) ||
-        result < above) {
+    const double result = number_of(value);
+    if (!(result >= above))
       refuse(key, above > 0.0 ? "a finite number above 0" : "a finite number not below 0");
-    }
     if (result > most_of_joints) refuse(key, "a number of at most 1000000000");
     return result;
   }
 
   double any_number(const std::string& key, const YAML::Node& value) const {
-    double result = std::nan("");
-    if (!value.IsScalar() || !YAML::convert<double>::decode(value, result) || !std::isfinite(result))
-      refuse(key, "a finite number");
+    const double result = number_of(value);
+    if (std::isnan(result)) refuse(key, "a finite number");
     return result;
   }
 
@@ -78,10 +80,7 @@ class Section {
     if (!has(key)) return result;
     const YAML::Node list = node_[key];
     if (!list.IsSequence() || list.size() != 3) refuse(key, "three numbers [x, y, z]");
-    for (std::size_t i = 0; i < 3; ++i) {
-      if (!YAML::convert<double>::decode(list[i], result[static_cast<Eigen::Index>(i)]))
-        refuse(key, "three numbers");
-    }
+    for (std::size_t i = 0; i < 3; ++i) result[static_cast<Eigen::Index>(i)] = number_of(list[i]);
     if (!result.allFinite()) refuse(key, "three finite numbers");
     if ((result.array() < range.least).any() || (result.array() > range.most).any())
       refuse(key, "three numbers, " + text_of(range));

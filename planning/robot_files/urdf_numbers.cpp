@@ -17,16 +17,15 @@ namespace {
 
 constexpr char blank = ' ';  // urdfdom and its kin drop what tabs and new lines separate
 
-/// The number that `word` is from its first character to its last, or NaN.
-double number_of(std::string_view word) {
+}  // namespace
+
+double decimal_number(std::string_view word) {
   if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
   double value = 0.0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   const bool whole = error == std::errc{} && end == word.data() + word.size();
   return whole && std::isfinite(value) ? value : std::nan("");
 }
-
-}  // namespace
 
 std::string text_of(const UrdfRange& range) {
   std::ostringstream text;
@@ -53,7 +52,7 @@ std::vector<double> urdf_numbers(const UrdfPlace& place, const tinyxml2::XMLElem
     if (rest.empty()) break;
     const std::string_view word = rest.substr(0, rest.find_first_of(blank));
     rest.remove_prefix(word.size());
-    const double value = number_of(word);
+    const double value = decimal_number(word);
     if (std::isnan(value) || values.size() == count) place.refuse(wanted + ", got " + quote(text));
     values.push_back(value);
   }

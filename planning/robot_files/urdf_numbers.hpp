@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace tinyxml2 {
@@ -34,6 +35,10 @@ constexpr UrdfRange urdf_turns{-1e3, 1e3, "radians"};  ///< limits of a revolute
 constexpr UrdfRange urdf_speed{0.0, 1e6, "rad/s or m/s"};
 constexpr UrdfRange urdf_any{-std::numeric_limits<double>::max(), std::numeric_limits<double>::max(),
                              "finite numbers"};  ///< gated elsewhere, or used by nobody
+
+/// The finite number that a word is from its first character to its last: decimal, with a point, whatever the
+/// locale; else NaN.
+double decimal_number(std::string_view word);
 
 /// "metres in [-1000, 1000]"
 std::string text_of(const UrdfRange& range);

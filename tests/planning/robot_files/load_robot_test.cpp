@@ -7,6 +7,8 @@
 #include <fstream>
 
 #include "planning/robot/kinematics.hpp"
+#include "planning/robot/same_robot.hpp"
+#include "tests/planning/check/comma_locale.hpp"
 #include "tests/worlds/hostile_robots.hpp"
 
 namespace clearway {
@@ -311,6 +313,22 @@ TEST_F(RobotFile, SrdfPairsNeighboursAndDesignOverlapsAreExemptAndNothingElse) {
         "link2='c'/></robot>");
   EXPECT_EQ(refusal((folder_ / "r.urdf").string()),
             "r.srdf: unknown element <disable_collision>, did you mean <disable_collisions>?");
+}
+
+/// In a locale in which "0.5" is no number, or another one.
+TEST(LoadRobot, NumbersOfFilesMeanTheSameInEveryLocale) {
+  for (const char* name : {"puma560", "panda", "arm5", "planar2", "point", "puma560_miniature"}) {
+    const Robot robot = load_robot(name);
+    const CommaLocale commas;
+    EXPECT_TRUE(is_same(load_robot(name), robot)) << name;
+    EXPECT_EQ(load_robot(name).position_accuracy, robot.position_accuracy) << name;
+    for (std::size_t j = 0; j < robot.dof(); ++j) {
+      const Joint joint = load_robot(name).joints[j], expected = robot.joints[j];
+      EXPECT_EQ(joint.friction, expected.friction) << name;
+      EXPECT_EQ(joint.step, expected.step) << name;
+      EXPECT_EQ(joint.max_acceleration, expected.max_acceleration) << name;
+    }
+  }
 }
 
 }  // namespace load_robot_test
