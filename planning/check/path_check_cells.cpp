@@ -20,10 +20,10 @@ bool is_stale(const Snapshot& map, const Eigen::Vector3d& point, double seconds)
   return !seen || map.seen()->newest() - *seen > seconds;
 }
 
-/// Bits `begin` to `end` of a word, both from 0 to 64.
+/// Bits `begin` (0 to 63) to `end` (1 to 64) of a word.
 std::uint64_t bits_between(int begin, int end) {
   const std::uint64_t all = ~std::uint64_t{0};
-  return (end >= 64 ? all : (std::uint64_t{1} << end) - 1) & (begin >= 64 ? 0 : all << begin);
+  return all >> (64 - end) & all << begin;
 }
 
 [[noreturn]] void refuse_far(double distance, double edge) {
@@ -48,7 +48,6 @@ BlockedCells::BlockedCells(const Snapshot& map, Policy policy, std::uint16_t vol
   if (!(across.prod() <= most_cells)) refuse_large();
   first_ = cell(box.min());
   size_ = cell(box.max()) - first_ + Eigen::Vector3i::Ones();
-  if (size_.cast<double>().prod() > most_cells) refuse_large();
   words_ = (static_cast<std::size_t>(size_.x()) + 63) / 64;
   blocked_.assign(words_ * static_cast<std::size_t>(size_.y()) * static_cast<std::size_t>(size_.z()), 0);
   if (outside_blocked_) set(first_, first_ + size_, true);
