@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "planning/geometry/shape.hpp"
 #include "planning/path/smooth_motion.hpp"
 #include "tests/worlds/urdf_robots.hpp"
 #include "tests/worlds/voxel_scene.hpp"
@@ -32,7 +33,8 @@ worlds::UrdfRobot gantry(double below) {
 
 /// A can on a shelf that is one voxel thick is taken, carried along it and put down; as its legs go by hand.
 struct Errand {
-  explicit Errand(double below, double lift = 0.1) : gantry_(gantry(below)), robot(gantry_.robot()) {
+  explicit Errand(double below, double lift = 0.1)
+      : below_(below), gantry_(gantry(below)), robot(gantry_.robot()) {
     for (std::size_t i = 0; i < robot.links.size(); ++i)
       if (robot.links[i].name == "hand") robot.tip_link = static_cast<int>(i);
     pick.object.name = "can";
@@ -57,6 +59,26 @@ struct Errand {
     return {robot, map, pick, Eigen::Isometry3d::Identity(), legs};
   }
 
+  /// From a voxel to the hand, the fork and, on its way, the can where a verdict says that they meet it.
+  double distance_at(const PathVerdict& verdict, const Eigen::Vector3d& voxel) const {
+    std::vector<Configuration> all{legs[0][0]};
+    std::vector<bool> is_carried;  // on each edge
+    for (std::size_t leg = 0; leg < legs.size(); ++leg) {
+      all.insert(all.end(), legs[leg].begin() + 1, legs[leg].end());
+      is_carried.resize(all.size() - 1, leg >= 2 && leg <= 4);
+    }
+    const auto i = static_cast<std::size_t>(verdict.edge);
+    if (verdict.edge < 0 || i + 1 >= all.size()) return HUGE_VAL;
+    const Eigen::Vector3d hand = all[i] + verdict.parameter * (all[i + 1] - all[i]);
+    const auto distance_of = [&](const Shape& shape, const Eigen::Vector3d& at) {
+      return distance_to_cube(shape, Eigen::Isometry3d(Eigen::Translation3d(at)), voxel, edge).upper;
+    };
+    const Shape ball = Shape::sphere(0.005);
+    return std::min({distance_of(ball, hand + Eigen::Vector3d(-0.03, 0.0, 0.0)),
+                     distance_of(ball, hand + Eigen::Vector3d(0.0, 0.0, -below_)),
+                     is_carried[i] ? distance_of(pick.object.shape, hand) : HUGE_VAL});
+  }
+
   PathVerdict path(const Snapshot& map) const { return check_pick(stated(map), {}, 0.0); }
 
   /// @param left_out legs at the end of the motion that it lacks @param share of the speeds that may be
@@ -72,6 +94,7 @@ struct Errand {
   }
 
   static constexpr double middle = top + 0.06;
+  double below_;
   worlds::UrdfRobot gantry_;
   Robot robot;
   Pick pick;
@@ -152,25 +175,58 @@ TEST(CheckPick, NotesAPlaceBelowWhichTheMapHasNothing) {
   EXPECT_NE(note(can_alone, 0.0, 0.2), "");
 }
 
-/// The can is lifted through a shelf that it is past at the end of the lift, and not by its contact.
-TEST(CheckPick, AllOfTheLiftIsProved) {
+/// The shelf with the can, and a board at this height of one voxel: what is lifted by 0.2 m is past it at the
+/// end of the lift, and does not meet it on the contact.
+Snapshot shelf_and_board(double x, double y) {
+  return VoxelScene{edge,
+                    {box_of(0.1, -0.2, top - edge, 0.3, 0.2, top - 0.001),
+                     box_of(0.175, 0.075, top, 0.225, 0.125, top + 0.119),
+                     box_of(x, y - 0.02, 0.26, x + 0.04, y + 0.02, 0.279)},
+                    {},
+                    {}}
+      .snapshot();
+}
+
+TEST(CheckPick, AllOfTheLiftIsProvedAndAllOfTheWayDown) {
   const Errand errand(-0.3, 0.2);
-  const auto world = [](double x) {
-    return VoxelScene{
-        edge,
-        {box_of(0.1, -0.2, top - edge, 0.3, 0.2, top - 0.001),
-         box_of(0.175, 0.075, top, 0.225, 0.125, top + 0.119), box_of(x, 0.08, 0.26, x + 0.04, 0.12, 0.279)},
-        {},
-        {}}
-        .snapshot();
-  };
-  EXPECT_TRUE(errand.path(world(0.6)).valid) << errand.path(world(0.6)).first_contact;
-  EXPECT_TRUE(errand.motion(world(0.6)).valid) << errand.motion(world(0.6)).fault;
-  EXPECT_NE(errand.path(world(0.18)).first_contact.find("leg lift, its edge"), std::string::npos);
-  EXPECT_FALSE(errand.path(world(0.18)).valid);
-  EXPECT_FALSE(errand.motion(world(0.18)).valid);
-  EXPECT_NE(errand.motion(world(0.18)).fault.find("leg lift"), std::string::npos)
-      << errand.motion(world(0.18)).fault;
+  for (const auto& [leg, y] : {std::pair("leg lift", 0.1), std::pair("leg lower", -0.1)}) {
+    const Snapshot beside = shelf_and_board(0.6, y), in_the_way = shelf_and_board(0.18, y);
+    EXPECT_TRUE(errand.path(beside).valid) << errand.path(beside).first_contact;
+    EXPECT_TRUE(errand.motion(beside).valid) << errand.motion(beside).fault;
+    const PathVerdict path = errand.path(in_the_way);
+    EXPECT_FALSE(path.valid);
+    EXPECT_NE(path.first_contact.find(std::string(leg) + ", its edge"), std::string::npos)
+        << path.first_contact;
+    const MotionVerdict motion = errand.motion(in_the_way);
+    EXPECT_FALSE(motion.valid);
+    EXPECT_NE(motion.fault.find(leg), std::string::npos) << motion.fault;
+  }
+}
+
+/// So many waypoints on and above the support and one at the other end of lift or way down, whose long edge
+/// meets the board: refused for the board, or where the long edge begins on the contact for its height.
+TEST(CheckPick, TheEdgeThatLeavesTheContactIsProvedHoweverLongItIs) {
+  constexpr std::ptrdiff_t all = 41;  // waypoints
+  for (const auto& [leg, y] : {std::pair(2U, 0.1), std::pair(4U, -0.1)}) {
+    const Snapshot beside = shelf_and_board(0.6, y), in_the_way = shelf_and_board(0.18, y);
+    const std::string name = leg == 2 ? "lift" : "lower";
+    int valid = 0;
+    for (const std::ptrdiff_t kept : {1, 5, 7, 8, 9, 10, 11, 13}) {
+      Errand errand(-0.3, 0.2);
+      std::vector<Configuration>& path = errand.legs[leg];
+      ASSERT_EQ(path.size(), static_cast<std::size_t>(all));
+      path.erase(path.begin() + (leg == 2 ? kept : 1), path.begin() + (leg == 2 ? all - 1 : all - kept));
+      const PathVerdict free = errand.path(beside), met = errand.path(in_the_way);
+      EXPECT_GE(free.valid, valid > 0) << kept << free.first_contact;
+      if (!free.valid) {
+        EXPECT_NE(free.first_contact.find("'can': " + name + ": "), std::string::npos) << free.first_contact;
+      }
+      EXPECT_FALSE(met.valid) << kept;
+      EXPECT_NE(met.first_contact.find(name), std::string::npos) << kept << met.first_contact;
+      valid += free.valid;
+    }
+    EXPECT_GT(valid, 2) << name;
+  }
 }
 
 TEST(CheckPick, AMotionThatIsNoneOrTooFastIsRefusedAsSuchWhateverElseIsWrong) {
@@ -217,6 +273,7 @@ TEST(CheckPick, EachLegIsProvedAgainstWhatItAloneMeets) {
     const PathVerdict path = errand.path(map);
     EXPECT_FALSE(path.valid) << name;
     EXPECT_NE(path.first_contact.find("leg " + name + ", its edge"), std::string::npos) << path.first_contact;
+    EXPECT_LT(errand.distance_at(path, box.center()), 2e-4) << name << " edge " << path.edge;
     const MotionVerdict motion = errand.motion(map);
     EXPECT_FALSE(motion.valid) << name;
     EXPECT_EQ(motion.leg, static_cast<int>(leg)) << motion.fault;

@@ -7,6 +7,7 @@
 #include "mapping/free_space_map.hpp"
 #include "planning/check/path_check.hpp"
 #include "planning/robot/load.hpp"
+#include "tests/planning/check/comma_locale.hpp"
 #include "tests/worlds/batch_worlds.hpp"
 #include "tests/worlds/slide_robot.hpp"
 
@@ -98,6 +99,7 @@ TEST(CheckTubes, WhatHoldsALoadMayNotMoveOnAnyEdgeNotEvenByWhatACurveIsAside) {
               std::string::npos)
         << edge << sentence(edge, 1.1e-6, 0.0);
   }
+  expect_same_in_every_locale([&] { return sentence(1, 0.25, 0.0); }, "'grip' moves by 0.25 while");
   for (const std::size_t waypoint : {1, 2, 3}) {
     EXPECT_EQ(sentence(waypoint, 0.0, 0.9e-6), "") << waypoint;
     for (const double sign : {1.0, -1.0})

@@ -9,6 +9,7 @@
 #include "planning/robot/inverse_dynamics.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/robot_files/torque_terms.hpp"
+#include "tests/planning/check/comma_locale.hpp"
 #include "tests/worlds/random_world.hpp"
 #include "tests/worlds/slide_robot.hpp"
 
@@ -130,6 +131,11 @@ TEST(GreatestTorques, TheSentenceNamesTimeJointTorqueAndLimit) {
   EXPECT_EQ(torque_fault(robot, 0.25, terms, {1.5, -18.0, 5.0, 2, {}}),
             "motion: after 1.25 s the torque of joint " + shortened(robot.joints[2].name) +
                 " is -18, its limit 12");
+  expect_same_in_every_locale(
+      [&] {
+        return torque_fault(robot, 0.25, terms, {1.5, -18.25, 5.0, 2, {}});
+      },
+      "is -18.25, its limit 12");
   EXPECT_EQ(torque_fault(robot, 0.25, terms, {1.1, 13.2, 5.0, 2, {}}, 0.2), "");
   EXPECT_NE(torque_fault(robot, 0.25, terms, {1.3, 13.2, 5.0, 2, {}}, 0.2), "");
 }

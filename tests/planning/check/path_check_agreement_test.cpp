@@ -6,6 +6,7 @@
 #include "planning/check/path_check.hpp"
 #include "planning/check/path_check_links.hpp"
 #include "planning/check/path_check_model.hpp"
+#include "tests/planning/check/comma_locale.hpp"
 #include "tests/worlds/urdf_robots.hpp"
 
 namespace clearway::check {
@@ -85,6 +86,14 @@ TEST(PathCheckAgreement, ValuesWhoseDigitsAreLostAreRefused) {
             std::string::npos)
       << said(1e16);
   EXPECT_NE(said(-1e16).find("have lost their digits"), std::string::npos);
+}
+
+TEST(PathCheckAgreement, ItsSentenceIsTheSameInEveryLocale) {
+  const worlds::UrdfRobot whip = worlds::whip();
+  Robot robot = whip.robot();
+  robot.bodies.back().link_from_shape.translation().x() += 0.0125;
+  expect_same_in_every_locale([&] { return disagreement(robot); },
+                              "is 0.0125 m and 0 rad away from where kdl_parser puts it");
 }
 
 TEST(PathCheckAgreement, ABodyThatIsElsewhereOnItsLinkIsNamed) {

@@ -1,9 +1,12 @@
 // The independent check's voxels: read from the tree, and which of them it looks at.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 
+#include "mapping/stamps/seen_stamps.hpp"
 #include "planning/check/path_check_model.hpp"
+#include "tests/worlds/random_map.hpp"
 #include "tests/worlds/random_world.hpp"
 
 namespace clearway::check {
@@ -65,6 +68,61 @@ TEST(PathCheckCells, EveryVoxelIsThatOfTheMapAndTheShellIsWhatHasAFreeNeighbour)
     EXPECT_LT(expected.size(), static_cast<std::size_t>(blocked));
     EXPECT_LT(blocked, all);
   }
+}
+
+/// Whether a body may not be there, by the map's own words.
+bool is_forbidden(const Snapshot& map, const Requirement& requirement, const Eigen::Vector3d& center) {
+  const Voxel voxel = map.voxel(center);
+  if (!allows(requirement, voxel.state, voxel.volumes)) return true;
+  if (requirement.policy != Policy::known_free || voxel.state != VoxelState::seen_free) return false;
+  const auto seen = map.last_seen(center);
+  return requirement.seen_within > 0.0 && (!seen || map.seen()->newest() - *seen > requirement.seen_within);
+}
+
+/// Under each policy, with volumes and times, in boxes of few cells and many, wherever they begin.
+TEST(PathCheckCells, ACellIsBlockedWhereTheMapSaysSoAndBeyondTheBoxAsThePolicyHasIt) {
+  constexpr double voxel = 0.05;
+  worlds::Dice dice(6);
+  FreeSpaceMap builder({.resolution = voxel, .integration = Integration::compatible});
+  builder.add_volume("tunnel", {"tool"});
+  builder.add_volume("dock", {"base"});
+  for (int round = 0; round < 6; ++round) {
+    Scan scan = worlds::random_scan(dice, 300);
+    std::erase_if(scan.points, [&](const Eigen::Vector3f& point) { return point[round % 3] < 0.0F; });
+    scan.time = round == 0 ? std::nan("") : round;
+    builder.insert(scan);
+    builder.paint(round % 2, {dice.point(0.6), 0.25});
+  }
+  const Snapshot map = builder.snapshot();
+  int stale = 0;
+  for (const Requirement& requirement :
+       {Requirement{Policy::not_occupied, 0xffff, 2.0}, Requirement{Policy::painted, 0xffff, 2.0},
+        Requirement{Policy::painted, 1}, Requirement{Policy::painted, 2}, Requirement{Policy::known_free},
+        Requirement{Policy::known_free, 0xffff, 2.0}, Requirement{Policy::known_free, 0xffff, 3.5}}) {
+    for (const int wide : {1, 2, 63, 64, 65, 66}) {
+      const Eigen::Vector3i size(wide, 1 + wide % 7, 2 + wide % 5);
+      const Eigen::Vector3i first(dice.whole(-16, 16) - wide / 2, dice.whole(-16, 10), dice.whole(-16, 10));
+      const Eigen::Vector3d inwards = Eigen::Vector3d::Constant(0.3);
+      const BlockedCells cells(
+          map, requirement.policy, requirement.volumes,
+          {(first.cast<double>() + inwards) * voxel, ((first + size).cast<double>() - inwards) * voxel},
+          requirement.seen_within);
+      for (int z = -1; z <= size.z(); ++z) {
+        for (int y = -1; y <= size.y(); ++y) {
+          for (int x = -1; x <= size.x(); ++x) {
+            const Eigen::Vector3i in_box(x, y, z), at = first + in_box;
+            const bool is_in = (in_box.array() >= 0).all() && (in_box.array() < size.array()).all();
+            const bool truth = is_in ? is_forbidden(map, requirement, cells.center(at))
+                                     : requirement.policy != Policy::not_occupied;
+            ASSERT_EQ(cells.is_blocked(at), truth) << wide << ": " << in_box.transpose();
+            stale += is_in && truth && requirement.seen_within > 0.0 &&
+                     map.state(cells.center(at)) == VoxelState::seen_free;
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(stale, 100);
 }
 
 TEST(PathCheckCells, ABlockThatIsNotNearIsLeftOutWithAllOfItsVoxels) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "planning/check/path_check_model.hpp"
+#include "planning/robot/kinematics.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/random_world.hpp"
 #include "tests/worlds/urdf_robots.hpp"
@@ -32,6 +33,12 @@ double largest_share(const Robot& robot) {
   return largest;
 }
 
+/// The robot without the file that it is from: made in memory, as the check then takes it.
+Robot without_file(Robot robot) {
+  robot.source.clear();
+  return robot;
+}
+
 /// Bodies whose places against each other differ from one configuration to another, and no others.
 TEST(PathCheckKdl, OnlyBodiesThatMoveAgainstEachOtherMayTouch) {
   const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope();
@@ -59,7 +66,36 @@ TEST(PathCheckKdl, NoPointOfABodyMovesFartherThanItsBound) {
   for (const char* name : {"puma560", "panda", "arm5", "arm6", "planar2", "point"})
     EXPECT_GT(largest_share(load_robot(name)), 0.3) << name;
   const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope();
-  for (const Robot& robot : {whip.robot(), telescope.robot()}) EXPECT_GT(largest_share(robot), 0.3);
+  for (const Robot& robot : {whip.robot(), telescope.robot()}) {
+    EXPECT_GT(largest_share(robot), 0.3);
+    EXPECT_GT(largest_share(without_file(robot)), 0.3);
+  }
+}
+
+/// Each link in turn follows each joint in its own way; what a fixed link has of that means nothing.
+TEST(PathCheckKdl, PlacesTheBodiesOfRobotsMadeInMemoryWhereTheirLinksSay) {
+  const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope();
+  Random random(6);
+  for (const Robot& given : {load_robot("arm5"), load_robot("puma560"), whip.robot(), telescope.robot()}) {
+    for (std::size_t i = 0; i < given.links.size(); ++i) {
+      Robot robot = without_file(given);
+      robot.links[i].offset = 0.3;
+      robot.links[i].multiplier = -0.5;
+      const KdlArm arm(robot);
+      BodyPoses placed;
+      for (int round = 0; round < 5; ++round) {
+        const Configuration q = random.configuration(robot);
+        arm.place(q, placed);
+        const LinkPoses poses = forward_kinematics(robot, q);
+        for (std::size_t b = 0; b < placed.size(); ++b) {
+          const Body& body = robot.bodies[b];
+          const Eigen::Isometry3d truth = poses[static_cast<std::size_t>(body.link)] * body.link_from_shape;
+          ASSERT_LT((placed[b].matrix() - truth.matrix()).norm(), 1e-9) << given.name << " link " << i;
+          ASSERT_LT((arm.place(q, b).matrix() - truth.matrix()).norm(), 1e-9) << given.name << " link " << i;
+        }
+      }
+    }
+  }
 }
 
 TEST(PathCheckKdl, ABodyAboutTheOriginOfItsLinkMovesByItsOwnExtent) {

@@ -1,0 +1,109 @@
+// What verdicts say, of a disc whose contacts are known by arithmetic.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "planning/check/path_check.hpp"
+#include "planning/robot_files/load_robot.hpp"
+#include "tests/planning/check/comma_locale.hpp"
+#include "tests/worlds/random_world.hpp"
+
+namespace clearway {
+namespace path_check_verdict_test {
+
+constexpr double edge = 0.05;
+
+/// Of a disc among voxels that were seen free, at times or at none, and asked for what was seen lately.
+TEST(PathCheckVerdict, WhatWasSeenTooLongAgoIsRefusedAndSaidSo) {
+  const Robot disc = load_robot("point");
+  const Eigen::Vector3d middle(0.025, 0.025, 0.025), far(9.0, 9.0, 9.0);
+  const auto map_of_looks = [&](double first, double second) {
+    FreeSpaceMap builder({.resolution = edge, .integration = Integration::compatible});
+    Scan all_round;
+    all_round.map_from_sensor.translation() = middle;
+    all_round.time = first;
+    Random random(11);
+    for (int k = 0; k < 20'000; ++k)
+      all_round.points.push_back((0.6 * random.point(1.0).normalized()).cast<float>());
+    Scan elsewhere;
+    elsewhere.map_from_sensor.translation() = far;
+    elsewhere.time = second;
+    elsewhere.points = {{0.5F, 0.0F, 0.0F}};
+    builder.insert(all_round);
+    builder.insert(elsewhere);
+    return builder.snapshot();
+  };
+  const Configuration at = middle.head<2>(), on = at + Configuration(Eigen::Vector2d(0.05, 0.0));
+  const auto verdict = [&](const Snapshot& map, Policy policy, double seen_within) {
+    return check_path(disc, map, {{"base", policy}}, 0.0, {at, on}, 0.0, seen_within);
+  };
+  const Snapshot known = map_of_looks(2.5, 15.0), unknown = map_of_looks(std::nan(""), 15.0);
+  EXPECT_TRUE(verdict(known, Policy::known_free, 0.0).valid);
+  EXPECT_TRUE(verdict(unknown, Policy::known_free, 0.0).valid);
+  EXPECT_TRUE(verdict(known, Policy::known_free, 13.0).valid);
+  EXPECT_FALSE(verdict(known, Policy::known_free, 12.0).valid);
+  EXPECT_FALSE(verdict(unknown, Policy::known_free, 1e6).valid);
+  expect_same_in_every_locale([&] { return verdict(known, Policy::known_free, 4.5).first_contact; },
+                              "its policy is known_free, seen within 4.5 s: it was last seen 12.5 s before");
+  expect_same_in_every_locale([&] { return verdict(unknown, Policy::known_free, 4.5).first_contact; },
+                              "seen within 4.5 s: it was last seen nobody knows when");
+  // What is unknown is not said to be old, and nothing is when nobody asks.
+  const Configuration aside = Eigen::Vector2d(3.025, 0.025);
+  for (const double seen_within : {0.0, 4.5}) {
+    const PathVerdict refused =
+        check_path(disc, known, {{"base", Policy::known_free}}, 0.0, {aside}, 0.0, seen_within);
+    EXPECT_FALSE(refused.valid);
+    EXPECT_EQ(refused.first_contact.find("seen"), std::string::npos) << refused.first_contact;
+  }
+}
+
+TEST(PathCheckVerdict, ItsSentencesAreTheSameInEveryLocale) {
+  const Robot disc = load_robot("point");
+  FreeSpaceMap builder({.resolution = edge});
+  occupy(builder, {1.025, 0.025, 0.025});
+  const Snapshot map = builder.snapshot();
+  const auto sentence = [&](const Configuration& from, const Configuration& to) {
+    return check_path(disc, map, {{"base", Policy::not_occupied}}, 0.0, {from, to}).first_contact;
+  };
+  const Configuration at = Eigen::Vector2d(0.0, 0.0), through = Eigen::Vector2d(2.0, 0.0),
+                      beyond = Eigen::Vector2d(0.0, 123456.5);
+  expect_same_in_every_locale([&] { return sentence(at, through); },
+                              "is occupied, at (1.025, 0.025, 0.025); its policy is not_occupied");
+  expect_same_in_every_locale([&] { return sentence(at, beyond); }, "is 123456, outside its limits ");
+}
+
+/// A disc that slides into a wall at a small angle stands still where less is proved than a step; what
+/// touches within a tenth of a millimetre of the way from there is a contact, and what does so later is
+/// undecided.
+TEST(PathCheckVerdict, AContactIsLookedForATenthOfAMillimetreBeyondAStall) {
+  const Robot disc = load_robot("point");  // of radius 0.2
+  FreeSpaceMap builder({.resolution = 0.25});
+  for (int k = -3; k < 3; ++k) occupy(builder, Eigen::Vector3d(1.125, 0.25 * k + 0.125, 0.125));
+  const Snapshot map = builder.snapshot();
+  int contacts = 0, undecided = 0;
+  double farthest = 0.0, nearest = 1.0;
+  for (int i = 0; i < 400; ++i) {
+    const double slope = 0.03 + 0.0002 * i, before = 1e-5, begin = 0.8 - before;  // the disc meets x = 1
+    const Configuration from = Eigen::Vector2d(begin, 0.0),
+                        to = Eigen::Vector2d(begin + 0.2 * slope, 0.2 * std::sqrt(1.0 - slope * slope));
+    const PathVerdict verdict = check_path(disc, map, {{"base", Policy::not_occupied}}, 0.0, {from, to});
+    ASSERT_FALSE(verdict.valid) << slope;
+    const double length = (to - from).norm(), way = before / slope - verdict.parameter * length;
+    EXPECT_GT(way, -1e-9) << slope;
+    if (std::abs(way - 1e-4) < 1e-7) continue;
+    EXPECT_EQ(verdict.undecided, way > 1e-4) << slope << ' ' << way;
+    (verdict.undecided ? undecided : contacts)++;
+    if (verdict.undecided)
+      nearest = std::min(nearest, way);
+    else
+      farthest = std::max(farthest, way);
+  }
+  EXPECT_GT(contacts, 20);
+  EXPECT_GT(undecided, 20);
+  EXPECT_GT(farthest, 0.98e-4);
+  EXPECT_LT(nearest, 1.02e-4);
+}
+
+}  // namespace path_check_verdict_test
+}  // namespace clearway
