@@ -178,6 +178,38 @@ TEST(SphereRobot, LeversHoldWhatSlidesAsFarOutAsItGets) {
   }
 }
 
+/// A robot made in memory may have its root link anywhere on its base, turned, and other links of no joint
+/// below it: where the bodies are decides, however that is said.
+TEST(SphereRobot, ItMakesNoDifferenceHowBaseAndRootShareThePlace) {
+  int free = 0, blocked = 0;
+  for (const char* name : {"arm5", "puma560", "panda"}) {
+    Robot plain = load_robot(name);
+    plain.source.clear();
+    const Snapshot map = worlds::voxels_about(plain, 2);
+    Random random(12);
+    const ConfigurationSpace one(plain, map, {.critical_by_default = false});
+    for (int round = 0; round < 3; ++round) {
+      Robot shifted = plain;
+      const Eigen::Isometry3d part = random.pose(0.7);
+      shifted.links[0].parent_from_link = part * plain.links[0].parent_from_link;
+      shifted.map_from_base = plain.map_from_base * part.inverse();
+      const ConfigurationSpace other(shifted, map, {.critical_by_default = false});
+      ASSERT_NE(other.collision_model().spheres, nullptr);
+      for (int i = 0; i < 60; ++i) {
+        const Configuration q = random.configuration(plain),
+                            end = q + 0.05 * (random.configuration(plain) - q);
+        const std::vector<bool> together = other.is_free(std::vector<Configuration>{q, end});
+        EXPECT_EQ(one.is_free(q), other.is_free(q)) << name << ' ' << i;
+        EXPECT_EQ(one.is_free(q), together[0]) << name << ' ' << i;
+        EXPECT_EQ(one.is_edge_free(q, end), other.is_edge_free(q, end)) << name << ' ' << i;
+        (one.is_free(q) ? free : blocked)++;
+      }
+    }
+  }
+  EXPECT_GT(free, 50);
+  EXPECT_GT(blocked, 50);
+}
+
 /// What rounding may do grows with the farthest point of any ball, not with the farthest middle.
 TEST(SphereRobot, SlackIsThatOfTheFarthestPointOfABall) {
   const auto slack = [](const std::string& radius) {
