@@ -132,6 +132,26 @@ TEST(CheckLegs, RefusesALoadThatIsNotAsItIsStated) {
   EXPECT_FALSE(verdict(forgotten).valid);
 }
 
+/// Each load has its own link and body, in their order: of two as of one.
+TEST(CheckLegs, ARobotMayCarryTwoLoadsEachOfWhichIsAsItIsStated) {
+  const Robot robot = load_robot("arm6");
+  Load second = rod("hand", 0.1);
+  second.name = "hook";
+  second.link_from_load.translation() = Eigen::Vector3d(0.3, 0.0, 0.1);
+  const Robot loaded = with_load(with_load(robot, rod("hand", 0.25)), second);
+  const Configuration q = (Configuration(6) << 0.0, -1.2, 1.2, 0.0, 0.5, 0.0).finished();
+  const auto verdict = [&](const Robot& carrying) { return check_path(carrying, Snapshot(), {}, 0.0, {q}); };
+  EXPECT_TRUE(verdict(loaded).valid) << verdict(loaded).first_contact;
+  for (const std::size_t i : {0U, 1U}) {
+    Robot elsewhere = loaded, renamed = loaded;
+    elsewhere.bodies[elsewhere.bodies.size() - 2 + i].link = 0;
+    renamed.bodies[renamed.bodies.size() - 2 + i].part = "another";
+    for (const Robot& spoilt : {elsewhere, renamed})
+      EXPECT_NE(verdict(spoilt).first_contact.find(i == 0 ? "'rod'" : "'hook'"), std::string::npos)
+          << verdict(spoilt).first_contact;
+  }
+}
+
 /// Where a planner's body is smaller than the load that is stated, and may touch what that may not, the
 /// stated one counts.
 TEST(CheckLegs, TakesShapeAndHoldersFromTheStatedLoad) {
