@@ -102,7 +102,8 @@ void move_bodies(const Robot& robot, const LinkPoses& map_from_link, const Eigen
       if (mover.joint < 0) continue;
       const Joint& joint = robot.joints[static_cast<std::size_t>(mover.joint)];
       const Eigen::Isometry3d& pose = map_from_link[static_cast<std::size_t>(i)];
-      const Eigen::Vector3d rate = mover.multiplier * speed[mover.joint] * (pose.linear() * axis_of(robot, mover));
+      const Eigen::Vector3d rate =
+          mover.multiplier * speed[mover.joint] * (pose.linear() * axis_of(robot, mover));
       if (joint.kind == JointKind::revolute) {
         shape.linear_velocity += rate.cross(shape.pose.translation() - pose.translation());
         shape.angular_velocity += rate;
