@@ -1,6 +1,7 @@
 #include "planning/robot_files/mesh_numbers.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cstdint>
 #include <functional>
@@ -56,6 +57,19 @@ void add_vertex(std::string_view words, std::size_t line, std::string& plain) {
   plain += 'v';
   for (std::size_t axis = 0; axis < 3; ++axis) plain += ' ' + to_text(numbers[axis]);
   plain += '\n';
+}
+
+/// Refuses what may be a vertex or an element by another name: left out, the body would be smaller.
+void require_obj_word(std::string_view kind, std::size_t line) {
+  constexpr std::array<std::string_view, 7> known{"v", "vt", "vn", "vp", "f", "l", "p"};
+  if (kind.empty() || std::find(known.begin(), known.end(), kind) != known.end()) return;
+  if (kind == "call")
+    throw std::runtime_error("line " + std::to_string(line) + " calls another file, which is not read");
+  const auto first = static_cast<char>(std::tolower(static_cast<unsigned char>(kind.front())));
+  const bool is_short = kind.size() == 1 || std::isalpha(static_cast<unsigned char>(kind[1])) == 0;
+  if (first == 'v' || (is_short && (first == 'f' || first == 'l' || first == 'p')))
+    throw std::runtime_error("line " + std::to_string(line) + " has " + quote(kind) +
+                             ", expected 'v', 'vt', 'vn', 'vp', 'f', 'l', 'p' or another word of an .obj");
 }
 
 /// A face, line or point: which vertices it has, without those of textures and normals.
@@ -197,14 +211,16 @@ std::string plain_obj(const std::string& content) {
   std::string plain, whole;
   visit_lines(without_byte_order_mark(content), [&](std::string_view line, std::size_t number) {
     whole.append(line.substr(0, line.find('#')));
-    std::string_view words = whole;
+    const std::size_t last = whole.find_last_not_of(" \t\r");
+    const bool goes_on = last != std::string::npos && whole[last] == '\\';
+    std::string_view words = std::string_view(whole).substr(0, goes_on ? last : whole.size());
     const std::string_view kind = next_word(words);
     const bool is_element = kind == "f" || kind == "l" || kind == "p";
-    const std::size_t last = whole.find_last_not_of(" \t\r");
-    if ((is_element || kind == "v") && whole[last] == '\\') {  // others may end so: "mtllib C:\\"
+    if (goes_on && (is_element || kind == "v" || kind.empty())) {  // others may end so: "mtllib C:\\"
       whole.replace(last, std::string::npos, " ");
       return true;
     }
+    require_obj_word(kind, number);
     if (kind == "v") add_vertex(words, number, plain);
     if (is_element) add_element(kind, words, plain);
     whole.clear();

@@ -56,13 +56,14 @@ TEST_F(MeshNumbers, ObjectsHoldEveryVertexHoweverItIsSpelt) {
   const Points expected = read("mesh.stl", as_stl(sample_)).corners;
   ASSERT_GT(expected.size(), 20U);
   const std::vector<std::string> behind{"", "", " 1", " .5 1 .5", " 1 0.2 .4 .6"};
+  const std::vector<std::string> starts{"\t", " ", " \\\n", "\\\n ", "\\\r\n\\\n\t"};
   for (int trial = 0; trial < 30; ++trial) {
     std::string text = std::string(random() % 2 == 0 ? "" : "\xEF\xBB\xBF") +
                        (random() % 2 == 0 ? "" : "v 0 0 0 # \\\n") +
                        "mtllib C:\\meshes\\\n# ends so, too \\\n\to Thing\n";
     const std::size_t before = text.find("v 0 0 0") == std::string::npos ? 0 : 1;
     for (const Eigen::Vector3f& v : sample_.vertices) {
-      text += std::string(random() % 3, ' ') + "v" + (random() % 5 == 0 ? " \\\n" : "\t");
+      text += std::string(random() % 3, ' ') + "v" + starts[random() % starts.size()];
       for (const float value : v) text += spelt(static_cast<double>(value), random) + " ";
       text += behind[random() % behind.size()] + (random() % 4 == 0 ? " # a corner\r\n" : "\n");
       if (random() % 4 == 0) text += "vt .5 .5\nvn 0 0 1\n";
@@ -96,6 +97,19 @@ TEST_F(MeshNumbers, VerticesOfOtherCountsAndWeightsAreRefusedByTheirLine) {
   EXPECT_NE(failure("m.obj", rest + "v 1 2 3 \\\n").find("its last line goes on"), std::string::npos);
   EXPECT_NE(failure("m.obj", rest + "v 1 2 3 0.5\n").find("line 5 has a vertex of another weight than 1"),
             std::string::npos);
+}
+
+/// What is no word of an .obj may be a vertex whose blank is missing.
+TEST_F(MeshNumbers, WordsLikeThoseOfVerticesAndElementsAreRefusedByTheirLine) {
+  const std::string rest = "v 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n";
+  for (const char* line :
+       {"v0 0 5", "v-1 0 5", "V 0 0 5", "v\\ 0 0 5", "vw 0 0 5", "F 1 2 3", "f1 2 3", "p-1", "l\\ 1 2"}) {
+    const std::string told = failure("m.obj", rest + line + "\n");
+    EXPECT_NE(told.find(std::string("line 5 has '") + line[0]), std::string::npos) << line << ": " << told;
+  }
+  EXPECT_NE(failure("m.obj", rest + "call other.obj\n").find("line 5 calls another file"), std::string::npos);
+  for (const char* line : {"vt 0 0", "vn 0 0 1", "vp 0 0", "parm u 0 1", "lod 1", "o v", "fo 1 2 3", "\\"})
+    EXPECT_EQ(failure("m.obj", line + std::string("\n") + rest), "") << line;
 }
 
 /// A file that was cut off has lost faces, not the vertices before them.
