@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
-#include <set>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -69,25 +68,6 @@ std::uint64_t count_numbers(const XmlNode& element) {
   return count;
 }
 
-/// Ids of all elements of that name; assimp shows a little skeleton where nothing is placed.
-void collect_ids(const XmlNode& parent, std::string_view name, std::set<std::string>& ids) {
-  for (auto* child = parent.FirstChildElement(); child; child = child->NextSiblingElement()) {
-    const char* id = child->Attribute("id");
-    if (child->Name() == name && id) ids.insert(id);
-    collect_ids(*child, name, ids);
-  }
-}
-
-/// What nodes place is in the file; assimp leaves out what is not.
-void check_instances(const XmlNode& parent, std::string_view what, const std::set<std::string>& ids) {
-  for (auto* child = parent.FirstChildElement(); child; child = child->NextSiblingElement()) {
-    const char* url = child->Attribute("url");
-    if (child->Name() == "instance_" + std::string(what) && !(url && *url == '#' && ids.contains(url + 1)))
-      refuse_attribute(*child, "url", "'#' and the id of a <" + std::string(what) + "> in this file");
-    check_instances(*child, what, ids);
-  }
-}
-
 /// An axis of length 1 in a rotation. Whether the text was another.
 bool make_unit(XmlNode& rotate) {
   std::string_view text = rotate.GetText() ? rotate.GetText() : "";
@@ -96,6 +76,10 @@ bool make_unit(XmlNode& rotate) {
     numbers.push_back(parsed_number(word).value_or(0.0));
   if (numbers.size() != 4) throw std::runtime_error("its <rotate> has not four numbers");
   const double length = std::hypot(numbers[0], numbers[1], numbers[2]);
+  if (!(length > 1e-9) && numbers[3] == 0.0) {  // no turn, about whatever axis
+    rotate.SetText("0 0 1 0");
+    return true;
+  }
   if (!(length > 1e-9)) throw std::runtime_error("its <rotate> has an axis without length");
   if (std::abs(length - 1.0) < 1e-12) return false;
   std::string unit;
@@ -210,11 +194,7 @@ std::string checked_collada(const std::string& content) {
     for (auto* library = root->FirstChildElement(nodes); library;
          library = library->NextSiblingElement(nodes))
       check_transforms(*library);
-  for (const char* what : {"geometry", "node", "visual_scene"}) {
-    std::set<std::string> ids;
-    collect_ids(*root, what, ids);
-    check_instances(*root, what, ids);
-  }
+  check_collada_instances(*root);
   is_other |= make_axes_unit(*root);
   if (!is_other) return content;
   tinyxml2::XMLPrinter printer;
