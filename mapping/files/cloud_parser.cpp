@@ -45,6 +45,9 @@ struct Coordinate {
 };
 
 Coordinate coordinate(const pcl::PCLPointCloud2& cloud, const std::string& name) {
+  if (std::count_if(cloud.fields.begin(), cloud.fields.end(),
+                    [&](const auto& field) { return field.name == name; }) > 1)
+    throw std::runtime_error("it has several fields " + name);
   for (const auto& field : cloud.fields) {
     if (field.name != name) continue;
     const bool is_double = field.datatype == pcl::PCLPointField::FLOAT64;
@@ -99,9 +102,7 @@ std::size_t vertices_in(const std::filesystem::path& file) {
   std::string content;
   const InputFile input(file, "cloud");
   input.read_at(0, std::min(input.size(), megabyte), content);
-  for (const PlyElement& element : ply_header(content).elements)
-    if (element.name == "vertex") return element.count;
-  return 0;
+  return ply_vertices(ply_header(content)).count;
 }
 
 /// What PCL shall read in place of a .ply file; nothing for the file itself. The child may write no file.

@@ -185,6 +185,24 @@ PlyHeader ply_header(std::string_view content) {
   }
 }
 
+const PlyElement& ply_vertices(const PlyHeader& header) {
+  const auto is_vertices = [](const PlyElement& element) { return element.name == "vertex"; };
+  const auto found = std::find_if(header.elements.begin(), header.elements.end(), is_vertices);
+  if (std::count_if(header.elements.begin(), header.elements.end(), is_vertices) != 1)
+    throw std::runtime_error("its header has " +
+                             std::string(found == header.elements.end() ? "no" : "several") +
+                             " 'element vertex', expected one");
+  for (const char* axis : {"x", "y", "z"}) {
+    const auto count = std::count_if(
+        found->properties.begin(), found->properties.end(),
+        [&](const PlyProperty& property) { return property.name == axis && property.count_bytes == 0; });
+    if (count != 1)
+      throw std::runtime_error("its vertices have " + std::string(count == 0 ? "no" : "several") +
+                               " 'property " + axis + "', expected one");
+  }
+  return *found;
+}
+
 std::size_t bytes_of_elements(const PlyHeader& header, std::string_view data) {
   std::size_t at = 0;
   const auto take = [&](std::uint64_t size) {

@@ -37,6 +37,10 @@ struct PlyHeader {
 /// @throws std::runtime_error with a clause, when the header does not end in it or has unknown types
 PlyHeader ply_header(std::string_view content);
 
+/// The one element `vertex` of a file, with x, y and z once each. Readers take the last of several, and 0 for
+/// what is not there: bodies would be lost, or flat. @throws std::runtime_error with a clause
+const PlyElement& ply_vertices(const PlyHeader& header);
+
 /// Bytes that the elements of a binary .ply take of what follows its header, `data`.
 /// @throws std::runtime_error with a clause, when there are fewer
 std::size_t bytes_of_elements(const PlyHeader& header, std::string_view data);

@@ -200,6 +200,7 @@ void check_data_of_cloud(const std::filesystem::path& file, bool is_pcd) {
     check_pcd_text(header, content);
   } else {
     const PlyHeader header = ply_header(content);
+    ply_vertices(header);
     read_all();
     if (header.format == "ascii") return check_ply_text(header, content);
     const std::string_view data = std::string_view(content).substr(header.length);

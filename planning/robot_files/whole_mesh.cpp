@@ -34,6 +34,7 @@ void check_text_ply(const PlyHeader& header, std::string_view data) {
 
 void check_ply(const std::string& content) {
   const PlyHeader header = ply_header(content);
+  ply_vertices(header);
   for (const PlyElement& element : header.elements)
     if (element.count > content.size()) refuse_ply_counts();
   const std::string_view data = std::string_view(content).substr(header.length);

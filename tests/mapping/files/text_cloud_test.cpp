@@ -100,6 +100,29 @@ TEST_F(TextCloud, ListsOfFacesAreCountedToo) {
   EXPECT_EQ(refusal("a.ply", head + "-1 0 0\n"), "line 11 has a list of a wrong length");
 }
 
+TEST_F(TextCloud, PointsHaveEachCoordinateOnceInOnePlace) {
+  const std::string vertex = "element vertex 2\nproperty float x\nproperty float y\nproperty float z\n",
+                    data = "1 2 3\n4 5 6\n";
+  const auto told = [&](const std::string& elements, const std::string& all) {
+    return refusal("a.ply", "ply\nformat ascii 1.0\n" + elements + "end_header\n" + all);
+  };
+  EXPECT_EQ(told(vertex, data), "");
+  EXPECT_EQ(told(vertex + vertex, data + data), "its header has several 'element vertex', expected one");
+  EXPECT_EQ(told("element points 1\nproperty float x\n", "1\n"),
+            "its header has no 'element vertex', expected one");
+  for (const std::string axis : {"x", "y", "z"}) {
+    const std::string property = "property float " + axis + "\n";
+    EXPECT_EQ(told(vertex + property, "1 2 3 0\n4 5 6 0\n"),
+              "its vertices have several 'property " + axis + "', expected one");
+    std::string without = vertex;
+    EXPECT_EQ(told(without.erase(without.find(property), property.size()), "1 2\n4 5\n"),
+              "its vertices have no 'property " + axis + "', expected one");
+  }
+  std::string twice = pcd("1 2 3 4\n", 1);
+  twice.replace(twice.find("z i"), 3, "z z").replace(twice.find("F F F U"), 7, "F F F F");
+  EXPECT_EQ(refusal("a.pcd", twice), "it has several fields z");
+}
+
 TEST_F(TextCloud, AViewpointIsSevenNumbersInBinaryCloudsToo) {
   EXPECT_EQ(refusal("a.pcd", pcd("1 2 3 4\n", 1, "0 0 1,5 1 0 0 0")), "line 9 has '1,5', expected a number");
   std::string binary = format_pcd({{1.0F, 2.0F, 3.0F}});

@@ -128,6 +128,21 @@ TEST_F(MeshNumbers, LinesOfTextPlyHaveTheNumbersOfTheirProperties) {
   EXPECT_NE(failure("m.ply", more.insert(end, " 7")).find("other than its properties"), std::string::npos);
 }
 
+TEST_F(MeshNumbers, VerticesOfAPlyHaveEachCoordinateOnceInOnePlace) {
+  const std::string whole = as_ply(sample_, false), z = "property float z\n";
+  const std::string faces = "element face";
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string changed = whole;
+    return changed.replace(changed.find(from), from.size(), to);
+  };
+  EXPECT_NE(
+      failure("m.ply", with(faces, "element vertex 1\nproperty float x\nproperty float y\n" + z + faces))
+          .find("its header has several 'element vertex', expected one"),
+      std::string::npos);
+  EXPECT_NE(failure("m.ply", with(z, "property float w\n")).find("have no 'property z'"), std::string::npos);
+  EXPECT_NE(failure("m.ply", with(z, z + z)).find("have several 'property z'"), std::string::npos);
+}
+
 /// What is joined to a file, or what its header forgets, is no part of the mesh: nothing may be lost so.
 TEST_F(MeshNumbers, DataBehindThoseThatAreCountedIsDamage) {
   const MeshSample other = ellipsoid(3, 4, {1.0F, 1.0F, 1.0F});
