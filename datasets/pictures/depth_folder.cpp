@@ -190,7 +190,7 @@ class DepthFolder final : public FrameSource {
       sentences.push_back(
           "steps of depth are taken as 0.001 m, which nothing states; TUM's and ICL-NUIM's are 0.0002 "
           "(`source: {depth: {scale: …}}`).");
-    if (!poses_.left_out().empty()) sentences.push_back(poses_.left_out());
+    sentences.insert(sentences.end(), poses_.notes().begin(), poses_.notes().end());
     if (unposed_ > 0) sentences.push_back(unposed());
     if (colour_)
       for (const std::string& warning : colour_->warnings()) sentences.push_back(warning);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <stdexcept>
 
 #include "datasets/pictures/picture_times.hpp"
@@ -84,13 +85,17 @@ long numbers_apart(const std::set<std::size_t>& pictures, const std::set<std::si
   const long first_picture = static_cast<long>(*pictures.begin()),
              first_pose = static_cast<long>(*poses.begin());
   const long apart = first_picture - first_pose;
-  if (pictures.size() == poses.size()) {
-    if (fit(pictures, poses, apart)) return apart;
-    throw std::invalid_argument(
-        "numbers that are not those in the pictures' names, nor all higher or lower by the same");
-  }
   const bool may_begin_elsewhere =
       (first_picture == 0 && first_pose == 1) || (first_picture == 1 && first_pose == 0);
+  if (pictures.size() == poses.size()) {
+    const bool have_none_in_common =
+        *pictures.rbegin() < *poses.begin() || *poses.rbegin() < *pictures.begin();
+    if ((apart == 0 || may_begin_elsewhere || have_none_in_common) && fit(pictures, poses, apart))
+      return apart;
+    throw std::invalid_argument(
+        "numbers that are not those in the pictures' names, nor all of them beyond these and higher or lower "
+        "by the same");
+  }
   const bool as_they_are = fit(pictures, poses, 0),
              moved = may_begin_elsewhere && fit(pictures, poses, apart);
   if (as_they_are && moved && first_pose == 0)
@@ -100,6 +105,15 @@ long numbers_apart(const std::set<std::size_t>& pictures, const std::set<std::si
   if (as_they_are) return 0;
   if (moved) return apart;
   throw std::invalid_argument("numbers that are not those in the pictures' names");
+}
+
+std::string told_apart(const std::set<std::size_t>& pictures, const std::set<std::size_t>& poses,
+                       long apart) {
+  if (std::abs(apart) <= 1) return "";
+  const auto range = [](const std::set<std::size_t>& numbers) {
+    return std::to_string(*numbers.begin()) + " to " + std::to_string(*numbers.rbegin());
+  };
+  return "numbers " + range(poses) + " are taken for pictures " + range(pictures) + ", in their order";
 }
 
 }  // namespace clearway

@@ -19,8 +19,13 @@ std::map<std::filesystem::path, std::size_t> numbers_in_names(
 
 /// What has to be added to the numbers of poses to make them those of pictures, each set in its own count: 0
 /// where one has all of the other; 1 or -1 where that is so only when the one begins at 0 and the other at 1;
-/// any where there are as many of both and they are the same but for it. @throws std::invalid_argument with a
+/// any where there are as many of both, they are the same but for it, and all poses are numbered beyond all
+/// pictures or below: else a picture would take another's pose. @throws std::invalid_argument with a
 /// clause without a name, where they contradict each other, or both may be so
 long numbers_apart(const std::set<std::size_t>& pictures, const std::set<std::size_t>& poses);
+
+/// A clause that tells which numbers of poses are taken for which pictures; empty where they are the same, or
+/// one count begins at 0 and the other at 1.
+std::string told_apart(const std::set<std::size_t>& pictures, const std::set<std::size_t>& poses, long apart);
 
 }  // namespace clearway

@@ -129,11 +129,9 @@ std::set<std::size_t> keys_of(const std::map<std::size_t, std::optional<Eigen::I
   return keys;
 }
 
-/// Of TUM text, all of whose times are whole numbers: those in the names of the pictures as times, so that of
-/// as many as there are poses each belongs to one where they differ by the same. Else empty.
-std::map<fs::path, double> numbers_as_times(const std::string& text, const std::vector<fs::path>& pictures) {
+/// Of TUM text, all of whose times are whole numbers: these. Else empty.
+std::set<std::size_t> whole_times(const std::string& text) {
   constexpr double most_pictures = 1e9;
-  const auto numbers = numbers_in_names(pictures);
   std::set<std::size_t> poses;
   for (const Line& line : lines_of(text)) {
     const auto time = line.words.size() == 8 ? finite_number(line.words.front()) : std::nullopt;
@@ -141,16 +139,7 @@ std::map<fs::path, double> numbers_as_times(const std::string& text, const std::
     if (*time < 0 || *time > most_pictures || *time != std::floor(*time)) return {};
     poses.insert(static_cast<std::size_t>(*time));
   }
-  if (numbers.empty() || poses.empty()) return {};
-  long apart = 0;
-  try {
-    if (numbers.size() == poses.size()) apart = numbers_apart(values_of(numbers), poses);
-  } catch (const std::invalid_argument&) {  // those that are there have the same numbers
-  }
-  std::map<fs::path, double> times;
-  for (const auto& [picture, number] : numbers)
-    times[picture] = static_cast<double>(static_cast<long>(number) - apart);
-  return times;
+  return poses;
 }
 
 bool is_part(char c) { return c == '.' || c == '_' || c == '-' || c == ' '; }
@@ -211,9 +200,28 @@ PicturePoses::PicturePoses(const fs::path& file, fs::path folder, std::string wo
   // Between two poses at most twice the tolerance apart each time has one within the tolerance.
   std::size_t left_out = 0;
   between_.emplace(parse_tum_poses(text, name, 2.0 * tolerance, &left_out));
-  if (left_out > 0) left_out_ = left_out_poses(file, left_out);
+  if (left_out > 0) notes_.push_back(left_out_poses(file, left_out));
   nearest_.emplace(parse_tum_poses(text, name, tolerance, &left_out));
-  if (!have_times) times_ = numbers_as_times(text, pictures);
+  if (!have_times) take_times_for_numbers(text, pictures, name);
+}
+
+void PicturePoses::take_times_for_numbers(const std::string& text, const std::vector<fs::path>& pictures,
+                                          const std::string& name) {
+  const auto numbers = numbers_in_names(pictures);
+  const std::set<std::size_t> poses = whole_times(text);
+  if (numbers.empty() || poses.empty()) return;
+  long apart = 0;
+  try {
+    if (numbers.size() == poses.size()) apart = numbers_apart(values_of(numbers), poses);
+  } catch (const std::invalid_argument&) {  // those that are there have the same numbers
+  }
+  for (const auto& [picture, number] : numbers)
+    times_[picture] = static_cast<double>(static_cast<long>(number) - apart);
+  note_apart(name, told_apart(values_of(numbers), poses, apart));
+}
+
+void PicturePoses::note_apart(const std::string& name, const std::string& clause) {
+  if (!clause.empty()) notes_.push_back(name + ": " + clause);
 }
 
 void PicturePoses::number(NumberedPoses numbered, const std::vector<fs::path>& pictures,
@@ -224,6 +232,7 @@ void PicturePoses::number(NumberedPoses numbered, const std::vector<fs::path>& p
   if (const auto numbers = numbers_in_names(pictures); numbered.have_numbers && !numbers.empty()) {
     try {
       const long apart = numbers_apart(values_of(numbers), keys_of(poses));
+      note_apart(name, told_apart(values_of(numbers), keys_of(poses), apart));
       for (const auto& [picture, number] : numbers)
         if (const auto found = poses.find(number - static_cast<std::size_t>(apart)); found != poses.end())
           by_file_[picture] = found->second;

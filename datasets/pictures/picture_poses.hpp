@@ -52,8 +52,8 @@ class PicturePoses {
 
   bool are_there() const { return between_ || !by_file_.empty() || !folder_.empty(); }
 
-  /// One sentence about lines of the file that say no pose; empty: there is none.
-  std::string left_out() const { return left_out_; }
+  /// Sentences about lines of the file that say no pose, and about poses of other numbers than pictures'.
+  const std::vector<std::string>& notes() const { return notes_; }
 
   /// Times of the first and of the last pose; empty where poses have no times.
   std::optional<std::pair<double, double>> span() const;
@@ -63,11 +63,16 @@ class PicturePoses {
   std::optional<Eigen::Isometry3d> of(const TimedFile& picture) const;
 
  private:
+  /// Of TUM text, all of whose times are whole numbers.
+  void take_times_for_numbers(const std::string& text, const std::vector<std::filesystem::path>& pictures,
+                              const std::string& name);
+  void note_apart(const std::string& name, const std::string& clause);
   void number(NumberedPoses numbered, const std::vector<std::filesystem::path>& pictures,
               const std::string& name);
 
   std::filesystem::path folder_;
-  std::string word_, left_out_;
+  std::string word_;
+  std::vector<std::string> notes_;
   std::optional<PoseStream> between_, nearest_;
   std::map<std::filesystem::path, std::optional<Eigen::Isometry3d>> by_file_;
   std::map<std::filesystem::path, double> times_;  ///< where the numbers in names are the poses' times

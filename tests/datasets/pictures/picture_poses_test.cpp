@@ -155,6 +155,53 @@ TEST_F(PosesOfPictures, WithWholeNumbersAsTimesDoSoWherePicturesHaveNone) {
   }
 }
 
+/// A picture has no pose of another's number, and is told of poses that are numbered elsewhere.
+TEST_F(PosesOfPictures, OfNumbersInCommonAreNotMoved) {
+  const auto open_at = [&](std::size_t first_picture, std::size_t first_pose, bool is_log) {
+    pictures_.clear();
+    std::string text;
+    for (std::size_t i = 0; i < 10; ++i) {
+      pictures_.push_back("frame-" + std::to_string(first_picture + i) + ".depth.png");
+      const std::size_t number = first_pose + i;
+      text += is_log ? std::to_string(number) + " 0 0\n" + rows(truth_[i], 4, "\n")
+                     : tum(static_cast<int>(number), truth_[i]);
+    }
+    folder_.write("p", text);
+    return PicturePoses(folder_ / "p", "", "depth", pictures_, 0.02, false);
+  };
+  for (const auto& [picture, pose] :
+       {std::pair<std::size_t, std::size_t>{100, 105}, {100, 109}, {105, 100}, {100, 101}, {3, 2}}) {
+    EXPECT_NE(complaint([&, picture = picture, pose = pose] {
+                open_at(picture, pose, true);
+              }).find("nor all of them beyond these"),
+              std::string::npos)
+        << picture << " " << pose;
+    const PicturePoses timed = open_at(picture, pose, false);
+    EXPECT_TRUE(timed.notes().empty());
+    for (std::size_t i = 0; i < 10; ++i) {
+      const auto found = timed.of({pictures_[i], static_cast<double>(i)});
+      const std::size_t number = picture + i;
+      ASSERT_EQ(found.has_value(), number >= pose && number < pose + 10) << number;
+      if (!found) continue;
+      EXPECT_TRUE(found->isApprox(truth_[number - pose], 1e-6)) << number;
+    }
+  }
+  for (const bool is_log : {true, false}) {
+    for (const auto& [picture, pose] : {std::pair<std::size_t, std::size_t>{100, 0}, {0, 10}, {7, 20}}) {
+      const PicturePoses poses = open_at(picture, pose, is_log);
+      ASSERT_EQ(poses.notes().size(), 1U);
+      EXPECT_NE(
+          poses.notes().front().find("numbers " + std::to_string(pose) + " to " + std::to_string(pose + 9) +
+                                     " are taken for pictures " + std::to_string(picture)),
+          std::string::npos);
+      for (std::size_t i = 0; i < 10; ++i)
+        EXPECT_TRUE(poses.of({pictures_[i], static_cast<double>(i)}).value().isApprox(truth_[i], 1e-6));
+    }
+    EXPECT_TRUE(open_at(1, 0, is_log).notes().empty());
+    EXPECT_TRUE(open_at(0, 1, is_log).notes().empty());
+  }
+}
+
 TEST(NumbersInNames, AreTheOnesThatDifferAndNoClocks) {
   const auto numbers = [](const std::vector<fs::path>& names) {
     std::vector<std::size_t> found;
