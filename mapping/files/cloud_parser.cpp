@@ -113,10 +113,11 @@ std::unique_ptr<NamelessFile> readable_ply(const std::filesystem::path& file) {
     input.read_at(0, std::min(input.size(), megabyte), content);
     const PlyHeader header = ply_header(content);
     const bool is_from_windows = header.format == "ascii" && content.find("\r\n") != std::string::npos;
-    if (!is_from_windows && !has_odd_colours(header)) return nullptr;
+    const bool is_for_others = has_odd_colours(header) || has_scan_grid(header, content);
+    if (!is_from_windows && !is_for_others) return nullptr;
     input.read_at(0, input.size(), content);
     if (is_from_windows) std::erase(content, '\r');
-    return std::make_unique<NamelessFile>(has_odd_colours(header) ? with_nameless_colours(content) : content);
+    return std::make_unique<NamelessFile>(is_for_others ? as_pcl_reads_rightly(content) : content);
   } catch (const std::runtime_error&) {
     return nullptr;  // the child says what is wrong
   }

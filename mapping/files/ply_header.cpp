@@ -245,8 +245,15 @@ bool has_odd_colours(const PlyHeader& header) {
   return std::any_of(header.elements.begin(), header.elements.end(), are_colours_odd);
 }
 
-std::string with_nameless_colours(std::string_view content) {
+bool has_scan_grid(const PlyHeader& header, std::string_view content) {
+  return content.substr(0, header.length).find("\nobj_info") != std::string_view::npos ||
+         std::any_of(header.elements.begin(), header.elements.end(),
+                     [](const PlyElement& element) { return element.name == "range_grid"; });
+}
+
+std::string as_pcl_reads_rightly(std::string_view content) {
   const PlyHeader header = ply_header(content);
+  const bool has_odd = has_odd_colours(header);
   std::string text;
   for (std::size_t at = 0; at < header.length;) {
     const std::size_t end = content.find('\n', at) + 1;
@@ -254,9 +261,11 @@ std::string with_nameless_colours(std::string_view content) {
     PlyProperty property;
     std::istringstream words(line);
     std::string key, type;
-    if (words >> key >> type >> property.name && key == "property" && type != "list" &&
-        !colour_of(property).empty())
+    words >> key >> type >> property.name;
+    if (key == "property" && type != "list" && has_odd && !colour_of(property).empty())
       line = "property " + type + " unread_" + std::to_string(at) + "\n";
+    if (key == "obj_info") line = "comment of a scanner\n";
+    if (key == "element" && type == "range_grid") line = "element unread_grid " + property.name + "\n";
     text += line;
     at = end;
   }

@@ -54,8 +54,13 @@ void require_nothing_more(std::string_view rest);
 /// and what follows them at wrong places.
 bool has_odd_colours(const PlyHeader& header);
 
-/// The file with other names for its colours, which PCL reads as any numbers. @param content all of it
-std::string with_nameless_colours(std::string_view content);
+/// Whether the header tells of a scanner's grid, as those of Stanford do: PCL makes a point of each cell,
+/// whether it holds a vertex or not. @param content the file, or its beginning
+bool has_scan_grid(const PlyHeader& header, std::string_view content);
+
+/// The file with other names for its odd colours, which PCL reads as any numbers, and for its grid, which it
+/// leaves out. @param content all of it
+std::string as_pcl_reads_rightly(std::string_view content);
 
 /// Where a file's `element camera` says that the sensor was, and how it was turned: file_from_sensor.
 struct PlyCamera {

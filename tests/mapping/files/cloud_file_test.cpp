@@ -331,6 +331,36 @@ TEST(CloudFile, TextOfAPlyMayEndItsLinesAsWindowsDoes) {
   EXPECT_EQ(read_cloud(folder.write("w.ply", text)), (Points{{1, 2, 3}, {4, 5, 6}}));
 }
 
+/// As the scanner at Stanford wrote them: cells of a grid, of which few hold a vertex.
+TEST(CloudFile, CellsOfAScannersGridAreNoPoints) {
+  using Points = std::vector<Eigen::Vector3f>;
+  const Points expected{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}};
+  TemporaryFolder folder;
+  const auto header = [](const std::string& format, const std::string& grid) {
+    return "ply\nformat " + format +
+           " 1.0\nobj_info is_cyberware_data 1\nobj_info num_cols 4\nobj_info num_rows 2\n"
+           "obj_info echo_rgb_frontfacing 0\nelement vertex 3\nproperty float x\nproperty float y\n"
+           "property float z\n" +
+           grid + "end_header\n";
+  };
+  const std::string grid = "element range_grid 8\nproperty list uchar int vertex_indices\n",
+                    text = "1 2 3\n4 5 6\n7 8 9\n", cells = "0\n1 0\n0\n1 1\n0\n0\n1 2\n0\n";
+  std::string bytes;
+  for (const Eigen::Vector3f& point : expected)
+    bytes.append(reinterpret_cast<const char*>(point.data()), sizeof(point));
+  for (const int vertex : {-1, 0, -1, 1, -1, -1, 2, -1}) {
+    bytes += static_cast<char>(vertex < 0 ? 0 : 1);
+    if (vertex >= 0) bytes.append(reinterpret_cast<const char*>(&vertex), sizeof(vertex));
+  }
+  EXPECT_EQ(read_cloud(folder.write("t.ply", header("ascii", grid) + text + cells)), expected);
+  EXPECT_EQ(read_cloud(folder.write("b.ply", header("binary_little_endian", grid) + bytes)), expected);
+  EXPECT_EQ(read_cloud(folder.write("n.ply", header("ascii", "") + text)), expected);
+  std::string windows = header("ascii", grid) + text + cells;
+  for (std::size_t at = 0; (at = windows.find('\n', at)) != std::string::npos; at += 2)
+    windows.insert(at, "\r");
+  EXPECT_EQ(read_cloud(folder.write("w.ply", windows)), expected);
+}
+
 TEST(CloudFile, ATurnedViewpointIsTold) {
   const TemporaryFolder folder;
   Points points;
