@@ -63,8 +63,12 @@ Robot with_held_joints(const Robot& robot, const std::vector<HeldJoint>& held,
     kept[j] = static_cast<int>(result.joints.size());
     result.joints.push_back(robot.joints[j]);
   }
+  const bool is_asked = std::any_of(held.begin(), held.end(),
+                                    [](const HeldJoint& joint) { return joint.source == HoldSource::asked; });
   if (result.joints.empty())
-    throw std::invalid_argument(file.string() + ": every joint is fixed, expected at least one that moves");
+    throw std::invalid_argument((is_asked ? "--fix" : file.string()) +
+                                ": every joint is fixed, expected at least one that moves" +
+                                (robot.group.empty() ? " (--group)" : ""));
   for (Link& link : result.links) {
     if (link.joint < 0) continue;
     const auto joint = static_cast<std::size_t>(link.joint);

@@ -11,6 +11,7 @@
 
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/nearest_name.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/robot/held_joints.hpp"
 #include "planning/robot/reach.hpp"
@@ -120,11 +121,17 @@ void choose_tip(const Srdf& srdf, const fs::path& file, Robot& robot) {
   robot.tip_link = static_cast<int>(link - robot.links.begin());
 }
 
+bool has_joint(const Robot& robot, const std::string& name) {
+  return std::any_of(robot.joints.begin(), robot.joints.end(),
+                     [&](const Joint& joint) { return joint.name == name; });
+}
+
 /// What the states that were asked for say of joints that are not planned.
 std::map<std::string, double> fixed_by_states(const Robot& robot, const RobotRequest& request,
                                               const std::optional<Srdf>& srdf,
                                               const std::set<std::string>& planned) {
   std::map<std::string, double> fixed;
+  std::map<std::string, std::string> origins;  // which state fixed a joint
   std::vector<std::string> known;
   if (srdf)
     for (const Srdf::State& state : srdf->states) known.push_back(state.name);
@@ -134,12 +141,19 @@ std::map<std::string, double> fixed_by_states(const Robot& robot, const RobotReq
           "--fix: expected JOINT=VALUE or a state of a SRDF, got " + quote(name) +
           (known.empty() ? ", and the robot has no SRDF with states"
                          : ", did you mean " + quote(nearest_name(name.substr(0, 100), known)) + "?"));
-    for (const Srdf::State& state : srdf->states)
-      for (const auto& [joint, value] : state.values)
-        if (state.name == name && !planned.contains(joint) &&
-            std::any_of(robot.joints.begin(), robot.joints.end(),
-                        [&](const Joint& one) { return one.name == joint; }))
-          fixed.emplace(joint, value);
+    for (const Srdf::State& state : srdf->states) {
+      if (state.name != name) continue;
+      const std::string origin = quote(state.name) + " of group " + quote(state.group);
+      for (const auto& [joint, value] : state.values) {
+        if (planned.contains(joint) || request.fixed.contains(joint) || !has_joint(robot, joint)) continue;
+        if (!fixed.emplace(joint, value).second && fixed[joint] != value)
+          throw std::invalid_argument("--fix: states " + origins[joint] + " and " + origin + " have joint " +
+                                      quote(joint) + " at " + to_text(fixed[joint]) + " and at " +
+                                      to_text(value) + ", expected one of them or --fix " + shortened(joint) +
+                                      "=VALUE");
+        origins.emplace(joint, origin);
+      }
+    }
   }
   return fixed;
 }

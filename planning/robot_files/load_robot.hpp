@@ -22,8 +22,7 @@ struct RobotRequest {
   std::map<std::string, std::string> xacro{};  ///< arguments of a .xacro, before the settings' (`xacro:`)
   std::vector<std::string>
       standing{};  ///< links on held joints, as wheels; beside the settings' (`standing:`)
-  /// States of the SRDF: what they say of joints outside of the group, and `fixed` does not, stands there; of
-  /// two that say something of one joint the first counts.
+  /// States of the SRDF: what they say of joints outside of the group, and `fixed` does not, stands there.
   std::vector<std::string> fixed_states{};
 };
 
@@ -33,8 +32,9 @@ struct RobotRequest {
 /// The tip is the settings', else the parent link of the end effector on the group, else the tip of its
 /// chain, else the last link that the group's joints move.
 /// @throws as load_robot(name_or_path); std::invalid_argument for a group without a SRDF or that it does not
-///         define, a fixed joint that is none or out of its limits, xacro arguments of a file that is none,
-///         or a standing link that is none or that a joint of configurations moves.
+///         define, a fixed joint that is none or out of its limits, states that contradict each other, xacro
+///         arguments of a file that is none, or a standing link that is none or that a joint of
+///         configurations moves.
 Robot load_robot(const RobotRequest& request);
 
 /// Loads a robot. `name_or_path` is a name in datasets/robots (a .yaml there: urdf, scale, tip, critical

@@ -141,7 +141,9 @@ TEST(HeldJoints, WhatCannotBeHeldIsRefusedInOneSentence) {
   EXPECT_EQ(refusal({{"turn", 3.5, HoldSource::asked}}),
             "--fix: joint 'turn' is fixed at 3.5, expected a number within its limits -3 to 3");
   EXPECT_EQ(refusal({{"turn", 0.0, HoldSource::asked}, {"reach", 0.0, HoldSource::asked}}),
-            "t.yaml: every joint is fixed, expected at least one that moves");
+            "--fix: every joint is fixed, expected at least one that moves (--group)");
+  EXPECT_EQ(refusal({{"turn", 0.0, HoldSource::settings}, {"reach", 0.0, HoldSource::settings}}),
+            "t.yaml: every joint is fixed, expected at least one that moves (--group)");
 }
 
 }  // namespace held_joints_test
