@@ -1,6 +1,7 @@
 #include "apps/check/robot_terms.hpp"
 
 #include <algorithm>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -62,25 +63,23 @@ void note_xacro(const Robot& robot, const Plan& plan, std::vector<std::string>& 
                   ") than those of the robot that is checked (" + told(robot.xacro) + ")");
 }
 
-/// Whether a state that --fix names holds the joint.
-bool is_held_by_state(RobotRequest request, const std::string& group, const std::string& joint) {
-  if (request.fixed_states.empty()) return false;
+/// The joints that --fix holds, by value or by a state.
+std::set<std::string> held_by_flags(const CheckOptions& options, const std::string& group) {
+  RobotRequest request = robot_request(options.robot);
+  std::set<std::string> names;
+  for (const auto& [name, value] : request.fixed) names.insert(name);
+  if (request.fixed_states.empty()) return names;
   request.group = group;
   request.standing.clear();
-  const Robot robot = load_robot(request);
-  return std::any_of(robot.held.begin(), robot.held.end(), [&](const HeldJoint& held) {
-    return held.name == joint && held.source == HoldSource::asked;
-  });
+  for (const HeldJoint& joint : load_robot(request).held)
+    if (joint.source == HoldSource::asked) names.insert(joint.name);
+  return names;
 }
 
-TermSource source_of(const CheckOptions& options, const Plan& plan, const Robot& robot,
-                     const HeldJoint& joint) {
+TermSource source_of(const HeldJoint& joint, const Plan& plan, const std::set<std::string>& by_flags) {
   if (joint.source != HoldSource::asked) return TermSource::by_default;
-  const RobotRequest request = robot_request(options.robot);
-  return request.fixed.contains(joint.name) || !plan.held.contains(joint.name) ||
-                 is_held_by_state(request, robot.group, joint.name)
-             ? TermSource::flag
-             : TermSource::plan;
+  return by_flags.contains(joint.name) || !plan.held.contains(joint.name) ? TermSource::flag
+                                                                          : TermSource::plan;
 }
 
 }  // namespace
@@ -119,8 +118,9 @@ Robot robot_to_check(const CheckOptions& options, const Plan& plan) {
 void state_robot(const CheckOptions& options, const Plan& plan, const Robot& robot, Contract& contract) {
   contract.robot = {options.robot.robot, TermSource::flag};
   contract.group = group_of(options, robot);
+  const std::set<std::string> by_flags = held_by_flags(options, robot.group);
   for (const HeldJoint& joint : robot.held)
-    contract.held[joint.name] = {joint.value, source_of(options, plan, robot, joint)};
+    contract.held[joint.name] = {joint.value, source_of(joint, plan, by_flags)};
   note_held(options, contract, robot, contract.notes);
   note_xacro(robot, plan, contract.notes);
 }

@@ -1,5 +1,7 @@
 // Planning groups, held joints and named states on the command line, and what `check` makes of them.
 #include <gtest/gtest.h>
+#include <sys/inotify.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -208,6 +210,98 @@ TEST_F(Group, JointsOutsideOfTheGroupStandWhereAStateHasThem) {
   const CommandRun unknown = plan({"--group", "arm", "--fix", "opn", "--start", "home", "--goal", "ready"});
   EXPECT_EQ(unknown.status, exit_bad_input);
   EXPECT_NE(unknown.log.find("did you mean 'open'?"), std::string::npos) << unknown.log;
+}
+
+/// How often a file was opened since then.
+class Openings {
+ public:
+  explicit Openings(const std::string& file) : events_(inotify_init1(IN_NONBLOCK | IN_CLOEXEC)) {
+    inotify_add_watch(events_, file.c_str(), IN_OPEN | IN_CLOSE);  // like events in a row would be one
+  }
+  ~Openings() { close(events_); }
+  Openings(const Openings&) = delete;
+  Openings& operator=(const Openings&) = delete;
+  int count() const {
+    int opened = 0;
+    for (inotify_event event{}; read(events_, &event, sizeof(event)) == sizeof(event);)
+      if ((event.mask & IN_OPEN) != 0) ++opened;
+    return opened;
+  }
+
+ private:
+  int events_;
+};
+
+/// A robot with its meshes takes seconds to load.
+TEST_F(Group, TheRobotIsLoadedAsOftenForManyHeldJointsAsForOne) {
+  const std::string sphere = "<sphere radius='0.02'/>";
+  const auto opened = [&](int fingers) {
+    std::string robot = worlds::arm_with_finger(), state;
+    robot.resize(robot.find("</robot>"));
+    for (int i = 0; i < fingers; ++i) {
+      const std::string name = "f" + std::to_string(i), y = std::to_string(0.2 * (i + 1));
+      robot += worlds::urdf_link(name, "0 0 0", sphere) + worlds::urdf_joint("j" + name, "revolute", "base",
+                                                                             name, "0 " + y + " 1", "0 0 1",
+                                                                             worlds::urdf_limit(-2, 2));
+      state += "<joint name='j" + name + "' value='0.1'/>";
+    }
+    folder_.write("many.urdf", robot + "</robot>");
+    folder_.write("many.srdf",
+                  "<robot name='arm'><group name='arm'><chain base_link='base' tip_link='lower'/></group>"
+                  "<group name='rest'><joint name='grip'/></group><group_state name='open' "
+                  "group='rest'>" +
+                      state + "</group_state></robot>");
+    const Arguments of{"--map",    folder_.file("map"),
+                       "--robot",  folder_.file("many.urdf"),
+                       "--policy", "not_occupied",
+                       "--group",  "arm",
+                       "--fix",    "open"};
+    Arguments plans{"plan", "--start", "0,0.1", "--goal", "0.5,-0.1", "--out", folder_.file("many.json")},
+        checks{"check", folder_.file("many.json")};
+    plans.insert(plans.end(), of.begin(), of.end());
+    checks.insert(checks.end(), of.begin(), of.end());
+    EXPECT_EQ(run_command(plans).status, exit_done);
+    const Openings openings(folder_.file("many.urdf"));
+    EXPECT_EQ(run_command(checks).status, exit_done);
+    return openings.count();
+  };
+  const int once = opened(1);
+  EXPECT_GT(once, 0);
+  EXPECT_EQ(opened(6), once);
+}
+
+TEST_F(Group, StatesThatContradictEachOtherFixNothing) {
+  const std::string srdf = read_file(folder_.file("arm.srdf"));
+  const auto state = [](const std::string& name, const std::string& group, const std::string& value) {
+    return "<group_state name='" + name + "' group='" + group + "'><joint name='grip' value='" + value +
+           "'/></group_state>";
+  };
+  folder_.write("arm.srdf", srdf.substr(0, srdf.find("</robot>")) +
+                                "<group name='hand'><joint name='grip'/></group>" +
+                                state("open", "hand", "0.04") + state("wide", "hand", "0.04") +
+                                state("shut", "hand", "0") + state("shut", "arm", "0.01") + "</robot>");
+  const auto told = [&](Arguments arguments) {
+    for (const char* word : {"--start", "home", "--goal", "ready"}) arguments.emplace_back(word);
+    const CommandRun run = plan(arguments);
+    EXPECT_EQ(run.status == exit_done, run.log.empty()) << run.log;
+    EXPECT_TRUE(run.status == exit_done || run.complains_in_one_sentence()) << run.log;
+    return run.log;
+  };
+  const Arguments alike{"--group", "arm", "--fix", "open", "--fix", "wide"};
+  Arguments other{"--group", "arm", "--fix", "open", "--fix", "shut"};
+  EXPECT_EQ(told(alike), "");
+  EXPECT_NE(
+      told(other).find("--fix: states 'open' of group 'hand' and 'shut' of group 'hand' have joint 'grip' "
+                       "at 0.04 and at 0, expected one of them or --fix grip=VALUE"),
+      std::string::npos);
+  EXPECT_NE(
+      told({"--group", "arm", "--fix", "shut"}).find("'shut' of group 'hand' and 'shut' of group 'arm'"),
+      std::string::npos);
+  other.insert(other.end(), {"--fix", "grip=0.02"});
+  EXPECT_EQ(told(other), "");
+  EXPECT_NE(told({"--fix", "home", "--fix", "open"})
+                .find("--fix: every joint is fixed, expected at least one that moves (--group)"),
+            std::string::npos);
 }
 
 TEST_F(Group, WhatCannotBeReadIsReportedInOneSentence) {
