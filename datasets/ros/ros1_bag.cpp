@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstring>
 #include <exception>
+#include <list>
 #include <map>
 #include <new>
 #include <stdexcept>
@@ -283,20 +284,29 @@ class ForeignLz4Bag final : public MessageBag {
     topic_of_[ros1_number<std::uint32_t>(head.at("conn"))] =
         static_cast<std::size_t>(found - topics_.begin());
   }
-  /// Unpacked; the last few are kept, as those of one time lie in neighbours.
+  /// Unpacked; the last few are kept, as many sources write chunks of the same time side by side.
   const std::vector<std::uint8_t>& content_of(std::size_t chunk) {
-    constexpr std::size_t most_kept = 3;
-    for (const auto& [number, bytes] : kept_)
-      if (number == chunk) return bytes;
-    if (kept_.size() >= most_kept) kept_.erase(kept_.begin());
+    constexpr std::size_t most_kept = std::size_t{64} << 20U;  // bytes
+    const auto found =
+        std::find_if(kept_.begin(), kept_.end(), [&](const auto& kept) { return kept.first == chunk; });
+    if (found != kept_.end()) {
+      kept_.splice(kept_.end(), kept_, found);
+      return kept_.back().second;
+    }
     kept_.emplace_back(chunk, chunks_->unpacked(chunks_->chunks()[chunk]));
+    kept_bytes_ += kept_.back().second.size();
+    while (kept_bytes_ > most_kept && kept_.size() > 1) {
+      kept_bytes_ -= kept_.front().second.size();
+      kept_.pop_front();
+    }
     return kept_.back().second;
   }
 
   std::unique_ptr<Ros1Chunks> chunks_;
-  std::map<std::uint32_t, std::size_t> topic_of_;  ///< of a connection
-  std::vector<Entry> entries_;                     ///< in the order of their times
-  std::vector<std::pair<std::size_t, std::vector<std::uint8_t>>> kept_;
+  std::map<std::uint32_t, std::size_t> topic_of_;                      ///< of a connection
+  std::vector<Entry> entries_;                                         ///< in the order of their times
+  std::list<std::pair<std::size_t, std::vector<std::uint8_t>>> kept_;  ///< the latest one last
+  std::size_t kept_bytes_ = 0;
   double share_ = 0.0;
 };
 

@@ -279,6 +279,42 @@ TEST_F(BagFramesTest, ChunksThatOtherProgramsPackedWithLz4AreRead) {
       }
 }
 
+/// Bytes that this process has read so far, of files and of what else it reads.
+std::size_t bytes_read() {
+  std::ifstream io("/proc/self/io");
+  std::string key;
+  std::size_t count = 0;
+  io >> key >> count;  // rchar
+  return count;
+}
+
+TEST_F(BagFramesTest, ChunksOfManySourcesAtOneTimeAreUnpackedOnce) {
+  constexpr std::size_t count = 60;
+  ScanBag bag(folder_ / "a.bag");
+  add_run(bag, 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    std::vector<Eigen::Vector3f> points;
+    for (std::size_t k = 0; k < 10'000; ++k)
+      points.push_back(Eigen::Vector3f::Constant(std::sin(static_cast<float>(1000 * i + k))));
+    bag.cloud("/many", 12.1 + 0.01 * static_cast<double>(i), "sensor", points);
+  }
+  bag.shuffle(3);
+  bag.write();
+  LZ4F_frameInfo_t form{};
+  form.contentChecksumFlag = LZ4F_contentChecksumEnabled;
+  const std::string packed = packed_bag(read_file(folder_ / "a.bag"), form);
+  folder_.write("p.bag", packed);
+  SourceOptions options;
+  options.bag.clouds = {"/many"};
+  options.bag.fixed_frame = "map";
+  const std::size_t before = bytes_read();
+  const auto source = open_bag(folder_ / "p.bag", options);
+  std::size_t frames = 0;
+  while (source->next()) ++frames;
+  EXPECT_EQ(frames, count);
+  EXPECT_LT(bytes_read() - before, 3 * packed.size());
+}
+
 TEST_F(BagFramesTest, AMessageThatEndsEarlyIsDamage) {
   for (const char* name : {"a.mcap", "a.bag"})
     for (const std::size_t bytes : {4U, 60U}) {
