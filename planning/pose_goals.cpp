@@ -80,8 +80,9 @@ PoseGoals::Choices PoseGoals::choices_of(std::size_t goal) const {
   // Poses drawn from the goal miss what an arm of few joints reaches of it.
   if (choices.free == 0 && !wanted.is_exact()) take(goal_configurations(robot_, wanted, near));
   if (choices.free == 0 && !blocked.empty() && exact == 1) {  // all branches of them
-    blocked.clear();
+    std::vector<Configuration> before = std::exchange(blocked, {});
     take(goal_configurations(robot_, poses[0], near, starts_of_last_try));
+    if (blocked.empty()) blocked = std::move(before);
   }
   const auto is_nearer = [&](const Configuration& a, const Configuration& b) {
     return largest_difference(a, near) < largest_difference(b, near);

@@ -142,8 +142,13 @@ void PickTerms::require_grasp() const {
     refuse("the object is put down " + lengths(put) + " from its place");
 }
 
-std::vector<std::pair<Eigen::Index, Pick::Grip>> PickTerms::hand() const {
-  std::vector<std::pair<Eigen::Index, Pick::Grip>> hand;
+const PickTerms::Hand& PickTerms::hand() const {
+  if (!hand_) hand_ = hand_at_grasp();
+  return *hand_;
+}
+
+PickTerms::Hand PickTerms::hand_at_grasp() const {
+  Hand hand;
   std::size_t named = 0;
   const Robot carrying = loaded();
   const std::vector<int> holding = arm_.joints_that_hold(plan.robot, carrying.loads.back());
@@ -163,7 +168,7 @@ std::vector<std::pair<Eigen::Index, Pick::Grip>> PickTerms::hand() const {
 
 void PickTerms::require_hand(Leg index, const std::vector<std::vector<Configuration>>& pieces) const {
   if (index == approach || index == leave) return;
-  const auto joints = hand();
+  const Hand& joints = hand();
   const auto near = [](double a, double b) { return std::abs(a - b) <= same_joint; };
   const auto is_hand = [&](const Configuration& q, double Pick::Grip::*state) {
     return std::all_of(joints.begin(), joints.end(),

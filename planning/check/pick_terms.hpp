@@ -105,14 +105,18 @@ class PickTerms {
   bool is_beyond_contact(const Eigen::Isometry3d& map_from_object, const Configuration& q) const;
 
  private:
+  using Hand = std::vector<std::pair<Eigen::Index, Pick::Grip>>;
+
   Eigen::Isometry3d link_pose(const Configuration& q, const std::string& name) const;
   Eigen::Vector3d back() const;
   /// Of each joint of the hand what it is where it is open and closed.
-  std::vector<std::pair<Eigen::Index, Pick::Grip>> hand() const;
+  const Hand& hand() const;
+  Hand hand_at_grasp() const;
   double contact_height(const Eigen::Isometry3d& map_from_object) const;
   double height_at(const Configuration& q) const { return lowest(shape, object_at(q)); }
 
   KdlArm arm_;
+  mutable std::optional<Hand> hand_;  ///< once it was asked for: the robot is built anew for it
 };
 
 }  // namespace clearway::check
