@@ -62,9 +62,9 @@ bool is_edited(const InspectOptions& options);
 /// @throws std::invalid_argument.
 Snapshot edited(const InspectOptions& options, const Snapshot& map, HandEditTally& tally);
 
-/// How many voxels --clear and --occupy changed, by the state that they have now.
 /// What to tell when --occupy and --clear changed nothing; empty otherwise.
 std::string hand_edit_remark(const InspectOptions& options, const HandEditTally& tally);
+/// How many voxels --clear and --occupy changed, by the state that they have now.
 nlohmann::ordered_json describe_hand_edit(const HandEditTally& tally);
 void print_hand_edit(const nlohmann::ordered_json& json, std::ostream& out);
 

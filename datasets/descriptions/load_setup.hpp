@@ -66,8 +66,8 @@ struct PickSetup {
   double lift = 0.1;                     ///< m
   double contact = 0;                    ///< m; 0: chosen
   double margin = 0;                     ///< m
+  double depth = 0.005;                  ///< m that the open hand may reach into it
   /// By joint: open and closed, rad or m of the robot at its scale.
-  double depth = 0.005;  ///< m that the open hand may reach into it
   std::map<std::string, std::pair<double, double>> grip;
 };
 
