@@ -70,6 +70,40 @@ TEST(BlockedCells, AreWhatTheRequirementForbidsOfTheTree) {
   }
 }
 
+TEST(BlockedCells, BoxesHoldAllThatIsForbiddenAndLittleElse) {
+  for (unsigned seed = 1; seed < 5; ++seed) {
+    const Snapshot map = worlds::random_map(seed, 0.05).snapshot();
+    for (const Requirement& requirement : requirements) {
+      const BlockedCells cells = blocked_cells(map.tree(), requirement, first, size);
+      for (const int narrow : {1, 4, 8}) {
+        BlockedCells boxes(size, false);
+        std::size_t mixed = 0;
+        visit_blocked_boxes(map.tree(), requirement, first, size, narrow, [&](const CellBox& box) {
+          ASSERT_TRUE((box.low.array() >= 0).all() && (box.high.array() <= size.array()).all());
+          ASSERT_TRUE((box.low.array() < box.high.array()).all());
+          boxes.fill(box.low, box.high, true);
+          std::size_t forbidden = 0;
+          for (int z = box.low.z(); z < box.high.z(); ++z)
+            for (int y = box.low.y(); y < box.high.y(); ++y)
+              for (int x = box.low.x(); x < box.high.x(); ++x) forbidden += cells.at(x, y, z) ? 1 : 0;
+          const bool is_whole = forbidden == static_cast<std::size_t>((box.high - box.low).prod());
+          EXPECT_TRUE(is_whole || (box.high - box.low).maxCoeff() <= narrow);
+          mixed += !is_whole;
+        });
+        for (int z = 0; z < size.z(); ++z)
+          for (int y = 0; y < size.y(); ++y)
+            for (int x = 0; x < size.x(); ++x)
+              if (cells.at(x, y, z)) ASSERT_TRUE(boxes.at(x, y, z)) << x << " " << y << " " << z;
+        if (narrow == 1) {
+          EXPECT_EQ(boxes, cells);
+        } else {
+          EXPECT_GT(mixed + (boxes.count() == cells.count()), 0U);
+        }
+      }
+    }
+  }
+}
+
 /// Earlier cells with those of the boxes from a later version.
 BlockedCells copied_where(const std::vector<CellBox>& boxes, const BlockedCells& later,
                           const BlockedCells& earlier) {
