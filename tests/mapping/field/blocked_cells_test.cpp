@@ -90,10 +90,9 @@ TEST(BlockedCells, BoxesHoldAllThatIsForbiddenAndLittleElse) {
           EXPECT_TRUE(is_whole || (box.high - box.low).maxCoeff() <= narrow);
           mixed += !is_whole;
         });
-        for (int z = 0; z < size.z(); ++z)
-          for (int y = 0; y < size.y(); ++y)
-            for (int x = 0; x < size.x(); ++x)
-              if (cells.at(x, y, z)) ASSERT_TRUE(boxes.at(x, y, z)) << x << " " << y << " " << z;
+        BlockedCells both(size, false);
+        both.block_where_both(cells, boxes);
+        EXPECT_EQ(both, cells);
         if (narrow == 1) {
           EXPECT_EQ(boxes, cells);
         } else {
