@@ -97,7 +97,7 @@ void bind_blocked_space(py::module_& module) {
           doc("BlockedSpace::max_distance"))
       .def_property_readonly(
           "region", [](const SharedSpace& self) { return to_array(self.space->region()); },
-          "The box that is looked at, snapped outwards to voxels: (2, 3), low and high, metres.")
+          "The box that is looked at, snapped outwards to cubes of voxels: (2, 3), low and high, metres.")
       .def_property_readonly(
           "blocked_count", [](const SharedSpace& self) { return self.space->blocked_count(); },
           doc("BlockedSpace::blocked_count"))

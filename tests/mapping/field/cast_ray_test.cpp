@@ -77,9 +77,12 @@ TEST(CastRay, LeavesTheRegionAsThePolicySays) {
   const Eigen::Vector3d origin(0.01, 0.02, 0.03);
   EXPECT_FALSE(
       snapshot.blocked_space({Policy::not_occupied}, box, 0.4)->cast_ray(origin, {1, 0, 0}, 0.0).hit);
-  const RayHit hit = snapshot.blocked_space({Policy::painted}, box, 0.4)->cast_ray(origin, {-1, 0, 0}, 0.0);
+  const auto space = snapshot.blocked_space({Policy::painted}, box, 0.4);
+  const double low = space->region().min().x();  // of the tree's cube that -0.5 lies in
+  EXPECT_NEAR(low, -0.8, 1e-12);
+  const RayHit hit = space->cast_ray(origin, {-1, 0, 0}, 0.0);
   EXPECT_TRUE(hit.hit);
-  EXPECT_TRUE(hit.voxel.isApprox(Eigen::Vector3d(-0.55, 0.05, 0.05)));
+  EXPECT_TRUE(hit.voxel.isApprox(Eigen::Vector3d(low - 0.05, 0.05, 0.05)));
   EXPECT_NEAR(hit.distance, (hit.voxel - origin).norm(), 1e-6);
 }
 
