@@ -4,12 +4,13 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "datasets/ros/clock_restart.hpp"
 #include "datasets/ros/compressed_depth.hpp"
 #include "datasets/ros/cut_bag.hpp"
 #include "datasets/ros/laser_sweep.hpp"
 #include "datasets/ros/sensor_frames.hpp"
 #include "datasets/ros/stamp_order.hpp"
+#include "datasets/ros/transform_faults.hpp"
+#include "datasets/sources/clock_restart.hpp"
 #include "datasets/sources/lens.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -141,7 +142,9 @@ void BagFrames::learn() {
   });
   refuse_restarts(streams);
   add_beyond();
-  refuse_contradictions();
+  if (options_.bag.fixed_frame.empty()) return;
+  transforms_.prefer_ways_to(options_.bag.fixed_frame);
+  refuse_contradictions(transforms_, options_.bag.fixed_frame, sensor_frames_);
 }
 
 void BagFrames::note_stamp(const std::string& topic, double stamp) {
@@ -166,14 +169,6 @@ void BagFrames::add_beyond() {
   }
 }
 
-std::set<std::string> BagFrames::used_frames() const {
-  std::set<std::string> frames;
-  for (const std::string& sensor : sensor_frames_)
-    for (const std::string& end : {sensor, options_.bag.fixed_frame})
-      for (const std::string& frame : transforms_.chain_of(end)) frames.insert(frame);
-  return frames;
-}
-
 /// Names the stream that starts again first.
 void BagFrames::refuse_restarts(const std::map<std::string, Stream>& streams) const {
   std::string clause;
@@ -196,26 +191,6 @@ void BagFrames::refuse_restarts(const std::map<std::string, Stream>& streams) co
     for (const auto& [place, time] : recorded) times.push_back(time);
     if (const auto restart = find_restart(times))
       throw ContradictoryBag(restart_clause(name, times, "the times of recording", *restart, {}));
-  }
-}
-
-void BagFrames::refuse_contradictions() const {
-  if (options_.bag.fixed_frame.empty()) return;
-  for (const std::string& frame : used_frames()) {
-    if (const std::vector<std::string> loop = transforms_.loop_above(frame); !loop.empty()) {
-      std::string way = quote(loop.front());
-      for (std::size_t i = 1; i < std::min<std::size_t>(loop.size(), 6); ++i) way += " in " + quote(loop[i]);
-      throw ContradictoryBag("has transforms in a loop: " + way +
-                             ", as of two publishers; expected a tree, with one parent of each frame");
-    }
-    const PoseConflicts conflicts = transforms_.conflicts_of(frame);
-    if (conflicts.are_many())
-      throw ContradictoryBag(
-          "has transforms that contradict each other: " + std::to_string(conflicts.count()) + " of " +
-          std::to_string(conflicts.poses) + " poses of frame " + quote(frame) + " are up to " +
-          short_text(conflicts.farthest) +
-          " m away from others of their time, as of two publishers or two runs; expected "
-          "one publisher of each frame");
   }
 }
 
@@ -378,23 +353,13 @@ std::vector<std::string> BagFrames::left_out() const {
         "has transforms, but its sensors are taken to stand still: the setup names no "
         "'source: bag: fixed_frame'; frames of the bag: " +
         list_of(transforms_.frames()));
-  if (!options_.bag.fixed_frame.empty()) {
-    for (const std::string& frame : used_frames()) {
-      const PoseConflicts conflicts = transforms_.conflicts_of(frame);
-      if (conflicts.same_time > 0)
-        clauses.push_back("holds " + std::to_string(conflicts.same_time) + " of " +
-                          std::to_string(conflicts.poses) + " poses of frame " + quote(frame) +
-                          " that contradict others of the same time, by up to " +
-                          short_text(conflicts.farthest) + " m; the last one counts");
-      if (const std::size_t changes = transforms_.changes_of(frame); changes > 0)
-        clauses.push_back("moves the fixed frame " + quote(frame) + " " + std::to_string(changes) +
-                          (changes == 1 ? " time" : " times") +
-                          " in /tf_static; each pose holds from its recording on");
-    }
-  }
+  if (!options_.bag.fixed_frame.empty())
+    for (const std::string& clause :
+         tell_contradictions(transforms_, options_.bag.fixed_frame, sensor_frames_))
+      clauses.push_back(clause);
   if (transforms_.left_out() > 0)
     clauses.push_back("holds " + std::to_string(transforms_.left_out()) +
-                      " transforms that are no turns, or give a frame another parent");
+                      " transforms that are no turns, not finite, or of a frame in itself");
   return clauses;
 }
 

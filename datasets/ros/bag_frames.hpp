@@ -4,7 +4,6 @@
 #include <map>
 #include <optional>
 #include <set>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,19 +15,13 @@
 
 namespace clearway {
 
-/// A bag that is whole, but says of one time that things are in two places.
-class ContradictoryBag : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
 /// Makes frames of a bag's messages: reads it once for transforms, cameras and the stamps of what sensors
 /// saw, and once more, in the order of these stamps, for what they saw.
 class BagFrames {
  public:
   /// @throws std::runtime_error a clause: a camera_info topic has no message that can be used.
-  /// @throws ContradictoryBag a clause: its clock starts again, or frames on the way to a sensor alternate
-  /// between places.
+  /// @throws ContradictoryBag a clause: its clock starts again, or where a sensor is cannot be told
+  /// (refuse_contradictions).
   BagFrames(MessageBag& bag, const SourceOptions& options);
 
   void visit(const std::function<void(const Frame&)>& take);
@@ -48,10 +41,7 @@ class BagFrames {
     std::vector<double> stamps;                         ///< s
     std::vector<std::pair<BagPlace, double>> recorded;  ///< where, and when, s
   };
-  /// Frames that lead to the sensors.
-  std::set<std::string> used_frames() const;
   void refuse_restarts(const std::map<std::string, Stream>& streams) const;
-  void refuse_contradictions() const;
   /// Of the transforms beyond the part that is wanted, those within a gap's reach of what sensors saw, if
   /// they came as late as that did: others are of another run of the clock.
   void add_beyond();

@@ -8,8 +8,9 @@
 
 #include "datasets/pictures/picture_times.hpp"
 #include "datasets/ros/bag_frames.hpp"
-#include "datasets/ros/clock_restart.hpp"
+#include "datasets/sources/clock_restart.hpp"
 #include "datasets/ros/cut_bag.hpp"
+#include "datasets/ros/transform_faults.hpp"
 #include "datasets/ros/wire_writer.hpp"
 #include "datasets/sources/decoding_child.hpp"
 #include "datasets/sources/frame_bytes.hpp"

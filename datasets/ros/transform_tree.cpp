@@ -11,31 +11,79 @@ void TransformTree::add(const RosTransform& transform, bool is_fixed, double rec
   const double length = transform.rotation.norm();
   const bool is_sound = std::abs(length - 1.0) <= 0.01 && transform.translation.allFinite() &&
                         std::isfinite(transform.header.time);
-  const auto [edge, is_new] = edges_.try_emplace(transform.child);
-  if (is_new && is_sound) edge->second = {transform.header.frame, is_fixed, {}};
-  if (!is_sound || edge->second.parent != transform.header.frame ||
-      transform.child == transform.header.frame) {
+  if (!is_sound || transform.child == transform.header.frame) {
     ++left_out_;
-    if (edge->second.poses.empty()) edges_.erase(edge);
     return;
   }
+  std::vector<Edge>& edges = edges_[transform.child];
+  auto edge = std::find_if(edges.begin(), edges.end(),
+                           [&](const Edge& known) { return known.parent == transform.header.frame; });
+  if (edge == edges.end()) edge = edges.insert(edge, {transform.header.frame, is_fixed, {}});
+  ++edge->transforms;
   const Pose pose{transform.translation, transform.rotation.normalized()};
-  const double time = edge->second.is_fixed ? recorded : transform.header.time;
-  const auto [known, is_new_time] = edge->second.poses.try_emplace(time, pose);
+  const double time = edge->is_fixed ? recorded : transform.header.time;
+  const auto [known, is_new_time] = edge->poses.try_emplace(time, pose);
   if (is_new_time) return;
   const double distance = (known->second.translation - pose.translation).norm();
   constexpr double least = 1e-3;  // m, rad
   if (distance > least || known->second.rotation.angularDistance(pose.rotation) > least) {
-    ++edge->second.contradicted;
-    edge->second.farthest = std::max(edge->second.farthest, distance);
+    ++edge->contradicted;
+    edge->farthest = std::max(edge->farthest, distance);
   }
   known->second = pose;
 }
 
-PoseConflicts TransformTree::conflicts_of(const std::string& frame) const {
+const TransformTree::Edge* TransformTree::edge_of(const std::string& frame) const {
   const auto found = edges_.find(frame);
-  if (found == edges_.end() || found->second.is_fixed) return {};
-  const Edge& edge = found->second;
+  return found == edges_.end() ? nullptr : &found->second.front();
+}
+
+bool TransformTree::leads_to(const Edge& edge, const std::string& frame, const std::string& root) const {
+  std::set<std::string> seen{frame, edge.parent};
+  for (std::vector<std::string> next{edge.parent}; !next.empty();) {
+    const std::string at = next.back();
+    next.pop_back();
+    if (at == root) return true;
+    if (const auto found = edges_.find(at); found != edges_.end())
+      for (const Edge& above : found->second)
+        if (seen.insert(above.parent).second) next.push_back(above.parent);
+  }
+  return false;
+}
+
+void TransformTree::prefer_ways_to(const std::string& root) {
+  for (auto& [frame, edges] : edges_)
+    if (frame != root)
+      std::stable_partition(edges.begin(), edges.end(),
+                            [&, &name = frame](const Edge& edge) { return leads_to(edge, name, root); });
+}
+
+std::vector<FrameParent> TransformTree::parents_of(const std::string& frame, const std::string& root) const {
+  std::vector<FrameParent> parents;
+  if (const auto found = edges_.find(frame); found != edges_.end())
+    for (const Edge& edge : found->second)
+      parents.push_back({edge.parent, edge.transforms, frame != root && leads_to(edge, frame, root)});
+  return parents;
+}
+
+std::set<std::string> TransformTree::way_between(const std::string& root, const std::string& frame) const {
+  const std::vector<std::string> of_frame = chain_of(frame), of_root = chain_of(root);
+  std::set<std::string> frames;
+  const auto add = [&](const std::vector<std::string>& chain, const std::vector<std::string>& other) {
+    for (const std::string& link : chain) {
+      if (std::find(other.begin(), other.end(), link) != other.end()) return;
+      frames.insert(link);
+    }
+  };
+  add(of_frame, of_root);
+  add(of_root, of_frame);
+  return frames;
+}
+
+PoseConflicts TransformTree::conflicts_of(const std::string& frame) const {
+  const Edge* const found = edge_of(frame);
+  if (found == nullptr || found->is_fixed) return {};
+  const Edge& edge = *found;
   PoseConflicts conflicts{edge.poses.size() + edge.contradicted, edge.contradicted, 0, edge.farthest};
   if (edge.poses.size() < 3) return conflicts;
   for (auto before = edge.poses.begin(), pose = std::next(before), after = std::next(pose);
@@ -74,18 +122,18 @@ std::optional<Eigen::Isometry3d> TransformTree::pose_at(const Edge& edge, double
 
 std::vector<std::string> TransformTree::chain_of(const std::string& frame) const {
   std::vector<std::string> chain{frame};
-  for (auto edge = edges_.find(frame); edge != edges_.end() && chain.size() <= edges_.size();
-       edge = edges_.find(chain.back()))
-    chain.push_back(edge->second.parent);
+  for (const Edge* edge = edge_of(frame); edge != nullptr && chain.size() <= edges_.size();
+       edge = edge_of(chain.back()))
+    chain.push_back(edge->parent);
   return chain;
 }
 
 std::vector<std::string> TransformTree::loop_above(const std::string& frame) const {
   std::vector<std::string> chain{frame};
-  for (auto edge = edges_.find(frame); edge != edges_.end(); edge = edges_.find(chain.back())) {
-    const auto first = std::find(chain.begin(), chain.end(), edge->second.parent) - chain.begin();
+  for (const Edge* edge = edge_of(frame); edge != nullptr; edge = edge_of(chain.back())) {
+    const auto first = std::find(chain.begin(), chain.end(), edge->parent) - chain.begin();
     const bool is_loop = first < static_cast<std::ptrdiff_t>(chain.size());
-    chain.push_back(edge->second.parent);
+    chain.push_back(edge->parent);
     if (is_loop) return {chain.begin() + first, chain.end()};
   }
   return {};
@@ -101,7 +149,7 @@ std::optional<Eigen::Isometry3d> TransformTree::root_from_frame(const std::strin
     Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
     for (const std::string& link : chain) {
       if (link == *common) return result;
-      const auto pose = pose_at(edges_.at(link), time, recorded);
+      const auto pose = pose_at(*edge_of(link), time, recorded);
       if (!pose) return std::nullopt;
       result = *pose * result;
     }
@@ -113,8 +161,8 @@ std::optional<Eigen::Isometry3d> TransformTree::root_from_frame(const std::strin
 }
 
 std::size_t TransformTree::changes_of(const std::string& frame) const {
-  const auto found = edges_.find(frame);
-  if (found == edges_.end() || !found->second.is_fixed) return 0;
+  const Edge* const found = edge_of(frame);
+  if (found == nullptr || !found->is_fixed) return 0;
   const auto differ = [](const auto& before, const auto& after) {
     constexpr double least = 1e-9;  // m, and of the quaternion
     const Pose &a = before.second, &b = after.second;
@@ -123,7 +171,7 @@ std::size_t TransformTree::changes_of(const std::string& frame) const {
                     (a.rotation.coeffs() + b.rotation.coeffs()).norm()) > least;
   };
   std::size_t changes = 0;
-  const auto& poses = found->second.poses;
+  const auto& poses = found->poses;
   for (auto pose = poses.begin(); std::next(pose) != poses.end(); ++pose)
     changes += differ(*pose, *std::next(pose)) ? 1 : 0;
   return changes;
@@ -131,13 +179,15 @@ std::size_t TransformTree::changes_of(const std::string& frame) const {
 
 std::vector<BagFrame> TransformTree::edges() const {
   std::vector<BagFrame> frames;
-  for (const auto& [child, edge] : edges_) frames.push_back({child, edge.parent, edge.is_fixed});
+  for (const auto& [child, edges] : edges_)
+    for (const Edge& edge : edges) frames.push_back({child, edge.parent, edge.is_fixed});
   return frames;
 }
 
 std::vector<std::string> TransformTree::frames() const {
   std::set<std::string> names;
-  for (const auto& [child, edge] : edges_) names.insert({child, edge.parent});
+  for (const auto& [child, edges] : edges_)
+    for (const Edge& edge : edges) names.insert({child, edge.parent});
   return {names.begin(), names.end()};
 }
 

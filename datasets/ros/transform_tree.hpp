@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,13 @@ namespace clearway {
 struct BagFrame {
   std::string name, parent;
   bool is_fixed = false;  ///< by /tf_static
+};
+
+/// A parent that transforms give a frame.
+struct FrameParent {
+  std::string name;
+  std::size_t transforms = 0;  ///< that say so
+  bool leads_to_root = false;  ///< by it, and not by the frame itself, the frame leads to the root asked for
 };
 
 /// Poses of one frame that cannot all be true, as of two publishers.
@@ -29,16 +37,19 @@ struct PoseConflicts {
 };
 
 /// Where the frames of a recording are in one another, by its transforms, as tf2 has it: each frame has one
-/// parent, fixed to it or with poses at times.
+/// parent, fixed to it or with poses at times. Of a frame that is given several, the first one counts, or the
+/// first that leads to where it is wanted; parents_of tells.
 class TransformTree {
  public:
   /// Poses of one frame; the last of one time counts. A transform that is no rotation (its quaternion is off
-  /// unit length by more than 1 %) or not finite is left out, and so is one that gives a frame another
-  /// parent.
+  /// unit length by more than 1 %), not finite, or of a frame in itself is left out.
   /// @param is_fixed it holds from when it was recorded on, until another one is (/tf_static); the first one
   /// before, too
   /// @param recorded s since 1970
   void add(const RosTransform& transform, bool is_fixed, double recorded);
+
+  /// From now on parents that lead to this frame come first.
+  void prefer_ways_to(const std::string& root);
 
   /// Maps from `frame` to `root` at that time: between two poses the translation in a straight line and the
   /// shortest turn. Nothing: no chain joins the two, or a pose of it is not known within max_gap on both
@@ -52,6 +63,10 @@ class TransformTree {
   /// The frames of a loop above this one, as of two publishers of which each is the other's parent; the first
   /// one again at the end. Empty: there is none.
   std::vector<std::string> loop_above(const std::string& frame) const;
+  /// All parents of a frame; first the one that counts.
+  std::vector<FrameParent> parents_of(const std::string& frame, const std::string& root) const;
+  /// The frames whose poses join the two: up to their common one, or all above both where there is none.
+  std::set<std::string> way_between(const std::string& root, const std::string& frame) const;
   /// Of a frame that moves; elsewhere 0.
   PoseConflicts conflicts_of(const std::string& frame) const;
   /// How often the pose of a fixed frame was replaced by another one.
@@ -74,10 +89,15 @@ class TransformTree {
     std::map<double, Pose> poses;  ///< by time; where it is fixed by when it was recorded
     std::size_t contradicted = 0;  ///< by another pose of their time
     double farthest = 0.0;         ///< m, of these
+    std::size_t transforms = 0;    ///< that were added
   };
+  /// The one that counts; null: the frame has no parent.
+  const Edge* edge_of(const std::string& frame) const;
+  /// Whether the parent of a frame, or one above it, is this root, without the frame itself.
+  bool leads_to(const Edge& edge, const std::string& frame, const std::string& root) const;
   static std::optional<Eigen::Isometry3d> pose_at(const Edge& edge, double time, double recorded);
 
-  std::map<std::string, Edge> edges_;  ///< of the child
+  std::map<std::string, std::vector<Edge>> edges_;  ///< of the child, one for each parent
   std::size_t left_out_ = 0;
 };
 

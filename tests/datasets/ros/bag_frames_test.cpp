@@ -365,6 +365,60 @@ TEST_F(BagFramesTest, TwoPublishersOfOneFrameAreRefusedWhereTheyAlternate) {
   }
 }
 
+/// A second parent of the base, which says that it is elsewhere.
+void add_second_parent(ScanBag& bag, bool in_map, bool is_first) {
+  if (is_first) bag.transform(9.8, "vodom", "base", elsewhere_at(10));
+  for (double time = 10.02; time < 13; time += 0.05) bag.transform(time, "vodom", "base", elsewhere_at(time));
+  if (in_map) bag.transform(9.9, "map", "vodom", Eigen::Isometry3d::Identity(), true);
+  bag.sort();
+}
+
+TEST_F(BagFramesTest, AFrameOfWhichTwoParentsLeadToTheMapIsRefused) {
+  for (const bool is_first : {false, true}) {
+    ScanBag bag(folder_ / "two.mcap");
+    add_run(bag, 0);
+    add_second_parent(bag, true, is_first);
+    const Reading reading = read(bag, "two.mcap");
+    EXPECT_TRUE(reading.frames.empty());
+    EXPECT_NE(reading.damage.find(is_first ? "gives frame 'base' two parents, 'vodom' (61 transforms) and "
+                                             "'map' (61 transforms), and both lead to 'map'"
+                                           : "gives frame 'base' two parents, 'map' (61 transforms) and "
+                                             "'vodom' (60 transforms), and both lead to 'map'"),
+              std::string::npos)
+        << reading.damage;
+  }
+}
+
+TEST_F(BagFramesTest, OfTwoParentsTheOneThatLeadsToTheMapCounts) {
+  for (const bool is_first : {false, true}) {
+    ScanBag bag(folder_ / "two.mcap");
+    add_run(bag, 0);
+    add_second_parent(bag, false, is_first);
+    const Reading reading = read(bag, "two.mcap");
+    ASSERT_EQ(reading.frames.size(), 4U) << reading.damage;
+    for (const Frame& frame : reading.frames) expect_pose(frame, base_at(frame.time) * mount());
+    EXPECT_NE(reading.warnings.find("gives frame 'base' two parents, 'map' (61 transforms) and 'vodom'"),
+              std::string::npos)
+        << reading.warnings;
+  }
+}
+
+TEST_F(BagFramesTest, AFrameBesideTheWayMayHaveTwoParents) {
+  ScanBag bag(folder_ / "two.mcap");
+  add_run(bag, 0);
+  bag.transform(10, "map", "cup", mount());
+  bag.transform(11, "base", "cup", mount());
+  bag.transform(9, "earth", "map", mount(), true);  // above the frame in which sensors are placed
+  bag.transform(9, "utm", "map", mount(), true);
+  bag.sort();
+  const Reading reading = read(bag, "two.mcap");
+  ASSERT_EQ(reading.frames.size(), 4U) << reading.damage;
+  for (const Frame& frame : reading.frames) expect_pose(frame, base_at(frame.time) * mount());
+  EXPECT_NE(reading.warnings.find("frame 'cup' two parents, 'map' (1 transforms) and 'base' (1 transforms)"),
+            std::string::npos)
+      << reading.warnings;
+}
+
 TEST_F(BagFramesTest, TransformsInALoopAreRefused) {
   for (const bool is_last : {false, true}) {  // whichever of the two a bag holds first
     ScanBag bag(folder_ / "loop.mcap");

@@ -1,4 +1,4 @@
-#include "datasets/ros/clock_restart.hpp"
+#include "datasets/sources/clock_restart.hpp"
 
 #include <algorithm>
 #include <vector>

@@ -1,0 +1,92 @@
+#include "datasets/ros/transform_faults.hpp"
+
+#include <algorithm>
+
+#include "mapping/system/number_text.hpp"
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+void refuse_loop(const TransformTree& tree, const std::string& frame) {
+  const std::vector<std::string> loop = tree.loop_above(frame);
+  if (loop.empty()) return;
+  std::string way = quote(loop.front());
+  for (std::size_t i = 1; i < std::min<std::size_t>(loop.size(), 6); ++i) way += " in " + quote(loop[i]);
+  throw ContradictoryBag("has transforms in a loop: " + way +
+                         ", as of two publishers; expected a tree, with one parent of each frame");
+}
+
+std::string text_of(const FrameParent& parent) {
+  return quote(parent.name) + " (" + std::to_string(parent.transforms) + " transforms)";
+}
+
+/// Of several parents only one may lead to the root: it is the one that is meant.
+void refuse_parents(const TransformTree& tree, const std::string& root, const std::string& frame) {
+  const std::vector<FrameParent> parents = tree.parents_of(frame, root);
+  if (parents.size() < 2 || (parents[0].leads_to_root && !parents[1].leads_to_root)) return;
+  const bool lead = parents[0].leads_to_root;
+  throw ContradictoryBag("gives frame " + quote(frame) + " two parents, " + text_of(parents[0]) + " and " +
+                         text_of(parents[1]) +
+                         (lead ? ", and both lead to " : ", of which neither leads up to ") + quote(root) +
+                         ": where it is cannot be told; expected a 'fixed_frame' to which one of the two "
+                         "leads alone (as " +
+                         quote(parents[0].name) + " itself), or `from` and `to` of a part with one of them");
+}
+
+void refuse_alternation(const TransformTree& tree, const std::string& frame) {
+  const PoseConflicts conflicts = tree.conflicts_of(frame);
+  if (!conflicts.are_many()) return;
+  throw ContradictoryBag("has transforms that contradict each other: " + std::to_string(conflicts.count()) +
+                         " of " + std::to_string(conflicts.poses) + " poses of frame " + quote(frame) +
+                         " are up to " + short_text(conflicts.farthest) +
+                         " m away from others of their time, as of two publishers or two runs; expected "
+                         "one publisher of each frame");
+}
+
+}  // namespace
+
+std::set<std::string> used_frames(const TransformTree& tree, const std::string& root,
+                                  const std::set<std::string>& sensors) {
+  std::set<std::string> frames;
+  for (const std::string& sensor : sensors) frames.merge(tree.way_between(root, sensor));
+  return frames;
+}
+
+void refuse_contradictions(const TransformTree& tree, const std::string& root,
+                           const std::set<std::string>& sensors) {
+  for (const std::string& sensor : sensors) refuse_loop(tree, sensor);
+  refuse_loop(tree, root);
+  for (const std::string& frame : used_frames(tree, root, sensors)) {
+    refuse_parents(tree, root, frame);
+    refuse_alternation(tree, frame);
+  }
+}
+
+std::vector<std::string> tell_contradictions(const TransformTree& tree, const std::string& root,
+                                             const std::set<std::string>& sensors) {
+  std::vector<std::string> clauses;
+  for (const std::string& frame : used_frames(tree, root, sensors)) {
+    const PoseConflicts conflicts = tree.conflicts_of(frame);
+    if (conflicts.same_time > 0)
+      clauses.push_back("holds " + std::to_string(conflicts.same_time) + " of " +
+                        std::to_string(conflicts.poses) + " poses of frame " + quote(frame) +
+                        " that contradict others of the same time, by up to " +
+                        short_text(conflicts.farthest) + " m; the last one counts");
+    if (const std::size_t changes = tree.changes_of(frame); changes > 0)
+      clauses.push_back("moves the fixed frame " + quote(frame) + " " + std::to_string(changes) +
+                        (changes == 1 ? " time" : " times") +
+                        " in /tf_static; each pose holds from its recording on");
+  }
+  std::string last;
+  for (const BagFrame& edge : tree.edges()) {
+    const std::vector<FrameParent> parents = tree.parents_of(edge.name, root);
+    if (parents.size() < 2 || std::exchange(last, edge.name) == edge.name) continue;
+    clauses.push_back("gives frame " + quote(edge.name) + " two parents, " + text_of(parents[0]) + " and " +
+                      text_of(parents[1]) + "; the first one counts" +
+                      (parents[0].leads_to_root ? ", which leads to " + quote(root) : ""));
+  }
+  return clauses;
+}
+
+}  // namespace clearway
