@@ -210,6 +210,7 @@ PoseStream parse_tum_poses(const std::string& text, const std::string& name, dou
   std::vector<TimedPose> poses;
   int number = 0;
   bool is_w_first = false;
+  std::size_t columns = 0;  // of a head that names more than a time and a pose
   for (std::string line; std::getline(lines, line);) {
     ++number;
     const auto refuse = [&](const std::string& why) {
@@ -223,11 +224,15 @@ PoseStream parse_tum_poses(const std::string& text, const std::string& name, dou
       if (const auto unit = other_unit(line))
         refuse("expected metres and a quaternion, got columns in " + *unit);
       is_w_first = *said;
+      const bool is_pose_first = head->letters.starts_with(is_w_first ? "xyzwxyz" : "xyzxyzw");
+      const auto commas = static_cast<std::size_t>(std::count(line.begin(), line.end(), ','));
+      columns = is_pose_first && commas > 7 ? commas + 1 : 0;
       continue;
     }
     line.resize(std::min(line.find('#'), line.size()));
-    const std::vector<std::string> words = words_of(line);
+    std::vector<std::string> words = words_of(line);
     if (words.empty()) continue;
+    if (words.size() == columns) words.resize(8);
     const auto pose = timed_pose(words, is_w_first);
     const std::streamoff next = lines.tellg();
     const bool is_last =

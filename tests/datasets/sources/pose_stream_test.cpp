@@ -81,6 +81,22 @@ TEST(PoseStream, NamesTheTimesOfTheReadingsAroundATime) {
   expect(NAN, {}, {});
 }
 
+TEST(PoseStream, ReadsEurocsGroundTruth) {
+  const std::string head =
+      "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z [], "
+      "v_RS_R_x [m s^-1], v_RS_R_y [m s^-1], v_RS_R_z [m s^-1], b_w_RS_S_x [rad s^-1]\n";
+  const std::string line = "1403636580838555648,4.5,-1.5,0.75,0.8,0,0,0.6,0.1,0.2,0.3,9";
+  const PoseStream poses = parse_tum_poses(head + line + "\n", "p", 1.0);
+  ASSERT_EQ(poses.size(), 1U);
+  const auto pose = poses.at(poses.first_time().value());
+  const Eigen::Isometry3d expected =
+      Eigen::Translation3d(4.5, -1.5, 0.75) * Eigen::Quaterniond(0.8, 0, 0, 0.6);
+  EXPECT_TRUE(pose && pose->isApprox(expected, 1e-6));
+  EXPECT_NEAR(poses.first_time().value(), 1403636580.838555648, 1e-6);
+  EXPECT_THROW(parse_tum_poses(head + line + ",7\n", "p", 1.0), std::invalid_argument);
+  EXPECT_THROW(parse_tum_poses(line + "\n", "p", 1.0), std::invalid_argument);
+}
+
 TEST(PoseStream, ReadsTheTumFormat) {
   const PoseStream stream = parse_tum_poses(
       "# time x y z qx qy qz qw\n1.0 1 2 3 0 0 0 1\n\n1.2 1 2 5 0 0 0.70710678 0.70710678  # turned\n", "t",
