@@ -11,4 +11,8 @@ namespace clearway {
 /// @param folder of the bag @throws std::invalid_argument naming the file, the line and what was expected.
 std::vector<std::string> listed_parts(const std::filesystem::path& folder);
 
+/// @throws std::invalid_argument naming the folder where metadata.yaml says that its files, or its messages,
+/// are compressed, and saying how they are unpacked; files that lie there unpacked do.
+void require_unpacked(const std::filesystem::path& folder);
+
 }  // namespace clearway

@@ -36,6 +36,23 @@ TEST_F(BagMetadata, ListsNothingWhereNothingIsListed) {
   EXPECT_TRUE(parts_of("rosbag2_bagfile_information: {relative_file_paths: []}").empty());
 }
 
+TEST_F(BagMetadata, CompressionIsRefusedByItsModeUnlessFilesLieThereUnpacked) {
+  const auto refusal = [&](const std::string& mode) {
+    folder_.write("metadata.yaml",
+                  "rosbag2_bagfile_information:\n  compression_format: zstd\n"
+                  "  compression_mode: " +
+                      mode + "\n");
+    return complaint([&] { require_unpacked(folder_.path()); });
+  };
+  EXPECT_EQ(refusal("\"\""), "");
+  EXPECT_NE(refusal("FILE").find("has compressed files ('zstd'), as its metadata.yaml says"),
+            std::string::npos);
+  EXPECT_NE(refusal("file").find("`zstd -d` of each"), std::string::npos);
+  folder_.write("a_0.mcap", "");
+  EXPECT_EQ(refusal("FILE"), "");
+  EXPECT_NE(refusal("MESSAGE").find("has compressed messages ('zstd')"), std::string::npos);
+}
+
 TEST_F(BagMetadata, WhatIsNoMetadataIsRefusedByName) {
   for (const char* text :
        {"rosbag2_bagfile_information: {relative_file_paths: a.mcap}", "rosbag2_bagfile_information: [1, 2]",
