@@ -7,7 +7,7 @@
 namespace clearway {
 
 bool is_off_centre(const CameraIntrinsics& camera) {
-  constexpr double farthest = 0.25;
+  constexpr double farthest = 0.1;  // of the size; real cameras are within 0.08
   return std::abs(camera.cx / camera.width - 0.5) > farthest ||
          std::abs(camera.cy / camera.height - 0.5) > farthest;
 }
