@@ -57,7 +57,10 @@ void warn_of_leftovers(Fusion& fusion) {
         counts.joint_gap);
   }
   if (counts.infinite_beams > 0) {
-    const std::string beams = grouped(counts.infinite_beams) + " beams of laser scans are +inf";
+    std::string beams = grouped(counts.infinite_beams) + " beams of laser scans are +inf";
+    if (counts.beams_at_range > 0)
+      beams += " or, " + grouped(counts.beams_at_range) +
+               " of them, no less than range_max, which is taken for the same";
     fusion.warnings.push_back(
         fusion.setup.source.clear_infinite
             ? beams + ", of which " + grouped(counts.points.cleared) + " free space up to range_max"

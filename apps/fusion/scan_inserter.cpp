@@ -108,7 +108,9 @@ void ScanInserter::take(const Frame& frame, const CloudFrame& cloud) {
   Waiting waiting{{frame.time, frame.sensor, cloud.world_from_sensor, cloud.points},
                   setup_.sensor(frame.sensor, cloud.kind),
                   cloud.unusable};
+  waiting.scan.has_hits_only = !cloud.is_origin_known;
   counts_.infinite_beams += cloud.infinite;
+  counts_.beams_at_range += cloud.at_range;
   if (setup_.source.clear_infinite)
     for (const Eigen::Vector3f& end : cloud.clear_to)
       if (setup_.map.max_range || end.norm() <= farthest) waiting.scan.clear_to.push_back(end);
@@ -186,8 +188,11 @@ void ScanInserter::insert(Waiting& waiting) {
     ++counts_.scans_probe_hidden;
     return;
   }
-  require_metres(scan, setup_.map);
   ScanFilter filter = filter_of(setup_.map);
+  if (scan.has_hits_only)
+    filter.min_range = filter.max_range = 0.0;  // of no sensor
+  else
+    require_metres(scan, setup_.map);
   filter.bodies = robot_;
   if (visibility == HeldBodies::Visibility::unseen) ++counts_.scans_without_probe;
   for (const Capsule& body : held_.bodies(scan.time)) filter.bodies.push_back(body);

@@ -156,11 +156,16 @@ BagTopics read_bag(const YamlFields& fields) {
                                                         {"camera_info", &bag.camera_info},
                                                         {"depth", &bag.depth},
                                                         {"depth_camera_info", &bag.depth_camera_info},
+                                                        {"sensor_frame", &bag.sensor_frame},
                                                         {"fixed_frame", &bag.fixed_frame}};
   for (const auto& [key, name] : names)
     if (fields.has(key)) *name = fields.text(key);
-  if (bag.fixed_frame.starts_with('/')) bag.fixed_frame.erase(0, 1);  // as of frames in messages
+  for (std::string* frame : {&bag.fixed_frame, &bag.sensor_frame})
+    if (frame->starts_with('/')) frame->erase(0, 1);  // as of frames in messages
+  if (!bag.sensor_frame.empty() && bag.fixed_frame.empty())
+    fields.fail("sensor_frame", "expected 'fixed_frame' beside it, in which poses of the sensor are");
   if (fields.has("rectified")) bag.rectified = fields.boolean("rectified");
+  if (fields.has("point_times")) bag.point_times = fields.boolean("point_times");
   if (fields.has("depth_rectified")) bag.depth_rectified = fields.boolean("depth_rectified");
   bag.from = fields.number("from", not_negative, bag.from);
   bag.to = fields.optional_number("to", not_negative);

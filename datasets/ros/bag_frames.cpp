@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
+#include <sstream>
 #include <stdexcept>
 
 #include "datasets/ros/compressed_depth.hpp"
 #include "datasets/ros/cut_bag.hpp"
-#include "datasets/ros/laser_sweep.hpp"
 #include "datasets/ros/sensor_frames.hpp"
+#include "datasets/ros/sensor_sweep.hpp"
 #include "datasets/ros/stamp_order.hpp"
 #include "datasets/ros/transform_faults.hpp"
 #include "datasets/sources/clock_restart.hpp"
@@ -32,6 +34,19 @@ std::string list_of(const std::vector<std::string>& frames) {
     list += (i > 0 ? ", " : "") + quote(frames[i]);
   if (frames.size() > enough) list += " and " + std::to_string(frames.size() - enough) + " more";
   return list.empty() ? "none" : list;
+}
+
+/// There is no pose, as one on the way jumps.
+class JumpedPose : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Seconds to the millisecond.
+std::string time_text(double time) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(3) << time;
+  return text.str();
 }
 
 /// A message's own time, or that of its recording where it has none.
@@ -143,6 +158,7 @@ void BagFrames::learn() {
   refuse_restarts(streams);
   add_beyond();
   if (options_.bag.fixed_frame.empty()) return;
+  if (!options_.bag.sensor_frame.empty()) sensor_frames_.insert(options_.bag.sensor_frame);
   transforms_.prefer_ways_to(options_.bag.fixed_frame);
   refuse_contradictions(transforms_, options_.bag.fixed_frame, sensor_frames_);
 }
@@ -196,7 +212,8 @@ void BagFrames::refuse_restarts(const std::map<std::string, Stream>& streams) co
 
 void BagFrames::leave_out(const BagTopic& topic, const std::runtime_error& error) {
   const bool is_cut = dynamic_cast<const CutMessage*>(&error) != nullptr;
-  Missing& missing = (is_cut ? cut_ : left_out_)[topic.name];
+  const bool is_jump = dynamic_cast<const JumpedPose*>(&error) != nullptr;
+  Missing& missing = (is_cut ? cut_ : is_jump ? jumped_ : left_out_)[topic.name];
   if (missing.count++ == 0) missing.first = error.what();
 }
 
@@ -220,37 +237,64 @@ std::vector<Frame> BagFrames::frames_in(const BagMessage& message) {
                              options_.clear_infinite,
                              [&](double time) { return pose_of(scan.header.frame, time, message.time); });
   }
+  if (topic.type == "sensor_msgs/PointCloud2") return frames_of_cloud(message);
   return {frame_of(message)};
 }
 
 Eigen::Isometry3d BagFrames::pose_of(const std::string& frame, double time, double recorded) const {
   const auto pose = transforms_.root_from_frame(options_.bag.fixed_frame, frame, time, recorded);
+  if (const auto jump = pose ? std::nullopt : transforms_.jump_between(options_.bag.fixed_frame, frame, time))
+    throw JumpedPose("frame " + quote(jump->frame) + " jumps by " + short_text(jump->distance) + " m in " +
+                     quote(jump->parent) + " between " + time_text(jump->before) + " and " +
+                     time_text(jump->after) + " s");
   if (!pose)
     throw std::runtime_error("frame " + quote(frame) + " is not known in " + quote(options_.bag.fixed_frame) +
                              why_unknown(frame));
   return *pose;
 }
 
-void BagFrames::note_motion(const std::string& topic, const RosPointCloud& cloud, const Frame& frame,
-                            double recorded) {
-  const auto span = time_span(cloud);
-  if (!span || options_.bag.fixed_frame.empty()) return;
-  const auto pose_at = [&](double since_stamp) {
-    return transforms_.root_from_frame(options_.bag.fixed_frame, cloud.header.frame, frame.time + since_stamp,
-                                       recorded);
-  };
-  const auto first = pose_at(span->first), last = pose_at(span->last);
-  if (!first || !last) return;
-  const Eigen::Isometry3d last_from_first = last->inverse() * *first;
+std::vector<Frame> BagFrames::frames_of_cloud(const BagMessage& message) {
+  const BagTopic& topic = bag_.topics()[message.topic];
+  WireReader in(message.bytes, *topic.wire);
+  const RosPointCloud cloud = read_point_cloud(in);
+  Frame frame{time_of(cloud.header, message.time), topic.name, points_cloud(cloud)};
+  if (options_.bag.fixed_frame.empty()) return {frame};
+  auto& points = std::get<CloudFrame>(frame.content);
+  points.world_from_sensor = pose_of(cloud.header.frame, frame.time, message.time);
+  const bool is_own = options_.bag.sensor_frame.empty() || options_.bag.sensor_frame == cloud.header.frame;
+  place(points, topic.name, {frame.time, cloud.header.frame}, points.world_from_sensor, message.time);
+  if (is_own && points.is_origin_known && !is_placed(topic.name, "points")) {
+    std::vector<Frame> parts = parts_in_time(cloud, frame, message.time);
+    if (!parts.empty()) return parts;
+  }
+  return {frame};
+}
+
+std::vector<Frame> BagFrames::parts_in_time(const RosPointCloud& cloud, const Frame& frame, double recorded) {
+  auto seen = point_times(cloud);
+  if (!seen) return {};
+  if (seen->times.empty()) {
+    if (odd_times_[frame.sensor].count++ == 0)
+      odd_times_[frame.sensor].first = quote(seen->field) + " spans " + short_text(seen->raw_span);
+    return {};
+  }
+  for (double& time : seen->times) time += frame.time;
+  const auto [first, last] = std::minmax_element(seen->times.begin(), seen->times.end());
+  const auto pose_at = [&](double time) { return pose_of(cloud.header.frame, time, recorded); };
+  const auto& points = std::get<CloudFrame>(frame.content);
+  const Eigen::Isometry3d last_from_first = pose_at(*last).inverse() * pose_at(*first);
   double farthest = 0.0;
-  for (const Eigen::Vector3f& point : std::get<CloudFrame>(frame.content).points) {
+  for (const Eigen::Vector3f& point : points.points) {
     const Eigen::Vector3d place = point.cast<double>();
     farthest = std::max(farthest, (last_from_first * place - place).norm());
   }
-  if (farthest <= options_.resolution) return;
-  Motion& motion = moved_[topic];
-  ++motion.count;
-  motion.farthest = std::max(motion.farthest, farthest);
+  if (farthest > options_.resolution) {
+    Motion& motion = moved_[frame.sensor];
+    if (motion.count++ == 0) motion.field = seen->field;
+    motion.farthest = std::max(motion.farthest, farthest);
+  }
+  if (!options_.bag.point_times || farthest <= 0.25 * options_.resolution) return {};
+  return frames_of_timed_cloud(points, seen->times, frame.sensor, 0.25 * options_.resolution, pose_at);
 }
 
 Frame BagFrames::frame_of(const BagMessage& message) {
@@ -286,12 +330,6 @@ Frame BagFrames::frame_of(const BagMessage& message) {
     picture.intrinsics = camera_->intrinsics;
     message_from_sensor.linear() = camera_->frame_from_camera;
     frame.content = std::move(picture);
-  } else if (topic.type == "sensor_msgs/PointCloud2") {
-    const RosPointCloud cloud = read_point_cloud(in);
-    header = cloud.header;
-    frame.time = time_of(header, message.time);
-    frame.content = points_cloud(cloud);
-    note_motion(topic.name, cloud, frame, message.time);
   } else {
     const RosLaserScan scan = read_laser_scan(in);
     header = scan.header;
@@ -306,12 +344,30 @@ Frame BagFrames::frame_of(const BagMessage& message) {
   return frame;
 }
 
+void BagFrames::place(CloudFrame& cloud, const std::string& topic, const RosHeader& header,
+                      Eigen::Isometry3d world_from_cloud, double recorded) {
+  const BagTopics& bag = options_.bag;
+  if (bag.sensor_frame == header.frame) return;
+  if (!bag.sensor_frame.empty()) {
+    cloud.world_from_sensor = pose_of(bag.sensor_frame, header.time, recorded);
+    const Eigen::Isometry3d sensor_from_cloud = cloud.world_from_sensor.inverse() * world_from_cloud;
+    for (Eigen::Vector3f& point : cloud.points)
+      point = (sensor_from_cloud * point.cast<double>()).cast<float>();
+    return;
+  }
+  const auto [known, is_new] = are_driven_in_.try_emplace(header.frame, false);
+  if (is_new) known->second = is_driven_in(transforms_, bag.fixed_frame, header.frame);
+  cloud.is_origin_known = !known->second || is_placed(topic, "points");
+  if (!cloud.is_origin_known && unseen_[topic].count++ == 0) unseen_[topic].frame = header.frame;
+}
+
+bool BagFrames::is_placed(const std::string& topic, const char* kind) const {
+  return holds(options_.placed, topic) || holds(options_.placed, kind);
+}
+
 bool BagFrames::takes_sensors_to_stand() const {
   const BagTopics& bag = options_.bag;
   if (!bag.fixed_frame.empty()) return false;
-  const auto is_placed = [&](const std::string& topic, const char* kind) {
-    return holds(options_.placed, topic) || holds(options_.placed, kind);
-  };
   return (!bag.depth.empty() && !is_placed(bag.depth, "depth")) ||
          !std::all_of(bag.clouds.begin(), bag.clouds.end(),
                       [&](const std::string& topic) { return is_placed(topic, "points"); }) ||
@@ -338,16 +394,37 @@ std::vector<std::string> BagFrames::left_out() const {
   std::vector<std::string> clauses;
   for (const auto& [topic, missing] : left_out_)
     clauses.push_back(unusable(missing.count, topic, missing.first));
+  for (const auto& [topic, jumped] : jumped_)
+    clauses.push_back("holds " + std::to_string(jumped.count) + " message" + (jumped.count == 1 ? "" : "s") +
+                      " in topic " + quote(topic) +
+                      " at times at which a pose jumps, which were left out; of the first, " + jumped.first);
   for (const auto& [topic, stamps] : stamped_)
     if (stamps.missing > 0)
       clauses.push_back("holds " + std::to_string(stamps.missing) + " of " + std::to_string(stamps.messages) +
                         " messages of " + quote(topic) +
                         " without a stamp; the times of recording are taken, so that they may be placed by "
                         "poses of a later moment");
+  for (const auto& [topic, unseen] : unseen_)
+    clauses.push_back("holds " + std::to_string(unseen.count) + " clouds in topic " + quote(topic) +
+                      " in frame " + quote(unseen.frame) +
+                      ", in which others drive: they mark what is occupied and free nothing, as nothing says "
+                      "where the sensor was; `source: {bag: {sensor_frame: …}}` of the setup lets their rays "
+                      "begin at that frame; frames of the bag: " +
+                      list_of(transforms_.frames()));
   for (const auto& [topic, motion] : moved_)
     clauses.push_back("holds " + std::to_string(motion.count) + " clouds in topic " + quote(topic) +
                       " during which the sensor moved, what it saw by up to " + short_text(motion.farthest) +
-                      " m; each is placed by one pose, at its stamp");
+                      " m; " +
+                      (options_.bag.point_times
+                           ? "each point is placed at its own time, by the field " + quote(motion.field) +
+                                 "; `point_times: false` in `source: {bag: …}` of the setup takes a cloud as "
+                                 "seen at its stamp, as where another program did so before"
+                           : "each is placed by one pose, at its stamp"));
+  for (const auto& [topic, odd] : odd_times_)
+    clauses.push_back("holds " + std::to_string(odd.count) + " clouds in topic " + quote(topic) +
+                      " whose points' times make no sense in s, ms, us or ns since the stamp or 1970 (of the "
+                      "first, " +
+                      odd.first + "); each is placed by one pose, at its stamp");
   if (options_.bag.fixed_frame.empty() && !transforms_.frames().empty())
     clauses.push_back(
         "has transforms, but its sensors are taken to stand still: the setup names no "

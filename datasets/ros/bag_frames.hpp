@@ -55,8 +55,15 @@ class BagFrames {
   std::vector<Frame> frames_in(const BagMessage& message);
   Frame frame_of(const BagMessage& message);
   Eigen::Isometry3d pose_of(const std::string& frame, double time, double recorded) const;
-  /// Notes by how much the sensor moves while a cloud is measured.
-  void note_motion(const std::string& topic, const RosPointCloud& cloud, const Frame& frame, double recorded);
+  std::vector<Frame> frames_of_cloud(const BagMessage& message);
+  /// A cloud's points at their own times while the sensor moves, which is noted; empty: it is one frame.
+  std::vector<Frame> parts_in_time(const RosPointCloud& cloud, const Frame& frame, double recorded);
+  /// Places a cloud: rays begin at its frame's origin, or at that of the setup's `sensor_frame`.
+  /// @param world_from_cloud by the frame of its header
+  void place(CloudFrame& cloud, const std::string& topic, const RosHeader& header,
+             Eigen::Isometry3d world_from_cloud, double recorded);
+  /// Whether the setup says where a sensor is. @param kind of its clouds
+  bool is_placed(const std::string& topic, const char* kind) const;
   /// Whether neither the setup nor transforms say where some sensor of points is.
   bool takes_sensors_to_stand() const;
   /// The end of the clause that says that a frame has no pose.
@@ -75,12 +82,21 @@ class BagFrames {
   struct Motion {
     std::size_t count = 0;
     double farthest = 0.0;  ///< m, of a point
+    std::string field;      ///< of the points' times
   };
+  struct Unseen {
+    std::size_t count = 0;
+    std::string frame;  ///< of the first
+  };
+  std::map<std::string, Unseen> unseen_;       ///< of the topic: clouds of which the sensor is not known
+  std::map<std::string, bool> are_driven_in_;  ///< of a cloud's frame: is_driven_in
   struct Stamps {
     std::size_t messages = 0, missing = 0;
   };
-  std::map<std::string, Stamps> stamped_;          ///< of a sensor's topic
-  std::map<std::string, Missing> left_out_, cut_;  ///< of the topic: that cannot be used; that end early
+  std::map<std::string, Stamps> stamped_;  ///< of a sensor's topic
+  std::map<std::string, Missing> left_out_, cut_, jumped_,
+      odd_times_;                        ///< of the topic: that cannot be used; that end early; where a pose
+                                         ///< jumps; whose points' times make no sense
   std::map<std::string, Motion> moved_;  ///< of the topic: clouds that are measured while the sensor moves
 };
 

@@ -8,10 +8,10 @@
 
 #include "datasets/pictures/picture_times.hpp"
 #include "datasets/ros/bag_frames.hpp"
-#include "datasets/sources/clock_restart.hpp"
 #include "datasets/ros/cut_bag.hpp"
 #include "datasets/ros/transform_faults.hpp"
 #include "datasets/ros/wire_writer.hpp"
+#include "datasets/sources/clock_restart.hpp"
 #include "datasets/sources/decoding_child.hpp"
 #include "datasets/sources/frame_bytes.hpp"
 #include "datasets/sources/lens.hpp"
@@ -136,6 +136,7 @@ class BagFiles {
       throw std::invalid_argument(sentence(
           bag, "is SQLite (.db3), which is not read here: expected MCAP, which `ros2 bag convert` makes"));
     if (is_folder) files_ = files_with(bag, ".mcap");
+    if (is_folder && files_.empty()) files_ = files_with(bag, ".bag");
     for (const std::filesystem::path& file : files_) {
       inputs_.push_back(std::make_unique<InputFile>(file, "bag"));
       size_ += inputs_.back()->size();

@@ -21,18 +21,20 @@ inline bool is_bag_file(const std::filesystem::path& file) {
 }
 
 /// True for the folder that `ros2 bag record` makes: metadata.yaml beside files .mcap or .db3; and for one of
-/// files .mcap alone.
+/// files .mcap alone, or .bag alone, as `rosbag record --split` makes them.
 inline bool is_bag_folder(const std::filesystem::path& folder) {
   std::error_code error;
   const bool has_metadata = std::filesystem::exists(folder / "metadata.yaml", error);
-  bool has_bags = false, has_others = false;
+  bool has_bags = false, has_ros1 = false, has_others = false;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
     const std::string kind = extension_of(entry.path());
     const bool is_part = kind == ".mcap" || (has_metadata && kind == ".db3");
     has_bags |= is_part;
-    has_others |= !is_part;
+    has_ros1 |= kind == ".bag";
+    has_others |= !is_part && kind != ".bag";
   }
-  return has_bags && (has_metadata || !has_others);
+  if (!has_metadata && has_others) return false;
+  return has_bags ? has_metadata || !has_ros1 : has_ros1 && !has_metadata;
 }
 
 inline bool is_bag(const std::filesystem::path& path) { return is_bag_file(path) || is_bag_folder(path); }

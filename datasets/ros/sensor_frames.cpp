@@ -187,7 +187,46 @@ CloudFrame depth_cloud(const RosImage& image, const CameraIntrinsics& camera,
   return cloud;
 }
 
-std::optional<TimeSpan> time_span(const RosPointCloud& cloud) {
+namespace {
+
+/// Calls `take` with where each point begins in the data.
+template <class Take>
+void for_each_point(const RosPointCloud& cloud, const Take& take) {
+  require_points(cloud);
+  for (std::size_t row = 0; row < cloud.height; ++row)
+    for (std::size_t column = 0; column < cloud.width; ++column)
+      take(row * cloud.row_step + column * cloud.point_step);
+}
+
+/// Reads places.
+class PlaceReader {
+ public:
+  explicit PlaceReader(const RosPointCloud& cloud)
+      : cloud_(cloud), fields_{&field_of(cloud, "x"), &field_of(cloud, "y"), &field_of(cloud, "z")} {}
+  Eigen::Vector3f at(std::size_t begin) const {
+    Eigen::Vector3f point;
+    for (int axis = 0; axis < 3; ++axis) {
+      const RosPointField& field = *fields_[static_cast<std::size_t>(axis)];
+      point[axis] = static_cast<float>(number_of(cloud_, begin + field.offset, field.datatype));
+    }
+    return point;
+  }
+
+ private:
+  const RosPointCloud& cloud_;
+  std::array<const RosPointField*, 3> fields_;
+};
+
+/// s of one step of times that span so much, as a sweep of a sensor does.
+double unit_of(double span, double last, bool is_integer) {
+  for (const double unit : {1.0, 1e-3, 1e-6, 1e-9})
+    if (unit * span >= 0.01 && unit * span <= 0.5) return unit;
+  return is_integer || std::abs(last) >= 1e15 ? 1e-9 : 1.0;
+}
+
+}  // namespace
+
+std::optional<PointTimes> point_times(const RosPointCloud& cloud) {
   const auto is_time = [&](const RosPointField& field) {
     constexpr std::array names{"t", "time", "timestamp", "time_stamp", "offset_time", "time_offset"};
     return std::find(names.begin(), names.end(), field.name) != names.end() && size_of(field.datatype) > 0 &&
@@ -195,51 +234,48 @@ std::optional<TimeSpan> time_span(const RosPointCloud& cloud) {
   };
   const auto field = std::find_if(cloud.fields.begin(), cloud.fields.end(), is_time);
   if (field == cloud.fields.end()) return std::nullopt;
-  require_points(cloud);
-  TimeSpan span{HUGE_VAL, -HUGE_VAL};
-  for (std::size_t row = 0; row < cloud.height; ++row) {
-    for (std::size_t column = 0; column < cloud.width; ++column) {
-      const std::size_t at = row * cloud.row_step + column * cloud.point_step + field->offset;
-      const double time = number_of(cloud, at, field->datatype);
-      if (!std::isfinite(time)) continue;
-      span = {std::min(span.first, time), std::max(span.last, time)};
-    }
-  }
-  const bool is_integer = field->datatype < 7;
-  const double unit = is_integer || std::abs(span.last) >= 1e15 ? 1e-9 : 1.0;
-  span = {unit * span.first, unit * span.last};
-  if (std::abs(span.last) >= 1e6) span = {span.first - cloud.header.time, span.last - cloud.header.time};
+  const PlaceReader places(cloud);
+  PointTimes out{field->name, 0.0, {}};
+  for_each_point(cloud, [&](std::size_t begin) {
+    const Eigen::Vector3f point = places.at(begin);
+    if (point.allFinite() && !point.isZero(0.0F))
+      out.times.push_back(number_of(cloud, begin + field->offset, field->datatype));
+  });
+  if (out.times.empty()) return std::nullopt;
+  const bool are_finite =
+      std::all_of(out.times.begin(), out.times.end(), [](double time) { return std::isfinite(time); });
+  const auto [first, last] = std::minmax_element(out.times.begin(), out.times.end());
+  out.raw_span = are_finite ? *last - *first : HUGE_VAL;
+  if (out.raw_span == 0.0) return std::nullopt;
   constexpr double longest = 10.0;  // s
-  const bool is_sound = span.last - span.first <= longest && std::abs(span.first) <= longest;
-  return is_sound ? std::optional(span) : std::nullopt;
+  const double unit = unit_of(out.raw_span, *last, field->datatype < 7);
+  const double from = std::abs(unit * *first) > longest ? cloud.header.time : 0.0;
+  const double since = unit * *first - from, until = unit * *last - from;
+  const bool is_sound = are_finite && until - since <= longest && std::abs(since) <= longest;
+  if (!is_sound) {
+    out.times.clear();
+    return out;
+  }
+  for (double& time : out.times) time = unit * time - from;
+  return out;
 }
 
 CloudFrame points_cloud(const RosPointCloud& cloud) {
-  const RosPointField* const fields[3] = {&field_of(cloud, "x"), &field_of(cloud, "y"),
-                                          &field_of(cloud, "z")};
-  require_points(cloud);
+  const PlaceReader places(cloud);
   CloudFrame out;
   out.kind = "points";
-  for (std::size_t row = 0; row < cloud.height; ++row) {
-    for (std::size_t column = 0; column < cloud.width; ++column) {
-      const std::size_t at = row * cloud.row_step + column * cloud.point_step;
-      Eigen::Vector3f point;
-      for (int axis = 0; axis < 3; ++axis) {
-        const RosPointField& field = *fields[axis];
-        point[axis] =
-            field.datatype == 7
-                ? number_at<float>(cloud.data, at + field.offset, cloud.is_bigendian)
-                : static_cast<float>(number_at<double>(cloud.data, at + field.offset, cloud.is_bigendian));
-      }
-      take_point(out, point);
-    }
-  }
+  for_each_point(cloud, [&](std::size_t begin) { take_point(out, places.at(begin)); });
   return out;
 }
 
 namespace {
 
-bool met_nothing(float range) { return std::isinf(range) && range > 0.0F; }
+bool has_range(const RosLaserScan& scan) { return std::isfinite(scan.range_max) && scan.range_max > 0.0F; }
+
+/// +inf (REP 117), or no less than range_max, which many drivers write where nothing came back.
+bool met_nothing(const RosLaserScan& scan, float range) {
+  return range > 0.0F && (std::isinf(range) || (has_range(scan) && range >= scan.range_max));
+}
 
 }  // namespace
 
@@ -247,14 +283,14 @@ std::vector<LaserReturn> laser_returns(const RosLaserScan& scan, bool with_clear
   if (!std::isfinite(scan.angle_min) || !std::isfinite(scan.angle_increment))
     throw std::runtime_error("its angles are not finite");
   std::vector<LaserReturn> returns;
-  const bool has_range = std::isfinite(scan.range_max) && scan.range_max > 0.0F;
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
-    const bool is_clear = with_clear && has_range && met_nothing(scan.ranges[i]);
+    const bool is_nothing = met_nothing(scan, scan.ranges[i]);
+    const bool is_clear = with_clear && is_nothing && has_range(scan);
     const double range = is_clear ? double{scan.range_max} : double{scan.ranges[i]};
     const double angle = double{scan.angle_min} + static_cast<double>(i) * double{scan.angle_increment};
     const bool is_return = std::isfinite(range) && range > 0.0 && range >= double{scan.range_min} &&
                            range <= double{scan.range_max};
-    if (is_return)
+    if (is_return && (is_clear || !is_nothing))
       returns.push_back(
           {i,
            {static_cast<float>(range * std::cos(angle)), static_cast<float>(range * std::sin(angle)), 0.0F},
@@ -266,9 +302,11 @@ std::vector<LaserReturn> laser_returns(const RosLaserScan& scan, bool with_clear
 CloudFrame empty_laser_cloud(const RosLaserScan& scan) {
   CloudFrame cloud;
   cloud.kind = "laser2d";
-  if (std::isfinite(scan.range_max) && scan.range_max > 0.0F) cloud.max_range = double{scan.range_max};
-  cloud.infinite =
-      static_cast<std::size_t>(std::count_if(scan.ranges.begin(), scan.ranges.end(), met_nothing));
+  if (has_range(scan)) cloud.max_range = double{scan.range_max};
+  for (const float range : scan.ranges) {
+    cloud.infinite += met_nothing(scan, range) ? 1 : 0;
+    cloud.at_range += met_nothing(scan, range) && std::isfinite(range) ? 1 : 0;
+  }
   return cloud;
 }
 

@@ -28,20 +28,23 @@ Eigen::Isometry3d optical_from_sensor();
 
 /// Its finite points but those at the origin, which drivers put where nothing came back.
 CloudFrame points_cloud(const RosPointCloud& cloud);
-/// When the first and the last of its points were measured, s since its stamp, by a field of each point's
-/// time: t, time, timestamp, time_stamp, offset_time or time_offset, in nanoseconds where they are integers,
-/// else in seconds; from 1e6 on they are seconds (from 1e15 on nanoseconds) since 1970. Nothing: it has none,
-/// or they span more than 10 s.
-struct TimeSpan {
-  double first = 0.0, last = 0.0;
+/// When the points of points_cloud were measured, by a field of each point's time: t, time, timestamp,
+/// time_stamp, offset_time or time_offset, since the stamp or since 1970. Their unit is s, ms, us or ns, by
+/// which they span 0.01 to 0.5 s; else ns of integers and s of others. Nothing: there is no such field, or
+/// all are equal.
+struct PointTimes {
+  std::string field;
+  double raw_span = 0.0;      ///< in the field's unit
+  std::vector<double> times;  ///< s since the stamp; none: they make no sense in any unit
 };
-std::optional<TimeSpan> time_span(const RosPointCloud& cloud);
+std::optional<PointTimes> point_times(const RosPointCloud& cloud);
 
-/// A return of a laser between its least and its largest range.
+/// A return of a laser of at least its least and less than its largest range.
 struct LaserReturn {
   std::size_t ray = 0;    ///< its number in the scan
   Eigen::Vector3f point;  ///< m, in the laser's axes while this ray was out
-  bool is_clear = false;  ///< no return: where a ray that met nothing (+inf, REP 117) reaches range_max
+  bool is_clear =
+      false;  ///< where a ray that met nothing (+inf, or no less than range_max) reaches range_max
 };
 /// @param with_clear whether rays that met nothing are among them
 std::vector<LaserReturn> laser_returns(const RosLaserScan& scan, bool with_clear);

@@ -1,6 +1,7 @@
 #include "datasets/ros/transform_faults.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -51,6 +52,17 @@ std::set<std::string> used_frames(const TransformTree& tree, const std::string& 
   std::set<std::string> frames;
   for (const std::string& sensor : sensors) frames.merge(tree.way_between(root, sensor));
   return frames;
+}
+
+bool is_driven_in(const TransformTree& tree, const std::string& root, const std::string& frame) {
+  double own = 0.1;  // m, what is not worth a word
+  for (const std::string& link : tree.way_between(root, frame)) own += tree.way_of(link);
+  for (const BagFrame& below : tree.edges()) {
+    const std::vector<std::string> chain = tree.chain_of(below.name);
+    const bool is_below = std::find(chain.begin(), chain.end(), frame) != chain.end();
+    if (is_below && below.name != frame && tree.way_of(below.name) > own) return true;
+  }
+  return false;
 }
 
 void refuse_contradictions(const TransformTree& tree, const std::string& root,

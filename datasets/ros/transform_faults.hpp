@@ -19,6 +19,10 @@ class ContradictoryBag : public std::runtime_error {
 std::set<std::string> used_frames(const TransformTree& tree, const std::string& root,
                                   const std::set<std::string>& sensors);
 
+/// Whether frames below this one drive while it stands in `root`, or moves less than they do, as below a map
+/// and an odometry's frame: what is measured in it was put there, and not seen from its origin.
+bool is_driven_in(const TransformTree& tree, const std::string& root, const std::string& frame);
+
 /// @param sensors frames of sensors that are placed in `root`
 /// @throws ContradictoryBag a clause: on the way from these to the root a frame is in a loop, has two parents
 /// by which it leads there (or none does), or alternates between places.

@@ -100,6 +100,55 @@ PoseConflicts TransformTree::conflicts_of(const std::string& frame) const {
   return conflicts;
 }
 
+bool TransformTree::is_jump(const Poses& poses, Poses::const_iterator after) {
+  using Motion = Eigen::Matrix<double, 6, 1>;  // m and rad
+  const auto motion = [](const Pose& from, const Pose& to) {
+    const Eigen::AngleAxisd turn(from.rotation.conjugate() * to.rotation);
+    const double angle = turn.angle() > M_PI ? turn.angle() - 2.0 * M_PI : turn.angle();
+    return Motion((Motion() << to.translation - from.translation, angle * turn.axis()).finished());
+  };
+  const auto speed = [&](Poses::const_iterator first, Poses::const_iterator second) -> std::optional<Motion> {
+    const double gap = second->first - first->first;
+    if (gap > max_gap) return std::nullopt;
+    return motion(first->second, second->second) / gap;
+  };
+  const auto before = std::prev(after);
+  std::optional<Motion> earlier, later;
+  if (before != poses.begin()) earlier = speed(std::prev(before), before);
+  if (std::next(after) != poses.end()) later = speed(after, std::next(after));
+  if (!earlier && !later) return false;
+  const double gap = after->first - before->first;
+  const Motion step = motion(before->second, after->second);
+  const Motion first = gap * (earlier ? *earlier : *later), last = gap * (later ? *later : *earlier);
+  const auto off = [](const Eigen::Vector3d& made, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+    const Eigen::Vector3d way = to - from;  // speeds in between are driven, too
+    const double part = way.isZero() ? 0.0 : std::clamp((made - from).dot(way) / way.squaredNorm(), 0.0, 1.0);
+    return (made - from - part * way).norm();
+  };
+  const auto is_beyond = [&](double distance, double acceleration) {
+    constexpr double least = 0.1;  // m, rad
+    const double needed = (earlier && later ? 4.0 : 1.0) * distance / (gap * gap);
+    return distance > least && needed > acceleration;
+  };
+  return is_beyond(off(step.head<3>(), first.head<3>(), last.head<3>()), 10.0) ||
+         is_beyond(off(step.tail<3>(), first.tail<3>(), last.tail<3>()), 40.0);
+}
+
+std::optional<PoseJump> TransformTree::jump_between(const std::string& root, const std::string& frame,
+                                                    double time) const {
+  for (const std::string& link : way_between(root, frame)) {
+    const Edge* const edge = edge_of(link);
+    if (edge == nullptr || edge->is_fixed) continue;
+    const auto after = edge->poses.lower_bound(time);
+    if (after == edge->poses.end() || after == edge->poses.begin() || after->first == time) continue;
+    const auto before = std::prev(after);
+    if (is_jump(edge->poses, after))
+      return PoseJump{link, edge->parent, before->first, after->first,
+                      (after->second.translation - before->second.translation).norm()};
+  }
+  return std::nullopt;
+}
+
 std::optional<Eigen::Isometry3d> TransformTree::pose_at(const Edge& edge, double time, double recorded) {
   const auto isometry = [](const Pose& pose) {
     return Eigen::Isometry3d(Eigen::Translation3d(pose.translation) * pose.rotation);
@@ -114,7 +163,7 @@ std::optional<Eigen::Isometry3d> TransformTree::pose_at(const Edge& edge, double
   if (after == edge.poses.begin()) return std::nullopt;
   const auto before = std::prev(after);
   const double gap = after->first - before->first;
-  if (gap > max_gap) return std::nullopt;
+  if (gap > max_gap || is_jump(edge.poses, after)) return std::nullopt;
   const double part = (time - before->first) / gap;
   return isometry({(1.0 - part) * before->second.translation + part * after->second.translation,
                    before->second.rotation.slerp(part, after->second.rotation)});
@@ -158,6 +207,14 @@ std::optional<Eigen::Isometry3d> TransformTree::root_from_frame(const std::strin
   const auto from_root = common_from(of_root), from_frame = common_from(of_frame);
   if (!from_root || !from_frame) return std::nullopt;
   return from_root->inverse() * *from_frame;
+}
+
+double TransformTree::way_of(const std::string& frame) const {
+  const Edge* const found = edge_of(frame);
+  if (found == nullptr || found->is_fixed) return 0.0;
+  Eigen::AlignedBox3d box;
+  for (const auto& [time, pose] : found->poses) box.extend(pose.translation);
+  return box.diagonal().norm();
 }
 
 std::size_t TransformTree::changes_of(const std::string& frame) const {

@@ -36,6 +36,13 @@ struct PoseConflicts {
   bool are_many() const { return count() >= 5 && count() * 5 >= poses && farthest > 0.05; }
 };
 
+/// Two poses of a frame, one after the other, between which nothing drives.
+struct PoseJump {
+  std::string frame, parent;
+  double before = 0.0, after = 0.0;  ///< s, their times
+  double distance = 0.0;             ///< m
+};
+
 /// Where the frames of a recording are in one another, by its transforms, as tf2 has it: each frame has one
 /// parent, fixed to it or with poses at times. Of a frame that is given several, the first one counts, or the
 /// first that leads to where it is wanted; parents_of tells.
@@ -53,10 +60,15 @@ class TransformTree {
 
   /// Maps from `frame` to `root` at that time: between two poses the translation in a straight line and the
   /// shortest turn. Nothing: no chain joins the two, or a pose of it is not known within max_gap on both
-  /// sides (at one of exactly that time a side is enough).
+  /// sides (at one of exactly that time a side is enough), or it jumps there (jump_between).
   /// @param recorded s since 1970, of what is placed: which of several fixed poses holds
   std::optional<Eigen::Isometry3d> root_from_frame(const std::string& root, const std::string& frame,
                                                    double time, double recorded) const;
+
+  /// Where a frame between the two jumps at that time, as a map's odometry does when the robot finds out
+  /// where it is: by more than 10 cm (0.1 rad) away from where its speeds before and after lead, which would
+  /// take more than 10 m/s^2 (40 rad/s^2). Nothing: none does.
+  std::optional<PoseJump> jump_between(const std::string& root, const std::string& frame, double time) const;
 
   /// The frame, its parent, and so on.
   std::vector<std::string> chain_of(const std::string& frame) const;
@@ -69,6 +81,8 @@ class TransformTree {
   std::set<std::string> way_between(const std::string& root, const std::string& frame) const;
   /// Of a frame that moves; elsewhere 0.
   PoseConflicts conflicts_of(const std::string& frame) const;
+  /// m, the diagonal of the box of its places in its parent; 0 where it is fixed.
+  double way_of(const std::string& frame) const;
   /// How often the pose of a fixed frame was replaced by another one.
   std::size_t changes_of(const std::string& frame) const;
 
@@ -95,6 +109,9 @@ class TransformTree {
   const Edge* edge_of(const std::string& frame) const;
   /// Whether the parent of a frame, or one above it, is this root, without the frame itself.
   bool leads_to(const Edge& edge, const std::string& frame, const std::string& root) const;
+  using Poses = std::map<double, Pose>;
+  /// @param after the second pose of the two, not the first of all
+  static bool is_jump(const Poses& poses, Poses::const_iterator after);
   static std::optional<Eigen::Isometry3d> pose_at(const Edge& edge, double time, double recorded);
 
   std::map<std::string, std::vector<Edge>> edges_;  ///< of the child, one for each parent

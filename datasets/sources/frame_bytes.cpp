@@ -81,6 +81,8 @@ void write_content(ByteWriter& out, const CloudFrame& frame) {
   out.block(frame.kind.data(), frame.kind.size());
   out.number<std::uint64_t>(frame.unusable);
   out.number<std::uint64_t>(frame.infinite);
+  out.number<std::uint64_t>(frame.at_range);
+  out.number<uint8_t>(frame.is_origin_known ? 1 : 0);
   out.block(frame.clear_to.data(), frame.clear_to.size() * sizeof(Eigen::Vector3f));
 }
 
@@ -130,6 +132,10 @@ CloudFrame read_cloud(ByteReader& in) {
   frame.kind = in.block();
   frame.unusable = in.number<std::uint64_t>();
   frame.infinite = in.number<std::uint64_t>();
+  frame.at_range = in.number<std::uint64_t>();
+  const auto is_known = in.number<uint8_t>();
+  in.require(is_known <= 1);
+  frame.is_origin_known = is_known == 1;
   frame.clear_to = read_points(in);
   return frame;
 }

@@ -44,7 +44,9 @@ struct BagTopics {
   std::vector<std::string> parts;  ///< files that the bag's folder should hold; none: not known
   double from = 0.0;               ///< s after its first message was recorded: what was before is not read
   std::optional<double> to = {};   ///< the same: what was recorded then and later; empty: to the end
-  std::string fixed_frame;         ///< poses of sensors are in it, by tf; empty: sensors do not move
+  std::string sensor_frame;  ///< where rays of clouds in other frames begin; empty: at the origin of theirs
+  bool point_times = true;   ///< points of clouds are where they were seen at their own times
+  std::string fixed_frame;   ///< poses of sensors are in it, by tf; empty: sensors do not move
 
   bool empty() const { return images.empty() && depth.empty() && clouds.empty() && scans.empty(); }
 };

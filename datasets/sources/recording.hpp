@@ -60,9 +60,12 @@ struct CloudFrame {
   /// Points that are not among them: not finite, or at the sensor's origin, where drivers put what did not
   /// come back.
   std::size_t unusable = 0;
-  /// Beams of a 2D laser that said +inf: nothing within its range (REP 117), or, of some drivers, no answer.
+  /// Beams of a 2D laser that said +inf, or no less than its range: nothing within it (REP 117), or, of some
+  /// drivers, no answer.
   std::size_t infinite = 0;
+  std::size_t at_range = 0;                 ///< of these, the ones that are not +inf
   std::vector<Eigen::Vector3f> clear_to{};  ///< where these reach the laser's range, if it is known
+  bool is_origin_known = true;              ///< else points say what is occupied, and no rays lead to them
 };
 
 /// Adds a point to the cloud, or counts it as not usable.

@@ -19,6 +19,8 @@ struct Scan {
   /// Where rays end that met nothing up to there: they free space as hits do, less the same margin (see
   /// SafeMargins::trim), and set no hit. Sensor frame, metres; most scans say nothing of such rays.
   std::vector<Eigen::Vector3f> clear_to{};
+  /// Where the sensor was is not known: the points set their hits and no ray is cast.
+  bool has_hits_only = false;
 };
 
 /// A capsule of space, map frame; radius around the segment from `a` to `b`.

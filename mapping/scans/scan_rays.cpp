@@ -207,6 +207,10 @@ ScanRays& choose_rays(const FusedTree& tree, const Scan& scan, const ScanFilter&
   counts.dropped_filter = kept.dropped_filter;
   std::swap(shares[0].hits, workspace.grid);
   std::swap(shares[0].ends, workspace.chosen.ends);
+  if (scan.has_hits_only) {
+    workspace.chosen.ends.clear();
+    return workspace.chosen;
+  }
   add_clear_rays(tree, scan, filter, insertion, workspace.chosen, counts);
   return workspace.chosen;
 }

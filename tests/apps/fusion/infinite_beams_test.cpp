@@ -64,6 +64,25 @@ TEST_F(InfiniteBeams, AreLeftOutAndToldUnlessTheSetupLetsThemFreeSpace) {
   EXPECT_NE(clear.warnings[0].find("free space up to range_max"), std::string::npos);
 }
 
+TEST_F(InfiniteBeams, ThatReadTheLargestRangeAreTheSameAndTold) {
+  worlds::ScanBag bag(folder_ / "a.mcap");
+  bag.transform(9, "map", "laser", Eigen::Isometry3d(Eigen::Translation3d(0, 0, 0.5)), true);
+  bag.sweep("/scan", 10, "laser", {-0.1F, 0.1F, 0.0F, 4.0F}, {INFINITY, 2.0F, 4.0F});
+  bag.write();
+  const Fusion plain = fused(""), clear = fused(", scans: {clear_infinite: true}");
+  const Eigen::Vector3d end(3.99 * std::cos(0.1), 3.99 * std::sin(0.1), 0.51),
+      way(3.0 * std::cos(0.1), 3.0 * std::sin(0.1), 0.51);
+  EXPECT_EQ(plain.map.snapshot().state(end), VoxelState::unknown);
+  EXPECT_EQ(plain.map.snapshot().state(way), VoxelState::unknown);
+  EXPECT_EQ(clear.map.snapshot().state(way), VoxelState::seen_free);
+  EXPECT_EQ(clear.counts.points.cleared, 2U);
+  ASSERT_EQ(plain.warnings.size(), 1U);
+  EXPECT_TRUE(
+      plain.warnings[0].starts_with("2 beams of laser scans are +inf or, 1 of them, no less than "
+                                    "range_max"))
+      << plain.warnings[0];
+}
+
 TEST_F(InfiniteBeams, OfARangeThatNoLaserHasFreeNothingWithoutAMaxRange) {
   worlds::ScanBag bag(folder_ / "a.mcap");
   bag.transform(9, "map", "laser", Eigen::Isometry3d(Eigen::Translation3d(0, 0, 0.5)), true);

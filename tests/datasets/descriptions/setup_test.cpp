@@ -344,6 +344,11 @@ TEST(Setup, SaysWhichPartOfABagIsReadAndWhatInfiniteBeamsDo) {
   EXPECT_EQ(source.bag.from, 2.5);
   EXPECT_EQ(source.bag.to, 60.0);
   EXPECT_TRUE(source.clear_infinite);
+  const BagTopics posed =
+      parse_setup("source: {bag: {fixed_frame: /map, sensor_frame: /lidar, point_times: false}}\n", "s")
+          .source.bag;
+  EXPECT_EQ(posed.sensor_frame, "lidar");
+  EXPECT_FALSE(posed.point_times);
   const SourceOptions plain = parse_setup("source: {bag: {}, scans: {}}\n", "s").source;
   EXPECT_EQ(plain.bag.from, 0.0);
   EXPECT_FALSE(plain.bag.to);
@@ -351,6 +356,7 @@ TEST(Setup, SaysWhichPartOfABagIsReadAndWhatInfiniteBeamsDo) {
   for (const auto& [text, words] : std::vector<std::pair<std::string, std::string>>{
            {"source: {bag: {from: 3, to: 3}}", "to: expected a time after 'from'"},
            {"source: {bag: {from: -1}}", "source.bag.from"},
+           {"source: {bag: {sensor_frame: lidar}}", "sensor_frame: expected 'fixed_frame' beside it"},
            {"source: {scans: {clear_infinite: 1}}", "expected true or false"},
            {"source: {scans: {clear: true}}", "unknown key"}}) {
     const std::string sentence = complaint([&text = text] { parse_setup(text, "s"); });

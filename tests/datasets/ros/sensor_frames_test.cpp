@@ -45,7 +45,7 @@ TEST(SensorFrames, DepthImagesOfAFisheyeLieOnTheRaysThatOpenCvFinds) {
 }
 
 TEST(SensorFrames, OfALasersBeamsInfinityMetNothingAndNanSaysNothing) {
-  const std::vector<float> ranges{1.0F, INFINITY, NAN, -INFINITY, 0.0F, 9.0F, 0.05F, INFINITY};
+  const std::vector<float> ranges{1.0F, INFINITY, NAN, -INFINITY, 0.0F, -1.0F, 0.05F, INFINITY};
   RosLaserScan scan;
   scan.angle_min = 0.0F;
   scan.angle_increment = 0.5F;
@@ -68,6 +68,22 @@ TEST(SensorFrames, OfALasersBeamsInfinityMetNothingAndNanSaysNothing) {
     EXPECT_TRUE(laser_cloud(scan, true).clear_to.empty()) << unknown;
     EXPECT_EQ(laser_cloud(scan, true).infinite, 2U);
   }
+}
+
+TEST(SensorFrames, OfALasersBeamsItsLargestRangeAndMoreMetNothing) {
+  RosLaserScan scan;
+  scan.angle_increment = 0.5F;
+  scan.range_min = 0.1F;
+  scan.range_max = 8.1F;
+  scan.ranges = {8.1F, 1.0F, std::nextafter(8.1F, 0.0F), 9.0F, INFINITY};
+  const CloudFrame plain = laser_cloud(scan, false), clear = laser_cloud(scan, true);
+  EXPECT_EQ(plain.points.size(), 2U);
+  EXPECT_EQ(clear.points, plain.points);
+  EXPECT_EQ(plain.infinite, 3U);
+  EXPECT_EQ(plain.at_range, 2U);
+  EXPECT_TRUE(plain.clear_to.empty());
+  ASSERT_EQ(clear.clear_to.size(), 3U);
+  for (const Eigen::Vector3f& end : clear.clear_to) EXPECT_NEAR(end.norm(), 8.1, 1e-5);
 }
 
 }  // namespace sensor_frames_test

@@ -33,11 +33,15 @@ TEST(FrameBytes, WhatACloudLeftOutComesBackToo) {
   auto& cloud = std::get<CloudFrame>(frame.content);
   cloud.unusable = 7;
   cloud.infinite = 3;
+  cloud.at_range = 2;
+  cloud.is_origin_known = false;
   cloud.clear_to = {{1, 2, 3}, {4, 5, 6}};
   const auto read = std::get<CloudFrame>(frame_from_bytes(bytes_of(frame)).frame.content);
   EXPECT_EQ(read.points, cloud.points);
   EXPECT_EQ(read.unusable, 7u);
   EXPECT_EQ(read.infinite, 3u);
+  EXPECT_EQ(read.at_range, 2u);
+  EXPECT_FALSE(read.is_origin_known);
   EXPECT_EQ(read.clear_to, cloud.clear_to);
   cloud.clear_to[1].y() = NAN;
   EXPECT_THROW(frame_from_bytes(bytes_of(frame)), std::runtime_error);

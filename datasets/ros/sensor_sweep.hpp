@@ -21,4 +21,10 @@ std::vector<Frame> frames_of_sweep(const RosLaserScan& scan, const std::string& 
                                    double most_way, bool with_clear,
                                    const std::function<Eigen::Isometry3d(double time)>& world_from_laser);
 
+/// A cloud's points, each in the place that the sensor had at its own time, in parts as those of a sweep.
+/// @param times s, one for each point @param world_from_sensor at a time; what it throws goes on
+std::vector<Frame> frames_of_timed_cloud(
+    const CloudFrame& cloud, const std::vector<double>& times, const std::string& sensor, double most_way,
+    const std::function<Eigen::Isometry3d(double time)>& world_from_sensor);
+
 }  // namespace clearway

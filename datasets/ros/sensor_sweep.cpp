@@ -1,7 +1,8 @@
-#include "datasets/ros/laser_sweep.hpp"
+#include "datasets/ros/sensor_sweep.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -57,13 +58,53 @@ std::vector<Frame> frames_of_sweep(const RosLaserScan& scan, const std::string& 
                                      }));
     if (first == next && parts > 1) continue;
     CloudFrame cloud = empty_laser_cloud(scan);
-    if (!frames.empty()) cloud.infinite = 0;  // counted once
+    if (!frames.empty()) cloud.infinite = cloud.at_range = 0;  // counted once
     cloud.world_from_sensor = world_from_laser(time_of((begin + end) / 2));
     for (const PlacedReturn& one : std::span(first, next))
       (one.seen.is_clear ? cloud.clear_to : cloud.points).push_back(moved(one, cloud.world_from_sensor));
     frames.push_back({time_of(increment < 0.0 && end > begin ? end - 1 : begin), sensor, std::move(cloud)});
   }
   if (increment < 0.0) std::reverse(frames.begin(), frames.end());
+  return frames;
+}
+
+std::vector<Frame> frames_of_timed_cloud(
+    const CloudFrame& cloud, const std::vector<double>& times, const std::string& sensor, double most_way,
+    const std::function<Eigen::Isometry3d(double time)>& world_from_sensor) {
+  std::vector<std::size_t> order(times.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return times[a] < times[b]; });
+  constexpr double step = 1e-4;          // s that share a pose
+  std::vector<Eigen::Isometry3d> poses;  // of the points in order
+  double way = 0.0, at = -HUGE_VAL;
+  for (const std::size_t point : order) {
+    if (times[point] - at > step) {
+      at = times[point];
+      const Eigen::Isometry3d pose = world_from_sensor(at);
+      if (!poses.empty()) way += (pose.translation() - poses.back().translation()).norm();
+      poses.push_back(pose);
+    } else {
+      poses.push_back(poses.back());
+    }
+  }
+  const double parts = std::clamp(std::ceil(way / most_way), 1.0, most_parts);
+  const double first = times[order.front()], span = times[order.back()] - first;
+  std::vector<Frame> frames;
+  std::size_t next = 0;
+  for (double part = 0.0; part < parts; part += 1.0) {
+    const double end = first + span * (part + 1.0) / parts;
+    CloudFrame taken;
+    taken.kind = cloud.kind;
+    taken.max_range = cloud.max_range;
+    taken.unusable = frames.empty() ? cloud.unusable : 0;
+    taken.world_from_sensor = world_from_sensor(first + span * (part + 0.5) / parts);
+    const Eigen::Isometry3d sensor_from_world = taken.world_from_sensor.inverse();
+    const std::size_t begin = next;
+    for (; next < order.size() && (part + 1.0 >= parts || times[order[next]] < end); ++next)
+      taken.points.push_back(
+          (sensor_from_world * (poses[next] * cloud.points[order[next]].cast<double>())).cast<float>());
+    if (next > begin) frames.push_back({times[order[begin]], sensor, std::move(taken)});
+  }
   return frames;
 }
 
