@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "apps/fusion/cloud_folder.hpp"
 #include "apps/fusion/velodyne_folder.hpp"
 #include "datasets/bags/bag_metadata.hpp"
 #include "datasets/cameras/off_centre.hpp"
@@ -9,13 +10,10 @@
 #include "datasets/pictures/depth_folder.hpp"
 #include "datasets/pictures/image_folder.hpp"
 #include "datasets/pictures/picture_file.hpp"
-#include "datasets/pictures/picture_times.hpp"
 #include "datasets/pictures/video.hpp"
 #include "datasets/ros/bag_source.hpp"
-#include "datasets/sources/folder_damage.hpp"
 #include "mapping/files/cloud_file.hpp"
 #include "mapping/files/velodyne_scan.hpp"
-#include "mapping/system/damaged_file.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -57,57 +55,6 @@ class NotedSource final : public FrameSource {
  private:
   std::unique_ptr<FrameSource> source_;
   std::vector<std::string> notes_;
-};
-
-/// Cloud files as scans, in the order and at the times in their names.
-class Clouds final : public FrameSource {
- public:
-  Clouds(const std::vector<fs::path>& files, std::string sensor, std::optional<CloudFrameOf> points_in)
-      : files_(times_of_names(files)), sensor_(std::move(sensor)), points_in_(points_in) {}
-
-  std::optional<Frame> next() override {
-    while (at_ < files_.size()) {
-      const auto& [file, time] = files_[at_++];
-      try {
-        ViewedCloud cloud = read_viewed_cloud(file);
-        CloudFrame frame;
-        frame.kind = "points";
-        frame.world_from_sensor = cloud.file_from_viewpoint;
-        frame.points = std::move(cloud.points);
-        frame.unusable = cloud.left_out;
-        moved_ += !cloud.file_from_viewpoint.isApprox(Eigen::Isometry3d::Identity(), 1e-9);
-        turned_ += !cloud.file_from_viewpoint.linear().isIdentity(1e-6);
-        if (points_in_ != CloudFrameOf::sensor) {
-          const Eigen::Isometry3f sensor_from_file = cloud.file_from_viewpoint.inverse().cast<float>();
-          for (Eigen::Vector3f& point : frame.points) point = sensor_from_file * point;
-        }
-        return Frame{time, sensor_, std::move(frame), file.filename().string()};
-      } catch (const DamagedFile& error) {  // the other files are whole
-        damage_.note(error.what());
-      } catch (const std::invalid_argument& error) {  // not a file, or one that cannot be read
-        damage_.note(error.what());
-      }
-    }
-    return std::nullopt;
-  }
-  std::optional<std::string> damage() const override { return damage_.sentence(files_.size(), "clouds"); }
-  std::vector<std::string> warnings() const override {
-    if (files_.size() > 1 && moved_ == 0)
-      return {"all " + std::to_string(files_.size()) +
-              " clouds have the viewpoint 0 0 0 1 0 0 0: a sensor that moved needs another for each."};
-    if (turned_ == 0 || points_in_) return {};
-    return {std::to_string(turned_) + " of " + std::to_string(files_.size()) +
-            " clouds have a turned viewpoint; their points are taken as in the map's frame: "
-            "`source: {clouds: map}` of the setup says so, `source: {clouds: sensor}` places them by it."};
-  }
-  double progress() const override { return static_cast<double>(at_) / static_cast<double>(files_.size()); }
-
- private:
-  std::vector<TimedFile> files_;
-  std::string sensor_;
-  std::optional<CloudFrameOf> points_in_;
-  std::size_t at_ = 0, moved_ = 0, turned_ = 0;
-  FolderDamage damage_;
 };
 
 bool is_posed_cloud(const fs::path& file) { return is_cloud_file(file) && !is_velodyne_file(file); }
@@ -165,6 +112,18 @@ std::vector<std::string> notes_of(const SourceOptions& options) {
   return notes;
 }
 
+/// The pictures of EuRoC's first camera in the folder of a sequence, of its mav0 or of cam0; empty: none.
+fs::path euroc_pictures(const fs::path& folder) {
+  std::error_code error;
+  for (const char* camera : {"mav0/cam0", "cam0", "."}) {
+    const fs::path place = (folder / camera).lexically_normal();
+    if (fs::is_directory(place / "data", error) && fs::exists(place / "data.csv", error) &&
+        !files_in(place / "data", is_picture_file).empty())
+      return place / "data";
+  }
+  return {};
+}
+
 std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOptions& options) {
   std::error_code error;
   const std::string name = fs::weakly_canonical(folder, error).filename().string();
@@ -193,8 +152,12 @@ std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOpt
                                 std::to_string(pictures.size()) + " pictures and " +
                                 std::to_string(clouds.size()) + " clouds; expected a folder of one kind");
   if (!pictures.empty()) return open_pictures(pictures, name, options);
-  if (!clouds.empty()) return std::make_unique<Clouds>(clouds, name, options.clouds);
+  if (!clouds.empty()) return open_clouds(clouds, scan_poses_beside(folder), name, options);
   if (velodyne) return open_velodyne(*velodyne, name, options);
+  if (const fs::path data = euroc_pictures(folder); !data.empty())
+    return std::make_unique<NotedSource>(
+        open_pictures(files_in(data, is_picture_file), name, options),
+        std::vector<std::string>{"the pictures are those in " + quote_path(data.string()) + "."});
   throw std::invalid_argument("recording " + quote_path(folder.string()) +
                               " is a folder without pictures and clouds; expected " + kinds_of_recordings);
 }
@@ -212,9 +175,18 @@ void require_scans_of_kitti(const fs::path& recording, const SourceOptions& opti
                               " is no folder of KITTI's scans; expected lines 'time x y z qx qy qz qw'");
 }
 
+/// As bags whose recorder packs whole files, beside their metadata.yaml.
+bool has_packed_files(const fs::path& folder) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (const std::string kind = extension_of(entry.path()); kind == ".zstd" || kind == ".zst") return true;
+  return false;
+}
+
 std::unique_ptr<FrameSource> open_any(const fs::path& recording, const SourceOptions& options) {
   std::error_code error;
   require_scans_of_kitti(recording, options);
+  if (is_bag_folder(recording) || has_packed_files(recording)) require_unpacked(recording);
   if (is_bag_folder(recording)) {
     SourceOptions of_bag = options;
     of_bag.bag.parts = listed_parts(recording);
@@ -227,8 +199,7 @@ std::unique_ptr<FrameSource> open_any(const fs::path& recording, const SourceOpt
     require_input(recording, "recording");
     if (is_velodyne_file(recording))
       return open_velodyne({{recording}, {}, {}, {}}, recording.stem().string(), options);
-    return std::make_unique<Clouds>(std::vector<fs::path>{recording}, recording.stem().string(),
-                                    options.clouds);
+    return open_clouds({recording}, {}, recording.stem().string(), options);
   }
   if (is_file && is_picture_file(recording))
     return open_pictures({recording}, recording.stem().string(), options);

@@ -154,10 +154,61 @@ TEST_F(Scans, SeveralOfOneViewpointAreTold) {
     return source->warnings();
   };
   scan("1.pcd");
-  EXPECT_EQ(warnings(), std::vector<std::string>{});
+  ASSERT_EQ(warnings().size(), 1U);
+  EXPECT_TRUE(warnings()[0].starts_with("the cloud has the viewpoint 0 0 0 1 0 0 0, or none: rays to all"));
   scan("2.pcd");
   ASSERT_EQ(warnings().size(), 1U);
   EXPECT_TRUE(warnings()[0].starts_with("all 2 clouds have the viewpoint 0 0 0 1 0 0 0"));
+}
+
+TEST_F(Scans, OfAPlacedSensorOrWithAStatedFrameNeedNoViewpoint) {
+  const auto warnings = [&](const SourceOptions& options) {
+    const auto source = open_frames(folder_ / "scans", options);
+    while (source->next()) continue;
+    return source->warnings();
+  };
+  scan("1.pcd");
+  SourceOptions placed, stated;
+  placed.placed = {"points"};
+  stated.clouds = CloudFrameOf::sensor;
+  EXPECT_EQ(warnings(stated), std::vector<std::string>{});
+  scan("2.pcd");
+  EXPECT_EQ(warnings(placed), std::vector<std::string>{});
+}
+
+TEST_F(Scans, WithoutViewpointsArePlacedByALineOfNumbersForEach) {
+  const std::string lines =
+      "1 0 0 0.5 0 1 0 0 0 0 1 0\n0 -1 0 2 1 0 0 0 0 0 1 0.25\n";  // then a quarter turn
+  for (const char* name : {"2.pcd", "10.pcd"}) scan(name);
+  const auto read = [&](const SourceOptions& options) {
+    const auto source = open_frames(folder_ / "scans", options);
+    std::vector<Eigen::Vector3d> places;
+    while (const auto frame = source->next()) {
+      const auto& cloud = std::get<CloudFrame>(frame->content);
+      places.push_back(cloud.world_from_sensor * cloud.points.at(0).cast<double>());
+    }
+    EXPECT_EQ(source->warnings().size(), 1U);
+    return std::pair(places, source->warnings().at(0));
+  };
+  folder_.write("scans/poses.txt", lines);
+  const auto [places, note] = read({});
+  ASSERT_EQ(places.size(), 2U);
+  EXPECT_LT((places[0] - Eigen::Vector3d(1.5, 0, 0)).norm(), 1e-6);
+  EXPECT_LT((places[1] - Eigen::Vector3d(2, 1, 0.25)).norm(), 1e-6);
+  EXPECT_TRUE(note.starts_with("the clouds are placed by '")) << note;
+  SourceOptions in_map;
+  in_map.clouds = CloudFrameOf::map;
+  EXPECT_LT((read(in_map).first.at(1) - Eigen::Vector3d(1, 0, 0)).norm(), 1e-6);
+  folder_.write("scans/poses.txt", lines + "1 0 0 0 0 1 0 0 0 0 1 0\n");
+  EXPECT_NE(refusal(folder_ / "scans").find("has 3 lines for 2 clouds; expected one for each"),
+            std::string::npos)
+      << refusal(folder_ / "scans");
+  std::filesystem::rename(folder_ / "scans/poses.txt", folder_ / "poses.txt");
+  EXPECT_EQ(read({}).second.find("placed by"), std::string::npos) << "not of this folder";
+  std::filesystem::rename(folder_ / "scans", folder_ / "Scans");
+  folder_.write("optimized_poses.txt", lines);
+  std::filesystem::create_directory_symlink("Scans", folder_ / "scans");
+  EXPECT_LT((read({}).first.at(1) - Eigen::Vector3d(2, 1, 0.25)).norm(), 1e-6);
 }
 
 TEST_F(Scans, WhatIsCalledLikeAScanAndIsNoFileIsDamage) {
@@ -247,6 +298,27 @@ TEST(DepthFolderCameras, AreFoundBesideThePictures) {
   }
 }
 
+TEST(EurocFolders, LeadToThePicturesOfTheirFirstCamera) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "v/mav0/cam0/data");
+  std::string table = "#timestamp [ns],filename\n";
+  for (const char* time : {"1403636579763555584", "1403636579813555584"}) {
+    folder.write("v/mav0/cam0/data/" + std::string(time) + ".png",
+                 picture_bytes(cv::Mat(36, 48, CV_8UC1, cv::Scalar(90)), ".png"));
+    table += std::string(time) + "," + time + ".png\n";
+  }
+  folder.write("v/mav0/cam0/data.csv", table);
+  SourceOptions options;
+  options.camera = CameraIntrinsics{48, 36, 50, 52, 24, 18, {}};
+  for (const char* door : {"v", "v/mav0", "v/mav0/cam0", "v/mav0/cam0/data"}) {
+    const auto source = open_frames(folder / door, options);
+    std::vector<double> times;
+    while (const auto frame = source->next()) times.push_back(frame->time);
+    ASSERT_EQ(times.size(), 2U) << door;
+    EXPECT_NEAR(times[1], 1403636579.813555584, 1e-6);
+  }
+}
+
 TEST(DepthFolderCameras, OfPicturesOfAnotherSizeAreRefusedUnlessTheirSizeIsStated) {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder / "depth");
@@ -258,7 +330,11 @@ TEST(DepthFolderCameras, OfPicturesOfAnotherSizeAreRefusedUnlessTheirSizeIsState
       refusal(folder.path()).find("principal point at (48, 36), far from the middle of pictures of 48 x 36"),
       std::string::npos)
       << refusal(folder.path());
-  folder.write("intrinsics.txt", "100 0 34\n0 104 11\n0 0 1\n");  // within a quarter
+  for (const char* larger :
+       {"100 0 31.2\n0 104 23.4\n0 0 1\n", "100 0 31.8\n0 104 18\n0 0 1\n"})  // 1.3 times, 848 for 640
+    EXPECT_NE((folder.write("intrinsics.txt", larger), refusal(folder.path())).find("far from the middle"),
+              std::string::npos);
+  folder.write("intrinsics.txt", "100 0 28\n0 104 15\n0 0 1\n");  // as of real cameras
   EXPECT_EQ(refusal(folder.path()), "");
   std::filesystem::remove(folder / "intrinsics.txt");
   folder.write("camera.yaml",  // a part of larger pictures, and it says so
