@@ -125,5 +125,21 @@ TEST(ClearRays, ReachAsFarAsTheyMayAndMaxRangeMinRangeCropAndBodiesHoldForThem) 
   EXPECT_EQ(state(probe, body, 0), VoxelState::unknown);
 }
 
+TEST(HitsOnly, OccupyTheVoxelsOfTheirPointsAndFreeNothing) {
+  Scan scan;
+  for (int i = 0; i < 40; ++i) scan.points.emplace_back(2.0F, 0.1F * static_cast<float>(i - 20), 0.3F);
+  for (const bool has_hits_only : {false, true}) {
+    FreeSpaceMap map(MapOptions{.resolution = 0.05});
+    scan.has_hits_only = has_hits_only;
+    EXPECT_EQ(map.insert(scan).inserted, 40U);
+    const Snapshot now = map.snapshot();
+    for (const Eigen::Vector3f& point : scan.points) {
+      EXPECT_EQ(now.state(point.cast<double>()), VoxelState::occupied);
+      const Eigen::Vector3d way = 0.5 * point.cast<double>();
+      EXPECT_EQ(now.state(way), has_hits_only ? VoxelState::unknown : VoxelState::seen_free);
+    }
+  }
+}
+
 }  // namespace clear_rays_test
 }  // namespace clearway
