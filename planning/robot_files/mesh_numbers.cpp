@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cctype>
 #include <cstdint>
 #include <functional>
@@ -95,6 +96,89 @@ void check_ply_line(const PlyElement& element, std::string_view line, std::size_
     throw std::runtime_error("line " + std::to_string(number) + " has " + std::to_string(numbers.size()) +
                              " numbers, other than its properties");
 }
+
+/// The numbers of a .ply file's data, one after the other. Of whole ones in binary data the sign is not
+/// known.
+class PlyNumbers {
+ public:
+  PlyNumbers(std::string_view data, const std::string& format)
+      : data_(data), is_text_(format == "ascii"), is_big_(format == "binary_big_endian") {}
+
+  double take(std::uint64_t bytes, bool is_real) {
+    if (is_text_) return parsed_number(next_word(data_)).value_or(0.0);
+    if (bytes > data_.size()) throw std::runtime_error("it holds fewer elements than its header says");
+    std::uint64_t bits = 0;
+    for (std::uint64_t i = 0; i < bytes; ++i)
+      bits |= std::uint64_t{static_cast<unsigned char>(data_[i])} << 8U * (is_big_ ? bytes - 1 - i : i);
+    data_.remove_prefix(bytes);
+    if (!is_real) return static_cast<double>(bits);
+    return bytes == 4 ? static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(bits)))
+                      : std::bit_cast<double>(bits);
+  }
+
+  bool is_text() const { return is_text_; }
+
+ private:
+  std::string_view data_;
+  bool is_text_, is_big_;
+};
+
+/// Vertices and faces as lines of a text .ply.
+class PlainPly {
+ public:
+  explicit PlainPly(std::uint64_t vertices) : vertices_(vertices) {}
+
+  /// Takes the numbers of one element.
+  void add(const PlyElement& element, PlyNumbers& numbers) {
+    std::array<double, 3> vertex{};
+    for (const PlyProperty& property : element.properties) {
+      if (property.count_bytes == 0) {
+        const double number = numbers.take(property.bytes, property.is_real);
+        const std::size_t axis = std::string_view("xyz").find(property.name);
+        if (property.name.size() == 1 && axis < vertex.size()) vertex[axis] = number;
+        continue;
+      }
+      std::vector<double> list(static_cast<std::size_t>(numbers.take(property.count_bytes, false)));
+      for (double& number : list) number = numbers.take(property.bytes, property.is_real);
+      if (property.name != "vertex_indices" && property.name != "vertex_index") continue;
+      if (element.name == "face") add_face(list);
+      if (element.name == "tristrips") add_strips(list);
+    }
+    if (element.name != "vertex") return;
+    for (const double number : vertex) vertex_lines_ += to_text(number) + ' ';
+    vertex_lines_ += '\n';
+  }
+
+  std::string text() const {
+    return "ply\nformat ascii 1.0\nelement vertex " + std::to_string(vertices_) +
+           "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
+           std::to_string(faces_) + "\nproperty list uint uint vertex_indices\nend_header\n" + vertex_lines_ +
+           face_lines_;
+  }
+
+ private:
+  void add_face(const std::vector<double>& corners) {
+    if (corners.empty()) return;
+    face_lines_ += std::to_string(corners.size());
+    for (const double corner : corners) {
+      if (!(corner >= 0.0 && corner < static_cast<double>(vertices_)))
+        throw std::runtime_error("a face names a vertex that is not there");
+      face_lines_ += ' ' + std::to_string(static_cast<std::uint64_t>(corner));
+    }
+    face_lines_ += '\n';
+    ++faces_;
+  }
+  /// Strips that end with -1, of triangles of three corners in a row.
+  void add_strips(const std::vector<double>& corners) {
+    const auto ends = [](double corner) { return corner < 0.0 || corner == 4294967295.0; };
+    for (std::size_t i = 0; i + 2 < corners.size(); ++i)
+      if (!ends(corners[i]) && !ends(corners[i + 1]) && !ends(corners[i + 2]))
+        add_face({corners[i], corners[i + 1], corners[i + 2]});
+  }
+
+  std::uint64_t vertices_, faces_ = 0;
+  std::string vertex_lines_, face_lines_;
+};
 
 std::string_view without_byte_order_mark(std::string_view text) {
   constexpr std::string_view mark = "\xEF\xBB\xBF";
@@ -190,6 +274,34 @@ void check_numbers_of_ply(const std::string& content) {
                 --left;
                 return true;
               });
+}
+
+std::string plain_ply(const std::string& content) {
+  const PlyHeader header = ply_header(content);
+  const PlyElement& vertices = ply_vertices(header);
+  const bool is_known = header.format == "ascii" || header.format == "binary_little_endian" ||
+                        header.format == "binary_big_endian";
+  if (!is_known)
+    throw std::runtime_error("its format is " + quote(header.format) +
+                             ", expected ascii, binary_little_endian or binary_big_endian");
+  PlyNumbers numbers(std::string_view(content).substr(header.length), header.format);
+  for (const PlyProperty& property : vertices.properties)
+    if (!numbers.is_text() && !property.is_real && std::string_view("xyz").find(property.name) < 3)
+      throw std::runtime_error("its vertices have " + quote(property.name) +
+                               " as a whole number, expected float or double");
+  PlainPly plain(vertices.count);
+  for (const PlyElement& element : header.elements)
+    for (std::uint64_t i = 0; i < element.count; ++i) plain.add(element, numbers);
+  return plain.text();
+}
+
+std::vector<Eigen::Vector3d> vertices_of_ply(const std::string& plain) {
+  const PlyHeader header = ply_header(plain);
+  std::string_view data = std::string_view(plain).substr(header.length);
+  std::vector<Eigen::Vector3d> vertices(ply_vertices(header).count);
+  for (Eigen::Vector3d& vertex : vertices)
+    for (double& number : vertex) number = parsed_number(next_word(data)).value_or(0.0);
+  return vertices;
 }
 
 std::string plain_stl(const std::string& content) {

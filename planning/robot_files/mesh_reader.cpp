@@ -90,6 +90,7 @@ std::vector<Eigen::Vector3d> points_of_mesh(const std::filesystem::path& file, c
   std::string content{std::istreambuf_iterator<char>(stream), {}};
   check_mesh_is_whole(content, kind);
   if (kind == "ply") check_numbers_of_ply(content);
+  if (kind == "ply") content = plain_ply(content);
   if (kind == "dae") content = checked_collada(content);
   if (kind == "stl") content = plain_stl(content);
   if (kind == "obj") content = plain_obj(content);
@@ -135,6 +136,7 @@ std::vector<Eigen::Vector3d> triangles_of(const aiScene& scene, const std::strin
 std::vector<Eigen::Vector3d> hull_of_mesh(const std::filesystem::path& file, const std::string& kind,
                                           const Eigen::Vector3d& scale) {
   const auto all_vertices = [&](const aiScene& scene, const std::string& content) {
+    if (kind == "ply") return vertices_of_ply(content);
     return kind == "obj" ? vertices_of_obj(content) : vertices_of(scene);
   };
   return hull_corners(points_of_mesh(file, kind, scale, aiProcess_PreTransformVertices, all_vertices));

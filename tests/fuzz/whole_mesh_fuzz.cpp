@@ -14,7 +14,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     const std::string content(fuzz::as_text(data + 1, size - 1)), kind = kinds[data[0] % kinds.size()];
     check_mesh_is_whole(content, kind);
-    if (kind == "ply") check_numbers_of_ply(content);
+    if (kind == "ply") {
+      check_numbers_of_ply(content);
+      vertices_of_ply(plain_ply(content));
+    }
     if (kind == "stl") plain_stl(content);
     if (kind == "obj") vertices_of_obj(plain_obj(content));
     if (kind == "dae") checked_collada(content);

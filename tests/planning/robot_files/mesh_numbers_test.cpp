@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cstdio>
+#include <cstring>
 #include <functional>
 #include <random>
 #include <sstream>
@@ -141,6 +142,135 @@ TEST_F(MeshNumbers, VerticesOfAPlyHaveEachCoordinateOnceInOnePlace) {
       std::string::npos);
   EXPECT_NE(failure("m.ply", with(z, "property float w\n")).find("have no 'property z'"), std::string::npos);
   EXPECT_NE(failure("m.ply", with(z, z + z)).find("have several 'property z'"), std::string::npos);
+}
+
+/// The data of a .ply, as text or bytes of either order.
+class PlyWriter {
+ public:
+  explicit PlyWriter(int form) : form_(form) {}
+  std::string format() const {
+    return form_ == 0 ? "ascii" : form_ == 1 ? "binary_little_endian" : "binary_big_endian";
+  }
+  template <class Number>
+  void add(Number number) {
+    if (form_ == 0) {
+      std::ostringstream text;
+      text.precision(17);
+      text << +number << ' ';
+      data_ += text.str();
+      return;
+    }
+    std::array<char, sizeof(Number)> bytes{};
+    std::memcpy(bytes.data(), &number, bytes.size());
+    if (form_ == 2) std::reverse(bytes.begin(), bytes.end());
+    data_.append(bytes.data(), bytes.size());
+  }
+  void end_element() {
+    if (form_ == 0) data_ += '\n';
+  }
+  const std::string& data() const { return data_; }
+
+ private:
+  int form_;
+  std::string data_;
+};
+
+/// A .ply as scanners and programs write them: comments and other elements anywhere, properties in any order.
+std::string drawn_ply(const MeshSample& sample, std::mt19937_64& random) {
+  PlyWriter out(static_cast<int>(random() % 3));
+  const std::vector<std::string> remarks{"", "comment height in metres\n", "obj_info num_cols 4\n"};
+  const auto remark = [&] { return remarks[random() % remarks.size()]; };
+  std::vector<std::string> elements{"vertex", "face", "sensor", "range_grid"};
+  std::shuffle(elements.begin(), elements.end(), random);
+  std::vector<std::string> properties{"x", "y", "z", "nx", "red"};
+  std::shuffle(properties.begin(), properties.end(), random);
+  const bool is_double = random() % 2 == 0;
+  std::string header = "ply\nformat " + out.format() + " 1.0\n" + remark();
+  for (const std::string& element : elements) {
+    const bool is_vertex = element == "vertex", is_face = element == "face";
+    const std::size_t count = is_vertex ? sample.vertices.size() : is_face ? sample.triangles.size() : 5;
+    header += "element " + element + " " + std::to_string(count) + "\n" + remark();
+    if (is_vertex) {
+      for (const std::string& name : properties)
+        header += std::string("property ") +
+                  (name == "red" ? "uchar"
+                   : is_double   ? "double"
+                                 : "float") +
+                  " " + name + "\n" + remark();
+    } else if (element == "sensor") {
+      header += "property float px\nproperty float py\n" + remark() + "property double pz\n";
+    } else {
+      header += "property list uchar int vertex_indices\n" + remark();
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      if (is_vertex) {
+        for (const std::string& name : properties) {
+          const std::size_t axis = std::string("xyz").find(name);
+          const float number = name.size() == 1 ? sample.vertices[i][static_cast<Eigen::Index>(axis)] : 9.0F;
+          if (name == "red")
+            out.add(std::uint8_t{200});
+          else if (is_double)
+            out.add(static_cast<double>(number));
+          else
+            out.add(number);
+        }
+      } else if (element == "sensor") {
+        out.add(1e3F);
+        out.add(-2e3F);
+        out.add(3e3);
+      } else {
+        out.add(std::uint8_t{3});
+        for (const int corner : sample.triangles[i % sample.triangles.size()]) out.add(std::int32_t{corner});
+      }
+      out.end_element();
+    }
+  }
+  return header + "end_header\n" + out.data();
+}
+
+TEST_F(MeshNumbers, FilesOfPlyHoldEveryVertexWhateverElseTheyHold) {
+  std::mt19937_64 random(11);
+  MeshSample odd = sample_;
+  for (Eigen::Vector3f& vertex : odd.vertices) {  // numbers whose bytes are ends of lines, which assimp eats
+    std::uint32_t bits = 0;
+    std::memcpy(&bits, &vertex.x(), sizeof bits);
+    bits = (bits & 0xffffff00U) | 0x0aU;
+    std::memcpy(&vertex.x(), &bits, sizeof bits);
+  }
+  const Points expected = read("mesh.stl", as_stl(odd)).corners;
+  for (int trial = 0; trial < 60; ++trial) {
+    const std::string text = drawn_ply(odd, random);
+    const MeshHull hull = read("mesh.ply", text);
+    ASSERT_EQ(hull.failure, "") << text.substr(0, 500);
+    EXPECT_LT(farthest_from(hull.corners, expected), 1e-6) << text.substr(0, 500);
+    EXPECT_LT(farthest_from(expected, hull.corners), 1e-6) << text.substr(0, 500);
+    const MeshTriangles faces = read_mesh_triangles({folder_.write("mesh.ply", text), {1, 1, 1}});
+    ASSERT_EQ(faces.failure, "");
+    EXPECT_EQ(faces.corners.size(), 3 * odd.triangles.size());
+  }
+}
+
+TEST_F(MeshNumbers, APlySaysWhichOfItsNumbersCannotBe) {
+  const std::string
+      head =
+          "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+          "property float z\nelement face 1\nproperty list uchar int vertex_index\nend_header\n",
+      points = "0 0 0\n200000000000000000000e-21 0 0\n0 1 0\n0 0 1\n";
+  const MeshHull hull = read("m.ply", head + points + "3 0 1 2\n");
+  ASSERT_EQ(hull.failure, "");
+  EXPECT_LT(farthest_from({{0.2, 0, 0}}, hull.corners), 1e-7);
+  EXPECT_NE(failure("m.ply", head + points + "3 0 1 4\n").find("a face names a vertex that is not there"),
+            std::string::npos);
+  EXPECT_NE(failure("m.ply", head + points + "3 0 1 -1\n").find("a face names a vertex that is not there"),
+            std::string::npos);
+  std::string other = head + points + "3 0 1 2\n";
+  other.replace(other.find("ascii"), 5, "text");
+  EXPECT_NE(failure("m.ply", other), "");
+  EXPECT_NE(failure("m.ply",
+                    "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty uchar x\n"
+                    "property uchar y\nproperty uchar z\nend_header\nabc")
+                .find("its vertices have 'x' as a whole number, expected float or double"),
+            std::string::npos);
 }
 
 /// What is joined to a file, or what its header forgets, is no part of the mesh: nothing may be lost so.
