@@ -126,6 +126,27 @@ bool has_joint(const Robot& robot, const std::string& name) {
                      [&](const Joint& joint) { return joint.name == name; });
 }
 
+/// A state may list a joint that follows another (mimic) only beside that one, and where that one takes it.
+void require_followed(const Robot& robot, const Srdf::State& state, const std::string& joint, double value,
+                      const std::set<std::string>& planned, const std::map<std::string, double>& fixed) {
+  const auto link = std::find_if(robot.links.begin(), robot.links.end(), [&](const Link& other) {
+    return other.joint_name == joint && other.joint >= 0;
+  });
+  if (link == robot.links.end()) return;
+  const std::string& master = robot.joints[static_cast<std::size_t>(link->joint)].name;
+  if (master == joint || planned.contains(master) || fixed.contains(master)) return;
+  const auto own = state.values.find(master);
+  const std::string follows = "--fix: state " + quote(state.name) + " of group " + quote(state.group) +
+                              " has joint " + quote(joint) + " at " + to_text(value) +
+                              ", which follows joint " + quote(master);
+  if (own == state.values.end())
+    throw std::invalid_argument(follows + ", and not that one; expected its value");
+  const double taken =
+      link->multiplier * own->second + link->offset;  // about the master's axis, or against it
+  if (std::abs(std::abs(taken) - std::abs(value)) > 1e-6)
+    throw std::invalid_argument(follows + ", by which it would be elsewhere; expected values that agree");
+}
+
 /// What the states that were asked for say of joints that are not planned.
 std::map<std::string, double> fixed_by_states(const Robot& robot, const RobotRequest& request,
                                               const std::optional<Srdf>& srdf,
@@ -145,6 +166,7 @@ std::map<std::string, double> fixed_by_states(const Robot& robot, const RobotReq
       if (state.name != name) continue;
       const std::string origin = quote(state.name) + " of group " + quote(state.group);
       for (const auto& [joint, value] : state.values) {
+        require_followed(robot, state, joint, value, planned, request.fixed);
         if (planned.contains(joint) || request.fixed.contains(joint) || !has_joint(robot, joint)) continue;
         if (!fixed.emplace(joint, value).second && fixed[joint] != value)
           throw std::invalid_argument("--fix: states " + origins[joint] + " and " + origin + " have joint " +

@@ -324,5 +324,37 @@ TEST_F(SrdfFile, WhatIsWrongIsReportedInOneSentence) {
             "group 'left' of robot 'two': expected a SRDF that defines it, by --srdf or beside the URDF");
 }
 
+/// A joint that follows another is where that one takes it: a state that names it alone would be lost.
+TEST_F(SrdfFile, AStateOfFixMayNameAFollowerOnlyWhereItsMasterTakesIt) {
+  const std::string wide = worlds::urdf_limit(-2, 2), ball = "<sphere radius='0.05'/>";
+  const std::string arm = folder_.write(
+      "hand.urdf", "<robot name='hand'><link name='base'/>" + worlds::urdf_link("upper", "0.2 0 0", ball) +
+                       worlds::urdf_link("thumb", "0.1 0 0", ball) +
+                       worlds::urdf_link("finger", "0.1 0 0", ball) +
+                       worlds::urdf_joint("turn", "revolute", "base", "upper", "0 0 0", "0 0 1", wide) +
+                       worlds::urdf_joint("m", "revolute", "upper", "thumb", "0.4 0 0", "0 0 1", wide) +
+                       worlds::urdf_joint("m2", "revolute", "upper", "finger", "0.4 0.3 0", "0 0 -1",
+                                          wide + "<mimic joint='m' multiplier='-1.5' offset='0.2'/>") +
+                       "</robot>");
+  const auto told = [&](const std::string& values) {
+    folder_.write("hand.srdf",
+                  "<robot name='hand'><group name='arm'><joint name='turn'/></group><group name='grip'>"
+                  "<joint name='m'/></group><group_state name='open' group='grip'>" +
+                      values + "</group_state></robot>");
+    return refusal(RobotRequest{.robot = arm, .group = "arm", .fixed_states = {"open"}});
+  };
+  const std::string m = "<joint name='m' value='0.4'/>";
+  EXPECT_EQ(told(m), "accepted");
+  EXPECT_EQ(told(m + "<joint name='m2' value='-0.4'/>"), "accepted");
+  EXPECT_EQ(told("<joint name='m2' value='-0.4'/>"),
+            "--fix: state 'open' of group 'grip' has joint 'm2' at -0.4, which follows joint 'm', and not "
+            "that one; "
+            "expected its value");
+  EXPECT_EQ(told(m + "<joint name='m2' value='0.3'/>"),
+            "--fix: state 'open' of group 'grip' has joint 'm2' at 0.3, which follows joint 'm', by which it "
+            "would be "
+            "elsewhere; expected values that agree");
+}
+
 }  // namespace srdf_file_test
 }  // namespace clearway
