@@ -48,7 +48,8 @@ class PoseStream {
 
 /// Poses from text in the format of the TUM RGB-D benchmark: lines "time x y z qx qy qz qw" (m, and times as
 /// make_seconds reads them), also apart by commas; `#` starts a comment. A head before the first pose,
-/// commented out or not, may say that the quaternion begins with w ("# time tx ty tz qw qx qy qz"), and, apart by commas, name more
+/// commented out or not, may say that the quaternion begins with w ("# time tx ty tz qw qx qy qz"), and,
+/// apart by commas, name more
 /// columns behind these, which are skipped (EuRoC's data.csv).
 /// @param left_out counts lines whose pose is not known (nan) and a last one that is cut off; none: they are
 /// refused @throws std::invalid_argument naming `name`, the line and what was expected.

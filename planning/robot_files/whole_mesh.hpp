@@ -7,7 +7,8 @@ namespace clearway {
 
 /// assimp takes some mesh files that were cut off, believes counts that no file could hold, and says nothing
 /// of data behind those that it counts. Checks that a .ply holds as many elements as its header says, and no
-/// more; `plain_stl` looks at the end of .stl, and the other kinds (`dae`, `obj`) say nothing of their length.
+/// more; `plain_stl` looks at the end of .stl, and the other kinds (`dae`, `obj`) say nothing of their
+/// length.
 /// @throws std::runtime_error with the reason.
 void check_mesh_is_whole(const std::string& content, const std::string& kind);
 
