@@ -407,15 +407,18 @@ void DistanceTiles::spread(int axis, std::uint8_t from, std::uint8_t to) const {
   const auto length = stride * static_cast<std::size_t>(counts_[axis]);  // of all lines side by side
   const auto far = static_cast<std::uint8_t>(reach_[axis] + 1);
   std::vector<std::uint8_t> steps(near_.size());
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    const bool is_first = i % length < stride;
-    const int before = is_first ? far : std::min<int>(steps[i - stride] + 1, far);
-    steps[i] = (near_[i] & from) != 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(before);
-  }
-  for (std::size_t i = steps.size(); i-- > 0;) {
-    const bool is_last = i % length >= length - stride;
-    if (!is_last) steps[i] = static_cast<std::uint8_t>(std::min<int>(steps[i], steps[i + stride] + 1));
-    if (steps[i] < far) near_[i] |= to;
+  const auto one_more = [far](std::uint8_t count) {
+    return static_cast<std::uint8_t>(std::min(count + 1, int{far}));
+  };
+  for (std::size_t first = 0; first < steps.size(); first += length) {
+    for (std::size_t i = first; i < first + length; ++i) {
+      const std::uint8_t before = i < first + stride ? far : one_more(steps[i - stride]);
+      steps[i] = (near_[i] & from) != 0 ? std::uint8_t{0} : before;
+    }
+    for (std::size_t i = first + length; i-- > first;) {
+      if (i + stride < first + length) steps[i] = std::min(steps[i], one_more(steps[i + stride]));
+      if (steps[i] < far) near_[i] |= to;
+    }
   }
 }
 
