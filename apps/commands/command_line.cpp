@@ -5,6 +5,7 @@
 #include <ostream>
 
 #include "apps/commands/manual.hpp"
+#include "apps/console/build_stamp.hpp"
 #include "apps/console/commands.hpp"
 #include "apps/console/failure.hpp"
 #include "apps/console/flags.hpp"
@@ -21,7 +22,7 @@ struct Text {
 
 /// "did you mean": the nearest candidate, if it is near.
 std::string meant(const std::string& word, std::vector<std::string> candidates) {
-  std::erase_if(candidates, [&](const std::string& c) { return edit_distance(word, c) >= c.size(); });
+  std::erase_if(candidates, [&](const std::string& c) { return 2 * edit_distance(word, c) > c.size(); });
   return nearest_name(word, candidates, 3);
 }
 
@@ -119,7 +120,9 @@ int run_command_line(const std::vector<std::string>& arguments, Console& console
   CLI::App app("Paint free space, fuse it with what sensors see, and plan a robot arm inside it.",
                "clearway");
   app.require_subcommand(1);
-  app.set_version_flag("--version", std::string("clearway ") + CLEARWAY_VERSION);
+  const std::string_view commit = build_commit();
+  app.set_version_flag("--version", std::string("clearway ") + CLEARWAY_VERSION +
+                                        (commit == "unknown" ? "" : " (" + std::string(commit) + ")"));
   app.get_formatter()->column_width(16);
   app.add_flag_callback(
       "--manual", [&app] { throw Text{manual_page(app)}; }, "print the manual page (roff)");
@@ -135,10 +138,9 @@ int run_command_line(const std::vector<std::string>& arguments, Console& console
       {"compare", add_compare(app, console)},   {"import", add_import(app, console)},
       {"simulate", add_simulate(app, console)}, {"track", add_track(app, console)},
       {"tags", add_tags(app, console)},         {"calibrate", add_calibrate(app, console)},
+      {"robots", add_robots(app, console)},
   };
-  add_command(app, "robots", "list the robots that come with the program", console);
   add_command(app, "planners", "list the planners", console);
-  commands.emplace_back("robots", run_robots);
   commands.emplace_back("planners", run_planners);
   app.footer(
       "Each command explains its flags: clearway COMMAND --help\n"

@@ -198,6 +198,7 @@ struct InspectOptions {
   std::filesystem::path diff;     ///< map to compare with; empty: none
   // A new map made of this one, in this order; all else is then asked of it.
   std::filesystem::path merge;             ///< map to add; empty: none
+  std::filesystem::path paint{};           ///< painted.csv whose volumes are painted; empty: none
   std::vector<std::string> clear, occupy;  ///< shapes, see apps/inspect/hand_shapes.hpp
   std::string crop;                        ///< "x0,y0,z0,x1,y1,z1"; empty: all of it
   std::optional<double> coarsen;           ///< edge of a voxel, metres
@@ -249,7 +250,13 @@ struct ImportOptions {
 };
 int run_import(const ImportOptions& options, Console& console);
 
-int run_robots(Console& console);
+struct RobotsOptions {
+  RobotChoice robot;  ///< whose `robot` is empty: those that come with the program are listed
+  std::vector<std::filesystem::path> attach = {};  ///< .yaml
+  std::string at = {};                             ///< configuration; empty: resting_configuration
+  bool degrees = false;                            ///< `at`
+};
+int run_robots(const RobotsOptions& options, Console& console);
 int run_planners(Console& console);
 
 }  // namespace clearway

@@ -113,6 +113,10 @@ void add_model_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNote
   command.add_option("--robot", choice.robot, "name (see `clearway robots`), .yaml, .urdf or .xacro file")
       ->required()
       ->type_name("ROBOT");
+  add_group_flags(command, choice, notes);
+}
+
+void add_group_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes) {
   command
       .add_option("--srdf", choice.srdf,
                   "SRDF with planning groups, states and disabled collision pairs; default: the robot's own")
@@ -154,8 +158,7 @@ void add_model_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNote
       ->take_all();
 }
 
-void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes) {
-  add_model_flags(command, choice, notes);
+void add_place_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes) {
   command.add_option("--scale", choice.scale, "scale of the robot, 1 is full size" + notes.scale)
       ->check(number("a factor from 0.000001 to 1000", least_scale, most_scale))
       ->type_name("S");
@@ -166,6 +169,11 @@ void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNote
       ->allow_extra_args(false)
       ->check(number("numbers from -1000000000 to 1000000000", -1e9, 1e9))
       ->type_name("POSE");
+}
+
+void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes) {
+  add_model_flags(command, choice, notes);
+  add_place_flags(command, choice, notes);
   command
       .add_option("--policy", choice.policies,
                   "what counts as free: painted, known_free or not_occupied (unknown counts as free), for "

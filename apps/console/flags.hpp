@@ -46,6 +46,12 @@ void add_planning_flags(CLI::App& command, std::uint64_t& seed, double& time_lim
 /// --seen-within, seconds. @param note of its default
 void add_seen_within(CLI::App& command, std::optional<double>& seconds, const std::string& note);
 
+/// --srdf, --group, --fix, --standing, --package, --xacro: what of a robot moves, and where its files are.
+void add_group_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes = {});
+
+/// --scale and --base, of a robot in a map.
+void add_place_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes = {});
+
 /// --robot, --srdf, --group, --fix, --package, --xacro: which robot, and what of it moves.
 void add_model_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes = {});
 
@@ -85,5 +91,6 @@ Command add_import(CLI::App& app, Console& console);
 Command add_gate(CLI::App& app, Console& console);
 Command add_track(CLI::App& app, Console& console);
 Command add_calibrate(CLI::App& app, Console& console);
+Command add_robots(CLI::App& app, Console& console);
 
 }  // namespace clearway

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "apps/console/parse.hpp"
+#include "apps/query/query.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/robot/kinematics.hpp"
@@ -108,9 +109,7 @@ std::map<std::string, Policy> loaded_policies(const ConfigurationSpace& space,
 
 std::vector<std::string> hold_notes(const Robot& robot, const std::vector<LegLoad>& loads) {
   constexpr double near_within = 0.02;  // m
-  Configuration q = Configuration::Zero(static_cast<Eigen::Index>(robot.dof()));
-  for (std::size_t j = 0; j < robot.dof(); ++j)
-    q[static_cast<Eigen::Index>(j)] = std::clamp(0.0, robot.joints[j].lower, robot.joints[j].upper);
+  const Configuration q = resting_configuration(robot);
   std::vector<std::string> notes;
   for (const LegLoad& load : loads) {
     const Robot loaded = with_load(robot, load.load);

@@ -58,6 +58,13 @@ RobotRequest robot_request(const RobotChoice& choice) {
   return request;
 }
 
+Configuration resting_configuration(const Robot& robot) {
+  Configuration q = Configuration::Zero(static_cast<Eigen::Index>(robot.dof()));
+  for (std::size_t j = 0; j < robot.dof(); ++j)
+    q[static_cast<Eigen::Index>(j)] = std::clamp(0.0, robot.joints[j].lower, robot.joints[j].upper);
+  return q;
+}
+
 Configuration choose_configuration(const std::string& text, const std::string& flag, const Robot& robot,
                                    bool degrees) try {
   if (const auto q = named_configuration(robot, text)) return *q;

@@ -21,6 +21,9 @@ RobotRequest robot_request(const RobotChoice& choice);
 /// Loads the robot and applies the choices of a command line: group, held joints, scale and base.
 Robot choose_robot(const RobotChoice& choice);
 
+/// Of a robot of which nothing is known but its limits: all joints at 0, or at the limit nearest to it.
+Configuration resting_configuration(const Robot& robot);
+
 /// A configuration from a flag: a state of the robot's SRDF by its name, or comma-separated values.
 /// @param flag "--start"
 Configuration choose_configuration(const std::string& text, const std::string& flag, const Robot& robot,
