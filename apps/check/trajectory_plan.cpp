@@ -83,16 +83,60 @@ Configuration configuration_of(const std::vector<double>& point, const std::vect
   return q;
 }
 
+/// The link that hangs on a joint, moving or not; null: none does.
+const Link* link_under(const Robot& robot, const std::string& joint) {
+  const auto found = std::find_if(robot.links.begin(), robot.links.end(),
+                                  [&](const Link& link) { return link.joint_name == joint; });
+  return found == robot.links.end() ? nullptr : &*found;
+}
+
+/// A joint that follows another (mimic) has to be where that one takes it, at its rates: a controller that
+/// is given both moves each as the file says.
+class Follower {
+ public:
+  /// @param place of `name` among the trajectory's joints
+  /// @param master place of the joint that it follows
+  Follower(const Robot& robot, const Link& link, std::size_t place, std::size_t master)
+      : place_(place),
+        master_(master),
+        multiplier_(link.multiplier),
+        offset_(link.offset),
+        name_(link.joint_name),
+        master_name_(robot.joints[static_cast<std::size_t>(link.joint)].name) {}
+
+  void require(const ForeignTrajectory& trajectory, const std::filesystem::path& file) const {
+    for (const std::vector<double>& point : trajectory.points) require(point, offset_, "stands", file);
+    for (const std::vector<double>& rates : trajectory.velocities) require(rates, 0.0, "moves", file);
+    for (const std::vector<double>& rates : trajectory.accelerations)
+      require(rates, 0.0, "is accelerated", file);
+  }
+
+ private:
+  /// @param values of all joints; none: the file does not state them
+  void require(const std::vector<double>& values, double offset, const std::string& does,
+               const std::filesystem::path& file) const {
+    if (values.empty()) return;
+    const double expected = multiplier_ * values[master_] + offset;
+    if (std::abs(values[place_] - expected) <= stands_within * std::max(1.0, std::abs(expected))) return;
+    refuse(file, "has joint " + quote(name_) + " at " + significant(values[place_], 6) + ", which " + does +
+                     " at " + significant(expected, 6) + ", as it follows " + quote(master_name_) +
+                     " (mimic), expected that, or the joint left out");
+  }
+
+  std::size_t place_, master_;
+  double multiplier_, offset_;
+  const std::string& name_;
+  const std::string& master_name_;
+};
+
 /// What the trajectory says of a joint that the robot does not plan for.
 class StillJoint {
  public:
   StillJoint(const std::string& name, const Robot& robot, const std::filesystem::path& file)
       : name_(name), file_(file), held_(held_joint(robot, name)) {
-    const bool is_links = std::any_of(robot.links.begin(), robot.links.end(),
-                                      [&](const Link& link) { return link.joint_name == name; });
-    if (held_ == nullptr && is_links)
+    if (held_ == nullptr && link_under(robot, name) != nullptr)
       refuse(file, "has values of joint " + quote(name) +
-                       ", which follows another (mimic) or is fixed, expected it to be left out");
+                       ", which is fixed or follows one that stands still, expected it to be left out");
     if (held_ == nullptr)
       refuse(file,
              "has values of joint " + quote(name) + ", which robot " + quote(robot.name) + " does not have");
@@ -118,10 +162,16 @@ bool is_planned(const Robot& robot, const std::string& name) {
                      [&](const Joint& joint) { return joint.name == name; });
 }
 
+/// @param places of the robot's joints among the trajectory's
 void require_standing(const ForeignTrajectory& trajectory, const Robot& robot,
-                      const std::filesystem::path& file) {
+                      const std::vector<std::size_t>& places, const std::filesystem::path& file) {
   for (std::size_t j = 0; j < trajectory.joints.size(); ++j) {
     if (is_planned(robot, trajectory.joints[j])) continue;
+    const Link* link = link_under(robot, trajectory.joints[j]);
+    if (link != nullptr && link->joint >= 0) {
+      Follower(robot, *link, j, places[static_cast<std::size_t>(link->joint)]).require(trajectory, file);
+      continue;
+    }
     const StillJoint joint(trajectory.joints[j], robot, file);
     for (const std::vector<double>& point : trajectory.points) joint.require(point[j]);
   }
@@ -264,7 +314,7 @@ std::optional<ForeignTrajectory> read_trajectory(const std::filesystem::path& fi
 Plan plan_of_trajectory(const ForeignTrajectory& trajectory, const Robot& robot,
                         const std::filesystem::path& file) {
   const std::vector<std::size_t> places = places_of_joints(trajectory, robot, file);
-  require_standing(trajectory, robot, file);
+  require_standing(trajectory, robot, places, file);
   PlanResult leg;
   leg.status = PlanStatus::solved;
   if (!trajectory.start.empty()) {  // from there a controller goes to the first point

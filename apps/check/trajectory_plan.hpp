@@ -28,9 +28,10 @@ std::optional<ForeignTrajectory> read_trajectory(const std::filesystem::path& fi
 
 /// The points as a plan of one leg from the first (where the file says where the robot is before, from there)
 /// to the last, in the order of the robot's joints. What the trajectory says of joints that stand still has
-/// to be where they stand, within 1e-4 rad or m.
+/// to be where they stand, and of joints that follow others (mimic) what these make of them, within 1e-4 rad
+/// or m (relative, beyond 1), rates included.
 /// @throws std::invalid_argument naming `file` and the joint that the trajectory or the robot lacks, or that
-/// stands elsewhere.
+/// stands or follows elsewhere.
 Plan plan_of_trajectory(const ForeignTrajectory& trajectory, const Robot& robot,
                         const std::filesystem::path& file);
 

@@ -156,6 +156,42 @@ TEST_F(CheckTrajectory, JointsThatStandStillMayBeInItWhereTheyStand) {
   EXPECT_THROW(plan_of_trajectory(still, scaled(robot, 0.5), "t.json"), std::invalid_argument);
 }
 
+/// A second finger at 0.08 - 0.5 grip: a controller may be given it, too, where grip takes it.
+TEST_F(CheckTrajectory, JointsThatFollowOthersMayBeInItWhereTheseTakeThem) {
+  std::string text = worlds::arm_with_finger();
+  text.replace(text.find("</robot>"), std::string::npos,
+               worlds::urdf_link("other", "0.1 0 0", "<sphere radius='0.05'/>") +
+                   worlds::urdf_joint(
+                       "follower", "prismatic", "lower", "other", "0.4 0.2 0", "1 0 0",
+                       worlds::urdf_limit(0, 0.1) + "<mimic joint='grip' multiplier='-0.5' offset='0.08'/>") +
+                   "</robot>");
+  const Robot robot = load_robot(folder_.write("arm.urdf", text));
+  ForeignTrajectory trajectory{{"follower", "grip", "elbow", "shoulder"},
+                               {{0.08, 0.0, 0.1, 0.2}, {0.05, 0.06, 0.3, 0.4}}};
+  trajectory.times = {0.0, 1.0};
+  trajectory.velocities = {{-0.01, 0.02, 0.0, 0.0}, {0.0, 0.0, 0.0, 0.0}};
+  trajectory.accelerations = {{0.2, -0.4, 0.0, 0.0}, {}};
+  const Plan plan = plan_of_trajectory(trajectory, robot, "t.json");
+  EXPECT_EQ(plan.waypoints().back(), Configuration(Eigen::Vector3d(0.4, 0.3, 0.06)));
+  const auto refusal = [&](std::vector<double>& values, double value) -> std::string {
+    const double right = std::exchange(values[0], value);
+    std::string sentence;
+    try {
+      plan_of_trajectory(trajectory, robot, "t.json");
+    } catch (const std::invalid_argument& error) {
+      sentence = error.what();
+    }
+    values[0] = right;
+    return sentence;
+  };
+  EXPECT_EQ(refusal(trajectory.points[1], 0.06),
+            "t.json: the trajectory has joint 'follower' at 0.06, which stands at 0.05, as it follows 'grip' "
+            "(mimic), expected that, or the joint left out");
+  EXPECT_NE(refusal(trajectory.velocities[0], 0.0).find("moves at -0.01"), std::string::npos);
+  EXPECT_NE(refusal(trajectory.accelerations[0], 0.0).find("is accelerated at 0.2"), std::string::npos);
+  EXPECT_EQ(refusal(trajectory.points[1], 0.05005), "");
+}
+
 TEST_F(CheckTrajectory, APlanWithItsJointsInAnotherOrderIsTheSamePlan) {
   Json plan = plan_;
   const auto swap = [](Json& q) { std::swap(q[0], q[1]); };
