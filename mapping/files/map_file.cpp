@@ -27,10 +27,16 @@ constexpr const char* painted_name = "painted.csv";
 
 /// A directory stands for its map.ot.
 fs::path map_file_of(const fs::path& path) {
-  std::error_code error;
-  if (!fs::exists(path, error)) throw std::invalid_argument("map '" + path.string() + "' does not exist");
-  if (!fs::is_directory(path, error)) return path;
-  if (fs::exists(path / map_name, error)) return path / map_name;
+  const auto is_there = [](const fs::path& each) {
+    std::error_code error;
+    const bool found = fs::exists(each, error);
+    if (error)
+      throw std::invalid_argument("map '" + each.string() + "' cannot be opened: " + error.message());
+    return found;
+  };
+  if (!is_there(path)) throw std::invalid_argument("map '" + path.string() + "' does not exist");
+  if (!fs::is_directory(path)) return path;
+  if (is_there(path / map_name)) return path / map_name;
   throw std::invalid_argument("map directory '" + path.string() + "' holds no " + map_name);
 }
 

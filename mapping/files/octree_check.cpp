@@ -5,7 +5,10 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <cstring>
+#include <optional>
 
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/number_text.hpp"
@@ -31,6 +34,29 @@ bool parse(std::string_view text, Number& value) {
 
 bool is_known(std::string_view type) {
   return type == FusedTree::type_name || type == "OcTree" || type == "ColorOcTree" || type == "OcTreeStamped";
+}
+
+/// A .bt of OctoMap before 1.0 begins with numbers, not with text: 3, resolution, nodes. Nothing for others.
+std::optional<CheckedOctree> first_binary_format(std::string_view bytes) {
+  constexpr std::size_t length = sizeof(std::int32_t) + sizeof(double) + sizeof(std::uint32_t);
+  std::int32_t kind = 0;
+  std::uint32_t nodes = 0;
+  CheckedOctree tree;
+  if (bytes.size() < length) return std::nullopt;
+  std::memcpy(&kind, bytes.data(), sizeof(kind));
+  std::memcpy(&tree.resolution, bytes.data() + sizeof(kind), sizeof(double));
+  std::memcpy(&nodes, bytes.data() + sizeof(kind) + sizeof(double), sizeof(nodes));
+  if (kind != 3) return std::nullopt;
+  tree.type = "OcTree";
+  tree.binary = true;
+  tree.nodes = nodes;
+  tree.data = bytes.substr(length);
+  return tree;
+}
+
+void require_resolution(const CheckedOctree& tree, bool is_stated, const std::filesystem::path& file) {
+  if (!is_stated || !(tree.resolution >= 1e-4 && tree.resolution <= 100.0))
+    refuse_tree(file, "its resolution ('res') is not a number in [0.0001, 100] m");
 }
 
 CheckedOctree parse_header(std::string_view bytes, const std::filesystem::path& file) {
@@ -64,9 +90,7 @@ CheckedOctree parse_header(std::string_view bytes, const std::filesystem::path& 
   tree.fused =
       !tree.binary && (tree.type == FusedTree::type_name || (tree.type == "ColorOcTree" && has_comments));
   if (!has_size) refuse_tree(file, "its header lacks the number of nodes ('size')");
-  if (!has_resolution || !(tree.resolution >= 1e-4 && tree.resolution <= 100.0)) {
-    refuse_tree(file, "its resolution ('res') is not a number in [0.0001, 100] m");
-  }
+  require_resolution(tree, has_resolution, file);
   tree.header = bytes.substr(0, at);
   tree.data = bytes.substr(at);
   return tree;
@@ -85,6 +109,10 @@ CheckedOctree check_octree(std::string_view bytes, const std::filesystem::path& 
 
 CheckedOctree check_octree_start(std::string_view start, const std::filesystem::path& file,
                                  const std::function<bool()>& is_sealed) {
+  if (const auto old = first_binary_format(start)) {
+    require_resolution(*old, true, file);
+    return *old;
+  }
   CheckedOctree tree = parse_header(start, file);
   if (tree.fused && !is_sealed()) refuse_tree(file, "its checksum does not match its content");
   if (!tree.fused && tree.header.size() > longest_foreign_header)

@@ -27,7 +27,8 @@ std::string octree_header(bool binary, std::string_view type, std::size_t nodes,
 inline constexpr std::string_view fused_nodes_comment =
     "# clearway nodes hold the painted volumes and an observed flag where colours would be\n";
 
-/// Checks the header: known type, resolution in [1e-4, 100]; and the seal of a file of ours.
+/// Checks the header: known type, resolution in [1e-4, 100]; and the seal of a file of ours. A
+/// .bt of OctoMap before 1.0, whose header is numbers, has neither type nor comments.
 /// @throws DamagedFile naming `file` and what is wrong.
 CheckedOctree check_octree(std::string_view bytes, const std::filesystem::path& file);
 

@@ -6,6 +6,8 @@
 #include <octomap/ColorOcTree.h>
 #include <octomap/OcTree.h>
 
+#include <cmath>
+#include <cstdint>
 #include <memory>
 #include <sstream>
 
@@ -68,6 +70,33 @@ TEST(OctreeFile, OurFileReadsBackEqualAndWritesTheSameBytesAgain) {
     EXPECT_TRUE(content.has_volumes);
     EXPECT_EQ(format_fused_tree(*content.tree, content.volumes), bytes);
   }
+}
+
+/// Before 1.0 a header of numbers; OctoMap still reads it, and so do we, to the same tree.
+TEST(OctreeFile, BinaryFilesOfBeforeOneAreReadAsOctoMapReadsThem) {
+  octomap::OcTree tree = stock_tree(5);
+  const std::string bytes = stock_binary(tree);
+  const auto word = [](const auto& number) {
+    return std::string(reinterpret_cast<const char*>(&number), sizeof(number));
+  };
+  const auto old = [&](std::int32_t kind, double resolution, std::size_t nodes) {
+    return word(kind) + word(resolution) + word(static_cast<std::uint32_t>(nodes)) +
+           bytes.substr(bytes.find("\ndata\n") + 6);
+  };
+  const std::string file = old(3, 0.1, tree.size());
+  std::istringstream stream(file);
+  octomap::OcTree theirs(0.5);
+  ASSERT_TRUE(theirs.readBinary(stream));
+  EXPECT_TRUE(theirs == tree);
+  const auto ours = parse_octree(file, "old.bt").tree, modern = parse_octree(bytes, "new.bt").tree;
+  EXPECT_TRUE(*ours == *modern);
+  EXPECT_EQ(ours->getResolution(), 0.1);
+  EXPECT_TRUE(is_refused(old(3, 0.0, tree.size())));
+  EXPECT_TRUE(is_refused(old(3, std::nan(""), tree.size())));
+  EXPECT_TRUE(is_refused(old(4, 0.1, tree.size())));
+  EXPECT_TRUE(is_refused(old(3, 0.1, tree.size() + 1)));
+  EXPECT_TRUE(is_refused(file.substr(0, 12)));
+  EXPECT_TRUE(is_refused(file.substr(0, file.size() - 1)));
 }
 
 TEST(OctreeFile, AnEmptyMapIsAFileToo) {
