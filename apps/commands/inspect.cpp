@@ -60,7 +60,10 @@ void require_outputs(const InspectOptions& options) {
   for (const auto& file : options.exports) files.push_back({"--export", file});
   std::vector<NamedPlace> outputs = files;
   outputs.push_back({"--save", options.save});
-  require_apart(outputs, {{"MAP", options.map}, {"--diff", options.diff}, {"--merge", options.merge}});
+  require_apart(outputs, {{"MAP", options.map},
+                          {"--diff", options.diff},
+                          {"--merge", options.merge},
+                          {"--paint", options.paint}});
   for (const NamedPlace& file : files)
     if (!file.path.empty()) require_writable(file.path);
   if (!options.save.empty()) AtomicFolder(options.save, is_in_map_folder);

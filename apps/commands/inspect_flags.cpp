@@ -70,8 +70,14 @@ Command add_inspect(CLI::App& app, Console& console) {
       ->type_name("MAP2")
       ->check(file_name);
   command
+      ->add_option("--paint", options->paint,
+                   "paint the spheres of a painted.csv, as replay writes it (after --merge): columns volume, "
+                   "label, critical_parts, x, y, z, radius, time; volumes are united by label")
+      ->type_name("FILE.csv")
+      ->check(file_name);
+  command
       ->add_option("--clear", options->clear,
-                   "make the voxels wholly inside a shape seen free (after --merge): as --occupy; repeatable")
+                   "make the voxels wholly inside a shape seen free (after --paint): as --occupy; repeatable")
       ->type_name("SHAPE")
       ->allow_extra_args(false)
       ->take_all();

@@ -6,21 +6,34 @@
 #include "apps/inspect/inspect_parts.hpp"
 #include "apps/inspect/map_folder.hpp"
 #include "mapping/files/map_file.hpp"
+#include "mapping/files/painted_csv.hpp"
 #include "mapping/maps/map_edit.hpp"
+#include "mapping/system/input_file.hpp"
 
 namespace clearway {
 
 bool is_edited(const InspectOptions& options) {
-  return !options.merge.empty() || !options.clear.empty() || !options.occupy.empty() ||
-         !options.crop.empty() || options.coarsen.has_value();
+  return !options.merge.empty() || !options.paint.empty() || !options.clear.empty() ||
+         !options.occupy.empty() || !options.crop.empty() || options.coarsen.has_value();
 }
+
+namespace {
+
+std::vector<PaintedVolume> painted_volumes(const std::filesystem::path& file) {
+  constexpr std::size_t largest = std::size_t{1} << 30U;
+  return parse_painted(read_input(file, "file of painted spheres", largest), file);
+}
+
+}  // namespace
 
 Snapshot edited(const InspectOptions& options, const Snapshot& map, HandEditTally& tally) {
   if (is_edited(options) && options.save.empty())
     throw std::invalid_argument(
-        "--merge, --clear, --occupy, --crop and --coarsen: expected --save DIR to write the new map to");
+        "--merge, --paint, --clear, --occupy, --crop and --coarsen: expected --save DIR to write the new map "
+        "to");
   Snapshot result = map;
   if (!options.merge.empty()) result = merge(result, load_map(options.merge, options.cloud_resolution));
+  if (!options.paint.empty()) result = with_painted(result, painted_volumes(options.paint));
   if (!options.clear.empty())
     result = with_cleared_voxels(result, cells_inside(options.clear, map.resolution()), tally);
   if (!options.occupy.empty())

@@ -134,6 +134,15 @@ Snapshot merge(const Snapshot& map, const Snapshot& other) {
   return {tree, std::move(volumes), later_looks(map, other)};
 }
 
+Snapshot with_painted(const Snapshot& map, const std::vector<PaintedVolume>& added) {
+  std::vector<PaintedVolume> volumes = map.volumes();
+  const std::vector<std::size_t> places = merge_volumes(volumes, added);
+  const auto tree = std::make_shared<FusedTree>(map.tree());
+  for (std::size_t v = 0; v < added.size(); ++v)
+    for (const Sphere& sphere : added[v].spheres) tree->paint(static_cast<int>(places[v]), sphere);
+  return {tree, std::move(volumes), map.seen() ? std::make_shared<const SeenStamps>(*map.seen()) : nullptr};
+}
+
 // ---- cropping
 
 namespace {

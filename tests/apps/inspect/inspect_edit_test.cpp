@@ -131,6 +131,20 @@ TEST_F(Inspect, reports_how_two_maps_differ) {
   expect_refused({map_, "--diff", "/nowhere"}, "/nowhere");
 }
 
+TEST_F(Inspect, paints_the_spheres_of_a_file) {
+  const std::string csv = folder_.write("spheres.csv",
+                                        "volume,label,critical_parts,x,y,z,radius,time\n"
+                                        "0,by hand,tool,3.0,3.0,3.0,0.4,1\n"),
+                    out = folder_.file("out");
+  json({map_, "--paint", csv, "--save", out});
+  const Json at = json({out, "--at=3.0,3.0,3.0", "--at=3.0,3.0,3.45"})["at"];
+  EXPECT_EQ(at[0]["state"], "painted");
+  EXPECT_NE(at[1]["state"], "painted");
+  EXPECT_EQ(json({map_, "--at=3.0,3.0,3.0"})["at"][0]["state"], "unknown");
+  expect_refused({map_, "--paint", csv}, "--save");
+  expect_refused({map_, "--paint", folder_.file("no.csv"), "--save", out}, "no.csv");
+}
+
 TEST_F(Inspect, makes_new_maps_of_maps) {
   const std::string out = folder_.file("out");
   const Json merged = json({map_, "--merge", other_, "--save", out});

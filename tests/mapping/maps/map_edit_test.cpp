@@ -55,6 +55,34 @@ Snapshot other_map(unsigned seed) {
   return map.snapshot();
 }
 
+/// Against the map that painted the same spheres itself, after its scans.
+TEST(WithPainted, IsWhatPaintingTheMapWouldHaveMade) {
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    Dice dice(seed);
+    FreeSpaceMap map({.resolution = edge});
+    map.add_volume("dock", {"base"});
+    map.paint(0, worlds::random_sphere(dice), 1.0);
+    map.insert(worlds::random_scan(dice, 300));
+    const Snapshot before = map.snapshot();
+    PaintedVolume dock{"dock", {"base"}}, lift{"lift", {}};
+    map.add_volume("lift", {});
+    for (int i = 0; i < 6; ++i) {
+      const Sphere sphere = worlds::random_sphere(dice);
+      (i % 2 == 0 ? lift : dock).add(sphere, 2.0 + i, -1);
+      map.paint(i % 2 == 0 ? 1 : 0, sphere, 2.0 + i);
+    }
+    const Snapshot painted = with_painted(before, {lift, dock}), expected = map.snapshot();
+    EXPECT_TRUE(painted.tree() == expected.tree()) << seed;
+    ASSERT_EQ(painted.volumes().size(), 2U);
+    for (std::size_t v = 0; v < 2; ++v) {
+      EXPECT_EQ(painted.volumes()[v].label, expected.volumes()[v].label);
+      EXPECT_EQ(painted.volumes()[v].spheres.size(), expected.volumes()[v].spheres.size());
+    }
+    EXPECT_TRUE(before.tree() == with_painted(before, {}).tree());
+    EXPECT_THROW(with_painted(before, {PaintedVolume{"dock", {"tool"}}}), std::invalid_argument);
+  }
+}
+
 TEST(Merge, HoldsTheEvidenceAndPaintOfBoth) {
   std::size_t conflicts = 0, both = 0;
   for (unsigned seed = 0; seed < 3; ++seed) {
