@@ -21,7 +21,7 @@ run(COMMAND ${prefix}/bin/clearway robots PRINTS "puma560")
 file(WRITE ${WORK}/point.pcd "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\n\
 VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 1\nDATA ascii\n1 2 3\n")
 run(COMMAND ${prefix}/bin/clearway inspect ${WORK}/point.pcd PRINTS "1 to 1.02 m")  # by clearway-full
-run(COMMAND ${prefix}/bin/clearway --version PRINTS "^clearway [0-9]+\\.[0-9]+\\.[0-9]+\n$")
+run(COMMAND ${prefix}/bin/clearway --version PRINTS "^clearway [0-9]+\\.[0-9]+\\.[0-9]+( \\([0-9a-f]+\\))?\n$")
 foreach(again 1 2)  # the folder that the first one makes is called like the suite
   execute_process(COMMAND ${prefix}/bin/clearway compare quick --out quick WORKING_DIRECTORY ${WORK}
     RESULT_VARIABLE status OUTPUT_VARIABLE out ERROR_VARIABLE err)
