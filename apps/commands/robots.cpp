@@ -4,11 +4,14 @@
 #include <ostream>
 
 #include "apps/console/commands.hpp"
+#include "apps/console/named_places.hpp"
 #include "apps/console/number_or_null.hpp"
 #include "apps/console/parse.hpp"
 #include "apps/console/table.hpp"
+#include "apps/pages/map_page.hpp"
 #include "apps/query/loads.hpp"
 #include "apps/query/query.hpp"
+#include "mapping/system/atomic_file.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/robot/kinematics.hpp"
 #include "planning/robot/self_collision.hpp"
@@ -153,6 +156,21 @@ class Description {
     return json;
   }
 
+  std::string page() const {
+    ReportPage page;
+    page.title = robot_.name;
+    page.subtitle = "robot as plan and check have it, at " + to_text(q_);
+    for (const auto& row : summary())
+      if (row.first != "robot" && row.first != "at") page.figures.push_back(row);
+    show_robot(page, robot_, q_);
+    for (const auto& [name, table] :
+         {std::pair{"Joints", joint_table()}, std::pair{"Joints held still", held_table()},
+          std::pair{"Bodies", body_table()}})
+      if (table.size() > 1) page.tables.push_back({name, table.front(), {table.begin() + 1, table.end()}});
+    page.warnings = notes_;
+    return render_report_page(page);
+  }
+
  private:
   const Link& tip_link() const { return robot_.links[static_cast<std::size_t>(robot_.tip_link)]; }
   const std::string& part(int body) const { return robot_.bodies[static_cast<std::size_t>(body)].part; }
@@ -260,15 +278,29 @@ class Description {
   std::vector<std::string> touching_{};
 };
 
+std::vector<NamedPlace> places_read(const RobotsOptions& options) {
+  std::vector<NamedPlace> places{{"--srdf", options.robot.srdf}};
+  const std::filesystem::path robot = options.robot.robot;
+  if (robot.has_extension()) places.push_back({"ROBOT", robot});
+  for (const auto& file : options.attach) places.push_back({"--attach", file});
+  return places;
+}
+
 }  // namespace
 
 int run_robots(const RobotsOptions& options, Console& console) {
   if (options.robot.robot.empty()) return list_robots(console);
+  if (!options.view.empty()) {
+    require_apart({{"--view", options.view}}, places_read(options));
+    require_writable(options.view);
+  }
   const Description description(options, console);
+  if (!options.view.empty()) save_file(options.view, description.page());
   if (console.json)
     console.out() << description.json().dump(2) << '\n';
   else
     description.print();
+  if (!options.view.empty() && !console.json) console.out() << "  page: " << options.view.string() << '\n';
   return exit_done;
 }
 

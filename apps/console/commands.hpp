@@ -255,6 +255,7 @@ struct RobotsOptions {
   std::vector<std::filesystem::path> attach = {};  ///< .yaml
   std::string at = {};                             ///< configuration; empty: resting_configuration
   bool degrees = false;                            ///< `at`
+  std::filesystem::path view = {};                 ///< HTML file; empty: none
 };
 int run_robots(const RobotsOptions& options, Console& console);
 int run_planners(Console& console);

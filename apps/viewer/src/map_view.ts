@@ -114,7 +114,7 @@ export class MapView {
     if (this.page.robot.length > 0) {
       const label = critical.length > 0 ? `robot, critical: ${critical.join(", ")}` : "robot";
       this.addRow("robot", label, "", critical.length > 0 ? ["robot", "critical"] : ["robot"], this.robot.robot);
-      this.addRow("ghosts", "start, goal", "", ["start", "goal"], this.robot.ghosts);
+      if (this.page.plans.length > 0) this.addRow("ghosts", "start, goal", "", ["start", "goal"], this.robot.ghosts);
       this.robot.showAt(this.page.home.count > 0 ? this.arrays.f32(this.page.home) : null);
     }
     if (this.page.plans.some((plan) => plan.seen.times.count > 0)) this.addRow("seen", "seen anew", "0", ["sensed"], this.seen.group);
@@ -152,6 +152,7 @@ export class MapView {
       if (this.page.robot.length > 0) for (const place of [plan.poses, plan.start, plan.goal]) addPoints(place, 7);
     }
     if (this.page.robot.length > 0) addPoints(this.page.home, 7);
+    if (this.page.plans.length === 0) this.workBox.union(new Box3().setFromObject(this.robot.robot));
     if (this.workBox.isEmpty()) this.workBox.copy(this.row("occupied")?.layer?.bounds ?? this.wholeBox);
     else {
       this.workBox.expandByScalar(0.06 * this.workBox.getSize(new Vector3()).length());

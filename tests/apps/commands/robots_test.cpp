@@ -64,6 +64,19 @@ TEST_F(Robots, AMeshIsTheHullOfItsCornersAndSolidsHaveTheirVolume) {
   EXPECT_NE(text.out.find("box 0.1 0.2 0.3"), std::string::npos) << text.out;
 }
 
+TEST_F(Robots, APageShowsTheRobotAndNothingThatIsReadIsWrittenOver) {
+  const std::string file = folder_.write("arm.urdf", worlds::arm_with_finger()),
+                    page = folder_.file("arm.html");
+  const CommandRun run = describe(file, {"--view", page});
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  EXPECT_NE(run.out.find(page), std::string::npos) << run.out;
+  EXPECT_NE(read_file(page).find("sphere 0.05"), std::string::npos);
+  const CommandRun over = describe(file, {"--view", file});
+  EXPECT_EQ(over.status, exit_bad_input);
+  EXPECT_NE(over.log.find("ROBOT"), std::string::npos) << over.log;
+  EXPECT_EQ(read_file(file), worlds::arm_with_finger());
+}
+
 TEST_F(Robots, WhatTouchesAndWhatIsBeyondALimitIsTold) {
   const std::string file = folder_.write("arm.urdf", worlds::arm_with_finger());
   const CommandRun folded = describe(file, {"--at=0,3.14159,-0.3"});
