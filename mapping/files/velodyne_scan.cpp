@@ -11,12 +11,19 @@
 namespace clearway {
 namespace {
 
-constexpr std::size_t largest_scan = std::size_t{4} << 30U, point_bytes = 16;
+constexpr std::size_t largest_scan = std::size_t{4} << 30U, kitti_numbers = 4, nuscenes_numbers = 5;
 constexpr float scanner_reach = 1000.0F;  ///< m; lidars reach a third of it
 
+/// The name says it: nuScenes' `….pcd.bin` have five.
+std::size_t numbers_of_a_point(const std::filesystem::path& file) {
+  return extension_of(file.stem()) == ".pcd" ? nuscenes_numbers : kitti_numbers;
+}
+
 [[noreturn]] void refuse_scan(const std::filesystem::path& file, const std::string& reason) {
-  throw DamagedFile("'" + file.string() + "' is damaged: " + reason +
-                    "; expected x, y, z and intensity of each point as floats of 4 bytes");
+  const bool has_rings = numbers_of_a_point(file) == nuscenes_numbers;
+  throw DamagedFile("'" + file.string() + "' is damaged: " + reason + "; expected x, y, z" +
+                    (has_rings ? ", intensity and ring" : " and intensity") +
+                    " of each point as floats of 4 bytes");
 }
 
 float little_endian_float(const char* bytes) {
@@ -43,8 +50,10 @@ std::string VelodyneScan::reasons() const {
 VelodyneScan read_velodyne_scan(const std::filesystem::path& file) {
   const std::string bytes = read_input(file, "cloud", largest_scan);
   if (bytes.empty()) refuse_scan(file, "it is empty");
+  const std::size_t point_bytes = 4 * numbers_of_a_point(file);
   if (bytes.size() % point_bytes != 0)
-    refuse_scan(file, "its size, " + std::to_string(bytes.size()) + " bytes, is no multiple of 16");
+    refuse_scan(file, "its size, " + std::to_string(bytes.size()) + " bytes, is no multiple of " +
+                          std::to_string(point_bytes));
   VelodyneScan scan;
   std::size_t odd = 0, too_near = 0;  // too near: text, and other kinds of numbers
   for (std::size_t at = 0; at < bytes.size(); at += point_bytes) {

@@ -64,6 +64,12 @@ TEST(VelodyneScan, OtherFilesAreRefusedInASentence) {
                  {10 * std::cos(angle), 10 * std::sin(angle), -1.5F, 20.0F, static_cast<float>(i % 32)});
   }
   EXPECT_NE(refusal(folder.write("a.bin", bytes_of(rings))).find("intensity below 0"), std::string::npos);
+  const VelodyneScan nuscenes = read_velodyne_scan(folder.write("LIDAR_TOP__1.pcd.bin", bytes_of(rings)));
+  ASSERT_EQ(nuscenes.points.size(), 1000U);
+  for (std::size_t i = 0; i < 1000; ++i)
+    EXPECT_EQ(nuscenes.points[i], Eigen::Vector3f(rings[5 * i], rings[5 * i + 1], rings[5 * i + 2]));
+  const std::string cut = refusal(folder.write("b.pcd.bin", bytes_of({1, 2, 3, 0, 1, 4})));
+  EXPECT_NE(cut.find("no multiple of 20; expected x, y, z, intensity and ring"), std::string::npos) << cut;
   std::string text;
   for (int i = 0; i < 100; ++i) text += "1.0 2.0 3.0 0.5\n";
   EXPECT_NE(refusal(folder.write("a.bin", text)), "");
