@@ -132,7 +132,8 @@ int run_import(const ImportOptions& options, Console& console) {
   const ForeignSet set = options.kind == "json"          ? read_sets(options, read_problem_json)
                          : options.kind == "robometrics" ? read_robometrics_sets(options, request)
                                                          : read_scenes(options, request);
-  ImportOutcome outcome = write_suite(set, {request, options.resolution, folder.path()});
+  ImportOutcome outcome =
+      write_suite(set, {request, options.resolution, folder.path(), options.robot.padding});
   if (!outcome.suite.empty()) outcome.suite = options.out / outcome.suite.filename();
   folder.publish();
   for (const std::string& note : outcome.notes) console.warn("note: " + note);
@@ -146,6 +147,7 @@ int run_import(const ImportOptions& options, Console& console) {
 
 Command add_import(CLI::App& app, Console& console) {
   auto options = std::make_shared<ImportOptions>();
+  options->robot.padding = 0.0;  // as other planners have it
   CLI::App* command = add_command(
       app, "import",
       "convert other problem sets to a suite with maps: solids and mesh surfaces are voxelized", console);
@@ -172,6 +174,7 @@ Command add_import(CLI::App& app, Console& console) {
       ->type_name("M");
   command->add_flag("--leave-out-unknown-frames", options->leave_out_unknown_frames,
                     "import scenes without what stands in a frame that is unknown, and list it");
+  add_padding(*command, options->robot.padding, "; default: 0, as these problem sets are posed");
   add_model_flags(*command, options->robot);
   return [options](Console& c) { return run_import(*options, c); };
 }

@@ -158,6 +158,23 @@ void add_group_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNote
       ->take_all();
 }
 
+void add_padding(CLI::App& command, std::optional<double>& padding, const std::string& note) {
+  command
+      .add_option_function<std::string>(
+          "--padding",
+          [&padding](const std::string& text) {
+            padding.reset();
+            if (text != "auto") padding = parse_numbers(text, "--padding").front();
+          },
+          "minimum distance of every part to obstacles, metres; auto: the robot's position accuracy (1 mm at "
+          "full size if its settings state none)" +
+              note)
+      ->check([](const std::string& text) {
+        return text == "auto" ? std::string() : number("a length from 0 to 100 (metres)", 0.0, 100.0)(text);
+      })
+      ->type_name("auto|M");
+}
+
 void add_place_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes) {
   command.add_option("--scale", choice.scale, "scale of the robot, 1 is full size" + notes.scale)
       ->check(number("a factor from 0.000001 to 1000", least_scale, most_scale))
@@ -182,20 +199,8 @@ void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNote
       ->type_name("[PART=]P")
       ->allow_extra_args(false)
       ->take_all();
-  command
-      .add_option_function<std::string>(
-          "--padding",
-          [&choice](const std::string& text) {
-            choice.padding.reset();
-            if (text != "auto") choice.padding = parse_numbers(text, "--padding").front();
-          },
-          "minimum distance of every part to obstacles, metres; auto: the robot's position accuracy (1 mm at "
-          "full size if its settings state none); 0 must be given explicitly" +
-              (notes.padding.empty() ? std::string("; default: auto") : notes.padding))
-      ->check([](const std::string& text) {
-        return text == "auto" ? std::string() : number("a length from 0 to 100 (metres)", 0.0, 100.0)(text);
-      })
-      ->type_name("auto|M");
+  add_padding(command, choice.padding,
+              notes.padding.empty() ? "; 0 must be given explicitly; default: auto" : notes.padding);
   add_seen_within(command, choice.seen_within, notes.seen_within);
 }
 

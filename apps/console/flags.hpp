@@ -49,6 +49,9 @@ void add_seen_within(CLI::App& command, std::optional<double>& seconds, const st
 /// --srdf, --group, --fix, --standing, --package, --xacro: what of a robot moves, and where its files are.
 void add_group_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes = {});
 
+/// --padding: metres, or none for `auto`. @param note of its default
+void add_padding(CLI::App& command, std::optional<double>& padding, const std::string& note);
+
 /// --scale and --base, of a robot in a map.
 void add_place_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes = {});
 

@@ -11,8 +11,12 @@
 namespace clearway {
 namespace {
 
-ConfigurationSpace space_of(const GoalQuestion& question, const Robot& robot, const Snapshot& map) {
-  return {with_all_loads(robot, question.loads), map, Policies{{}, Policy::not_occupied, false}};
+ConfigurationSpace space_of(const GoalQuestion& question, const Robot& robot, const Snapshot& map,
+                            double padding) {
+  return {with_all_loads(robot, question.loads),
+          map,
+          Policies{{}, Policy::not_occupied, false},
+          {.padding = padding}};
 }
 
 /// The robot with the point of the link that the goal places as its tip.
@@ -38,13 +42,14 @@ std::vector<std::string> joints_above(const Robot& robot, const std::string& lin
   return joints;
 }
 
-GoalChoice choose_goal(const GoalQuestion& question, const Robot& robot, const Snapshot& map) {
+GoalChoice choose_goal(const GoalQuestion& question, const Robot& robot, const Snapshot& map,
+                       double padding) {
   std::optional<GoalChoice> blocked;
   std::string refusal;
   for (std::size_t i = 0; i < question.goals.size(); ++i) {
     const ForeignGoal& goal = question.goals[i];
     const Robot placed = goal.pose ? with_point_as_tip(robot, *goal.pose) : robot;
-    const ConfigurationSpace space = space_of(question, placed, map);
+    const ConfigurationSpace space = space_of(question, placed, map, padding);
     GoalChoice choice;
     choice.goal = i;
     try {

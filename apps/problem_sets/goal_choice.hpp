@@ -27,10 +27,10 @@ struct GoalChoice {
 /// The joints that move a link.
 std::vector<std::string> joints_above(const Robot& robot, const std::string& link);
 
-/// The first goal that is free in the map where all that is not occupied is, else the first that the robot
-/// can take. Of a pose it is, among the configurations that PoseGoals finds, the free one nearest to the
-/// start. Deterministic.
+/// The first goal that is free in the map where all that is not occupied is, `padding` (metres) away, else
+/// the first that the robot can take. Of a pose it is, among the configurations that PoseGoals finds, the
+/// free one nearest to the start. Deterministic.
 /// @throws std::invalid_argument when the robot has no configuration at any of the goals, or not the link
-GoalChoice choose_goal(const GoalQuestion& question, const Robot& robot, const Snapshot& map);
+GoalChoice choose_goal(const GoalQuestion& question, const Robot& robot, const Snapshot& map, double padding);
 
 }  // namespace clearway

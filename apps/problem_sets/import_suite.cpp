@@ -292,7 +292,9 @@ class SuiteWriter {
       return true;
     }
     const auto choice = or_left_out(problem.index, [&] {
-      return std::optional(choose_goal(problem.question, robot_of(problem.motion), map));
+      const Robot robot = robot_of(problem.motion);
+      return std::optional(
+          choose_goal(problem.question, robot, map, import_.padding.value_or(robot.position_accuracy)));
     });
     if (choice) problem.choice = *choice;
     outcome_.poses += choice && goals[choice->goal].pose;
@@ -375,7 +377,7 @@ class SuiteWriter {
       json["packages"][package] = fs::weakly_canonical(folder).string();
     for (const auto& [argument, value] : import_.robot.xacro) json["xacro"][argument] = value;
     json["policies"] = {{"default", "not_occupied"}};
-    json["padding"] = 0;
+    json["padding"] = import_.padding ? Json(*import_.padding) : Json("auto");
     json["problems"] = "problems/" + name + ".yaml";
     return json;
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@ struct SuiteImport {
   RobotRequest robot;       ///< as the user asks for it
   double resolution = 0.0;  ///< m, edge of a voxel
   std::filesystem::path out;
+  std::optional<double> padding = 0.0;  ///< m, of the experiments; none: the robot's position accuracy
 };
 
 /// What was written.

@@ -110,6 +110,19 @@ TEST_F(Import, OfSeveralGoalsTheFirstThatIsFreeIsChosen) {
             (std::vector<std::vector<double>>{{-0.5, 0.0}}));
   EXPECT_EQ(Json::parse(read_file(folder_.file("out/import.json")))["problems"][0]["goal"],
             (Json{{"number", 2}, {"of", 3}, {"free", true}}));
+  EXPECT_EQ(load_suite(folder_ / "out/suite.yaml").experiments[0].padding, 0.0);
+
+  // The ball of the upper arm, 0.2 along it, is 0.325 m from the corner (0.4, 0.2) of the occupied voxels at
+  // the second goal, and 0.36 m at the third.
+  std::filesystem::remove_all(folder_ / "out");
+  ASSERT_EQ(import("mbm", {scene, request}, {"--padding", "0.34"}).status, exit_done);
+  const Suite padded = load_suite(folder_ / "out/suite.yaml");
+  EXPECT_EQ(padded.experiments[0].problems[0].goals, (std::vector<std::vector<double>>{{-0.7, 0.0}}));
+  EXPECT_EQ(padded.experiments[0].padding, 0.34);
+
+  std::filesystem::remove_all(folder_ / "out");
+  ASSERT_EQ(import("mbm", {scene, request}, {"--padding", "auto"}).status, exit_done);
+  EXPECT_FALSE(load_suite(folder_ / "out/suite.yaml").experiments[0].padding.has_value());
 
   std::filesystem::remove_all(folder_ / "out");
   const std::string sets =
