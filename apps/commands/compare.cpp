@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "apps/compare/compare_inputs.hpp"
 #include "apps/compare/compare_run.hpp"
 #include "apps/compare/compare_session.hpp"
 #include "apps/console/build_stamp.hpp"
@@ -225,6 +226,7 @@ CompareAsked asked_of(const Suite& suite, const std::vector<PreparedExperiment>&
   CompareAsked asked{stamped(suite, options),
                      sha256(read_input(suite_file(options), "suite", SIZE_MAX)),
                      {options.shard, options.shards}};
+  asked.results.map_sha256 = map_digests(suite);
   std::vector<std::string>& notes = asked.results.notes;
   for (const PreparedExperiment& experiment : prepared) {
     asked.results.experiments.push_back(asked_of(experiment));

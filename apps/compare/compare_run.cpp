@@ -10,6 +10,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "apps/compare/compare_inputs.hpp"
 #include "apps/compare/compare_team.hpp"
 #include "apps/compare/problem_server.hpp"
 #include "apps/compare/worker_process.hpp"
@@ -301,6 +302,9 @@ CompareExperiment asked_of(const PreparedExperiment& experiment) {
   asked.setup = experiment.setup;
   asked.time_limit = experiment.time_limit;
   asked.planners = experiment.planners;
+  asked.problems_sha256 = problems_digest(experiment.setup);
+  asked.robot_sha256 =
+      experiment.setup.teams ? team_robots_digest(*experiment.setup.teams) : robot_digest(experiment.robot);
   if (experiment.setup.teams) return asked;
   asked.robot_file = experiment.robot.source.string();
   asked.scale = experiment.robot.scale;

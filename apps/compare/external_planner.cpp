@@ -12,6 +12,7 @@
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/files/json_field.hpp"
+#include "planning/files/json_text.hpp"
 
 namespace clearway {
 namespace {
@@ -23,9 +24,13 @@ using Json = nlohmann::ordered_json;
 }
 
 Json answer_of(const std::string& line) {
-  Json answer = Json::parse(line, nullptr, false);
-  if (!answer.is_object()) refuse(line, "one JSON object on a line");
-  return answer;
+  try {
+    require_json(line, "the answer");  // which knows keys that stand twice
+    Json answer = Json::parse(line);
+    if (answer.is_object()) return answer;
+  } catch (const std::invalid_argument&) {  // the line says it
+  }
+  refuse(line, "one JSON object on a line, with each key once");
 }
 
 std::vector<Configuration> path_of(const Json& path, const PlanProblem& problem, const std::string& line) {
@@ -125,6 +130,8 @@ PlanResult ExternalPlanner::plan(const PlanProblem& problem) const {
   const std::lock_guard lock(state_->using_it);
   state_->start(problem.space);
   LineProcess& program = *state_->program;
+  if (const auto unasked = program.unasked())
+    refuse(*unasked, "one line for each question, and this one is to none");
   const double cpu_before = program.cpu_seconds();
   Json query{{"start", json_of(problem.start)}, {"goal", json_of(problem.goal)}, {"seed", problem.seed}};
   if (std::isfinite(problem.time_limit)) query["time_limit"] = problem.time_limit;

@@ -85,6 +85,12 @@ std::optional<std::string> LineProcess::ask(std::string_view line, const std::fu
   }
 }
 
+std::optional<std::string> LineProcess::unasked() {
+  pollfd waiting{talk_.number(), POLLIN, 0};
+  if (::poll(&waiting, 1, 0) > 0 && (waiting.revents & POLLIN) != 0) receive_some();
+  return take_line();
+}
+
 double LineProcess::cpu_seconds() const {
   clockid_t clock{};
   timespec used{};

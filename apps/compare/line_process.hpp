@@ -26,6 +26,9 @@ class LineProcess {
   /// second. @throws std::runtime_error when the program ends, closes its output or answers with too much.
   std::optional<std::string> ask(std::string_view line, const std::function<bool()>& is_late);
 
+  /// A line that is there and that nobody asked for. @throws as ask
+  std::optional<std::string> unasked();
+
   double cpu_seconds() const;  ///< that the program took so far, but not others that it started
 
  private:

@@ -1,9 +1,11 @@
 #include "apps/compare/team_result.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "apps/console/parse.hpp"
 #include "planning/path/path_pieces.hpp"
+#include "planning/robot/inverse_dynamics.hpp"
 
 namespace clearway {
 namespace {
@@ -50,10 +52,13 @@ std::map<std::string, double> statistics_of(const TeamTrace& trace) {
           {"steps_over_acceleration", trace.accelerated}};
 }
 
-PathCost cost_of(const Robot& robot, std::size_t index, const TeamCircumstances& circumstances) {
-  return PathCost(robot,
-                  {.gravity = robot.map_from_base.linear().transpose() * circumstances.gravity,
-                   .payload_mass = circumstances.payloads.empty() ? 0.0 : circumstances.payloads[index]});
+/// J of one robot's way; not a number where its file gives links no mass.
+double cost_of(const Robot& robot, std::size_t index, const TeamCircumstances& circumstances,
+               const std::vector<Configuration>& way) {
+  if (!missing_masses(robot, circumstances.gravity).empty()) return std::numeric_limits<double>::quiet_NaN();
+  return PathCost(
+      robot, {.gravity = robot.map_from_base.linear().transpose() * circumstances.gravity,
+              .payload_mass = circumstances.payloads.empty() ? 0.0 : circumstances.payloads[index]})(way);
 }
 
 CompareTeamRun figures_of(const TeamRun& run, const TeamVerdict& verdict, double unseen) {
@@ -86,7 +91,7 @@ CompareRun team_result(const Team& team, const TeamRun& run, const TeamVerdict& 
   found.min_clearance = verdict.least_separation;
   for (std::size_t i = 0; i < run.traces.size(); ++i) {
     found.length += joint_space_length(run.traces[i].positions);
-    found.cost += cost_of(team.robots[i].space->robot(), i, circumstances)(run.traces[i].positions);
+    found.cost += cost_of(team.robots[i].space->robot(), i, circumstances, run.traces[i].positions);
     for (const auto& [name, value] : statistics_of(run.traces[i])) found.statistics[name] += value;
   }
   return found;

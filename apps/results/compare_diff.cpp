@@ -33,7 +33,9 @@ using StoredRuns = std::map<RunKey, StoredRun>;
 struct StoredResults {
   fs::path file;
   std::string host, processor, jobs;
-  std::map<std::pair<std::string, std::string>, StoredRuns> runs;  ///< by experiment and label
+  std::map<std::pair<std::string, std::string>, std::string> maps;  ///< SHA-256, by experiment and problem
+  std::map<std::string, std::string> robots;                        ///< SHA-256, by experiment; may lack all
+  std::map<std::pair<std::string, std::string>, StoredRuns> runs;   ///< by experiment and label
 };
 
 // A database is a program: of views, triggers and generated columns. These bound what it may take.
@@ -98,6 +100,16 @@ StoredResults load_results(const fs::path& given) {
     results.host = suites.text(0);
     results.processor = suites.text(1);
     results.jobs = suites.text(2);
+  }
+  StoredQuery maps(results.file,
+                   "SELECT experiments.name, problems.name, map_sha256 FROM problems JOIN experiments ON "
+                   "experiment = experiments.id");
+  while (maps.next()) results.maps[{maps.text(0), maps.text(1)}] = maps.text(2);
+  StoredQuery has_robots(results.file,  // older ones have not
+                         "SELECT 1 FROM pragma_table_info('experiments') WHERE name = 'robot_sha256'");
+  if (has_robots.next()) {
+    StoredQuery robots(results.file, "SELECT name, robot_sha256 FROM experiments");
+    while (robots.next()) results.robots[robots.text(0)] = robots.text(1);
   }
   StoredQuery runs(
       results.file,
@@ -194,6 +206,20 @@ void judge(DiffRow& row) {
   judge_figure(row.cost, "path cost", 0.0);
 }
 
+/// A sentence where problems of the same name were planned in other maps; else empty.
+std::string other_maps(const StoredResults& before, const StoredResults& after) {
+  std::size_t count = 0;
+  std::string first;
+  for (const auto& [problem, map] : before.maps) {
+    const auto found = after.maps.find(problem);
+    if (found == after.maps.end() || found->second == map) continue;
+    if (count++ == 0) first = "'" + plain(problem.second) + "' in experiment '" + plain(problem.first) + "'";
+  }
+  if (count == 0) return "";
+  return "The maps of " + std::to_string(count) + (count == 1 ? " problem" : " problems") +
+         " differ, as that of " + first + ": what changed may be theirs.";
+}
+
 std::vector<std::string> notes_on(const StoredResults& before, const StoredResults& after) {
   std::vector<std::string> notes;
   if (before.host != after.host || before.processor != after.processor)
@@ -202,6 +228,12 @@ std::vector<std::string> notes_on(const StoredResults& before, const StoredResul
   if (before.jobs != after.jobs)
     notes.push_back("--jobs differ (" + before.jobs + ", " + after.jobs +
                     "): planners that share a machine slow each other down.");
+  for (const auto& [experiment, robot] : before.robots)
+    if (const auto found = after.robots.find(experiment);
+        found != after.robots.end() && found->second != robot)
+      notes.push_back("The robots of experiment '" + plain(experiment) +
+                      "' differ, as its files say something else: what changed may be theirs.");
+  if (const std::string other = other_maps(before, after); !other.empty()) notes.push_back(other);
   const auto report_missing = [&](const StoredResults& from, const StoredResults& in) {
     for (const auto& [name, runs] : from.runs)
       if (!in.runs.contains(name))

@@ -64,7 +64,7 @@ std::string run_line(const CompareRun& run, std::size_t problem) {
                              run.is_solved() ? std::to_string(run.is_valid()) : std::string(),
                              std::to_string(ompl_status(run)),
                              run.is_solved() ? to_text(run.length) : std::string(),
-                             run.is_solved() ? to_text(run.cost) : std::string(),
+                             run.is_solved() && !std::isnan(run.cost) ? to_text(run.cost) : std::string(),
                              run.is_valid() ? to_text(run.min_clearance) : std::string(),
                              run.is_solved() ? std::to_string(run.waypoints) : std::string(),
                              std::to_string(run.configurations),

@@ -26,7 +26,7 @@ Json run_json(const CompareExperiment& experiment, const CompareRun& run, std::s
             {"check", run.check},
             {"time", run.time},
             {"cpu", run.cpu},
-            {"cost", run.cost},
+            {"cost", number_or_null(run.cost)},
             {"clearance", number_or_null(run.min_clearance)},
             {"id", run_id(experiment, experiment.problems[problem], run)}};
   if (!run.page.empty()) json["page"] = run.page;

@@ -196,6 +196,8 @@ Json record_of(const CompareExperiment& experiment) {
                         {"certified", who.certified}});
   return {{"setup", setup_record(experiment.setup)},
           {"robot_file", experiment.robot_file},
+          {"robot_sha256", experiment.robot_sha256},
+          {"problems_sha256", experiment.problems_sha256},
           {"scale", experiment.scale},
           {"time_limit", real_record(experiment.time_limit)},
           {"joints", experiment.joints},
@@ -207,6 +209,8 @@ CompareExperiment experiment_of_record(const Json& record) {
   CompareExperiment experiment;
   experiment.setup = setup_of(record.at("setup"));
   record.at("robot_file").get_to(experiment.robot_file);
+  record.at("robot_sha256").get_to(experiment.robot_sha256);
+  record.at("problems_sha256").get_to(experiment.problems_sha256);
   record.at("scale").get_to(experiment.scale);
   experiment.time_limit = real_of(record.at("time_limit"));
   record.at("joints").get_to(experiment.joints);
@@ -218,10 +222,18 @@ CompareExperiment experiment_of_record(const Json& record) {
 }
 
 Json record_of(const CompareResults& results) {
-  return {{"suite", results.suite},   {"title", results.title}, {"file", results.file},
-          {"seed", results.seed},     {"jobs", results.jobs},   {"version", results.version},
-          {"commit", results.commit}, {"host", results.host},   {"processor", results.processor},
-          {"date", results.date},     {"notes", results.notes}};
+  return {{"suite", results.suite},
+          {"title", results.title},
+          {"file", results.file},
+          {"seed", results.seed},
+          {"jobs", results.jobs},
+          {"version", results.version},
+          {"commit", results.commit},
+          {"host", results.host},
+          {"processor", results.processor},
+          {"date", results.date},
+          {"map_sha256", results.map_sha256},
+          {"notes", results.notes}};
 }
 
 CompareResults results_of_record(const Json& record) {
@@ -234,6 +246,7 @@ CompareResults results_of_record(const Json& record) {
     record.at(name).get_to(*text);
   record.at("seed").get_to(results.seed);
   record.at("jobs").get_to(results.jobs);
+  record.at("map_sha256").get_to(results.map_sha256);
   if (record.contains("notes")) record.at("notes").get_to(results.notes);  // older ones have none
   return results;
 }

@@ -104,12 +104,20 @@ std::string difference(const CompareAsked& a, const CompareAsked& b) {
   if (one.seed != other.seed)
     return "the seed (" + std::to_string(one.seed) + ", not " + std::to_string(other.seed) + ")";
   if (one.experiments.size() != other.experiments.size()) return "the experiments";
+  for (const auto& [world, digest] : one.map_sha256)
+    if (const auto same = other.map_sha256.find(world);
+        same != other.map_sha256.end() && same->second != digest)
+      return "the map of world '" + plain(world) + "', whose file is another now";
   for (std::size_t e = 0; e < one.experiments.size(); ++e) {
     const CompareExperiment &first = one.experiments[e], &second = other.experiments[e];
     const std::string name = " of experiment '" + first.setup.name + "'";
     if (first.setup.name != second.setup.name) return "the experiments";
     if (labels_of(first) != labels_of(second)) return "the planners" + name;
     if (first.time_limit != second.time_limit) return "the time limit" + name;
+    if (first.robot_sha256 != second.robot_sha256)
+      return "the robot" + name + ", whose files say something else now";
+    if (first.problems_sha256 != second.problems_sha256)
+      return "the problems" + name + ", whose files say something else now";
     Json left = record_of(first), right = record_of(second);
     left.erase("robot_file");  // where the program's data lie
     right.erase("robot_file");

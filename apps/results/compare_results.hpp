@@ -51,7 +51,7 @@ struct CompareRun {
   std::string check = "none";  ///< "valid", "undecided", "refused"; "none" when there was no path to check;
                                ///< teams: "outrun" and "unfinished", too (team_result)
   std::string contact;         ///< what the check found first; empty when valid
-  double cost = 0.0;           ///< J, last segments included, of the legs solved
+  double cost = 0.0;           ///< J, last segments included, of the legs solved; not a number: not known
   double length = 0.0;         ///< rad (m for sliding joints), joint-space length of the legs solved
   double min_clearance = 0.0;  ///< m, by the check
   std::size_t steps = 0, waypoints = 0;
@@ -94,7 +94,8 @@ struct CompareProfile {
 struct CompareExperiment {
   SuiteExperiment setup;
   std::string robot_file;
-  double scale = 1.0, time_limit = 0.0;  ///< as used; s a leg, or a run of a team (infinity: none)
+  std::string robot_sha256, problems_sha256;  ///< of what was read (compare_inputs.hpp)
+  double scale = 1.0, time_limit = 0.0;       ///< as used; s a leg, or a run of a team (infinity: none)
   std::vector<std::string> joints;
   std::vector<bool> is_prismatic;
   std::vector<ComparePlanner> planners;
@@ -108,6 +109,7 @@ struct CompareResults {
   std::uint64_t seed = 1;
   int jobs = 1;
   std::string version, commit, host, processor, date;  ///< date: UTC, ISO 8601
+  std::map<std::string, std::string> map_sha256 = {};  ///< of maps that are files, by world
   std::vector<std::string> notes = {};  ///< what a reader should know of its maps, a sentence each
   double time = 0.0;                    ///< s, all of it
   std::vector<CompareExperiment> experiments;

@@ -60,7 +60,7 @@ CompareSummary summary_of(const std::vector<std::vector<const CompareRun*>>& pro
     if (run.motion) motions.push_back(run.motion->time);
     if (run.motion) motion_cpus.push_back(run.motion_cpu);
     sum.edge_by_edge += run.motion && !run.motion->note.empty();
-    costs.push_back(run.cost);
+    if (!std::isnan(run.cost)) costs.push_back(run.cost);
     lengths.push_back(run.length);
     steps.push_back(static_cast<double>(run.steps));
   }

@@ -13,8 +13,11 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "mapping/files/map_file.hpp"
+#include "mapping/free_space_map.hpp"
 #include "tests/apps/run_command.hpp"
 #include "tests/worlds/small_suite.hpp"
+#include "tests/worlds/urdf_robots.hpp"
 
 namespace clearway {
 namespace compare_parts_test {
@@ -209,6 +212,62 @@ TEST_F(CompareParts, WhatMergingCopiesIsNotWaitedForWhenItIsAPipe) {
     fs::rename(aside, file);
   }
   EXPECT_EQ(compare({"merge", folder_.file("whole"), "--out", folder_.file("merged")}).status, 0);
+}
+
+/// A suite names its robots, maps and problems by files: other ones there are of another comparison.
+TEST_F(CompareParts, ShardsOnAnotherMapRobotOrProblemAreOfAnotherComparison) {
+  const auto write_map = [&](float x) {
+    FreeSpaceMap map({.resolution = 0.1});
+    Scan scan;
+    scan.points = {{x, 3.0F, 3.0F}};
+    map.insert(scan);
+    save_map(map.snapshot(), folder_.path() / "map");
+  };
+  const auto write_problems = [&](const std::string& goal) {
+    folder_.write("problems.yaml",
+                  "problems:\n  - {name: a, start: [0, 0, 0], goals: [[0.5, 0, 0]]}\n"
+                  "  - {name: b, start: [0, 0, 0], goals: [[" +
+                      goal + ", 0, 0]]}\n");
+  };
+  folder_.write(
+      "small.yaml",
+      "worlds: [{name: w, map: map}]\nexperiments:\n  - name: e\n    robot: arm.urdf\n    world: w\n"
+      "    problems: problems.yaml\n    policies: {default: not_occupied}\n"
+      "    planners: [{planner: rrtconnect}]\n");
+  const auto merged = [&] {
+    const CommandRun run =
+        compare({"merge", folder_.file("1"), folder_.file("2"), "--out", folder_.file("m")});
+    EXPECT_EQ(run.status == 2, run.complains_in_one_sentence()) << run.log;
+    fs::remove_all(folder_.path() / "m");
+    fs::remove_all(folder_.path() / "2");
+    return run.log;
+  };
+  write_map(3.0F);
+  write_problems("0.4");
+  const std::string arm = worlds::arm_with_finger();
+  folder_.write("arm.urdf", arm);
+  const CommandRun first = shard("1/2", "1");
+  ASSERT_EQ(first.status, 0) << first.log;
+  EXPECT_EQ(read_file(folder_.file("1/results.csv")).find(",nan"), std::string::npos)
+      << "the arm has no masses, so that its costs are not known";
+  ASSERT_EQ(shard("2/2", "2").status, 0);
+  EXPECT_EQ(merged(), "");
+
+  write_map(3.5F);
+  ASSERT_EQ(shard("2/2", "2").status, 0);
+  EXPECT_NE(merged().find("the map of world 'w'"), std::string::npos);
+
+  write_map(3.0F);
+  std::string other = arm;
+  other.replace(other.find("0.4 0 0"), 7, "0.5 0 0");
+  folder_.write("arm.urdf", other);
+  ASSERT_EQ(shard("2/2", "2").status, 0);
+  EXPECT_NE(merged().find("the robot of experiment 'e'"), std::string::npos);
+
+  folder_.write("arm.urdf", arm);
+  write_problems("0.45");
+  ASSERT_EQ(shard("2/2", "2").status, 0);
+  EXPECT_NE(merged().find("the problems of experiment 'e'"), std::string::npos);
 }
 
 TEST_F(CompareParts, LostDoubledAndForeignShardsAreNamed) {

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <thread>
 
 #include "apps/compare/planner_world.hpp"
 #include "planning/robot_files/load_robot.hpp"
@@ -77,6 +79,27 @@ TEST_F(ExternalPlannerOf, RefusesAnswersThatAreNone) {
                                          {"{\\\"path\\\": [[1, null]]}", "2 finite numbers"}})
     EXPECT_NE(refusal(answer).find(expected), std::string::npos) << answer << ": " << refusal(answer);
   EXPECT_THROW(ExternalPlanner(" "), std::invalid_argument);
+}
+
+TEST_F(ExternalPlannerOf, RefusesALineThatAnswersNoQuestionOrTwoInOne) {
+  EXPECT_NE(
+      refusal("{\\\"path\\\": [[0.2, 0], [0.5, 0.25]], \\\"path\\\": [[0.2, 0], [0.4, 0.1], [0.5, 0.25]]}")
+          .find("each key once"),
+      std::string::npos);
+  const std::string path = "echo \"{\\\"path\\\": [[0.2, 0], [0.5, 0.25]]}\"";
+  const ExternalPlanner planner("sh -c 'read world; echo \"{\\\"ready\\\": true}\"; read query; " + path +
+                                "; " + path + "; read more; " + path + "; read end'");
+  planner.prepare(space_);
+  const auto ask = [&] { return planner.plan({space_, cost_, start_, goal_, 1, [] { return false; }}); };
+  EXPECT_EQ(ask().status, PlanStatus::solved);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  try {
+    ask();
+    FAIL() << "the second line is to no question";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("one line for each question"), std::string::npos)
+        << error.what();
+  }
 }
 
 TEST_F(ExternalPlannerOf, AsksNobodyForTheWayFromAPlaceToItself) {

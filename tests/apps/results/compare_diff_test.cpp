@@ -121,6 +121,14 @@ TEST(CompareDiff, CountsOtherPathsAndNamesWhatCannotBeCompared) {
   ASSERT_EQ(diff.notes.size(), 2U);
   EXPECT_NE(diff.notes[0].find("machines differ"), std::string::npos);
   EXPECT_NE(diff.notes[1].find("'two' in experiment 'e'"), std::string::npos);
+  after.experiments[0].problems[3].map_sha256 = "01";
+  after.experiments[0].robot_sha256 = "02";
+  save_database(after, folder.path() / "new.sqlite");
+  const CompareDiff others = compare_diff(folder.path() / "old.sqlite", folder.path() / "new.sqlite");
+  ASSERT_EQ(others.notes.size(), 4U);
+  EXPECT_NE(others.notes[1].find("robots of experiment 'e' differ"), std::string::npos) << others.notes[1];
+  EXPECT_NE(others.notes[2].find("maps of 1 problem differ, as that of 'p3'"), std::string::npos)
+      << others.notes[2];
   for (CompareProblem& problem : after.experiments[0].problems) problem.name += "x";
   save_database(after, folder.path() / "new.sqlite");
   EXPECT_THROW(compare_diff(folder.path() / "old.sqlite", folder.path() / "new.sqlite"),

@@ -170,6 +170,11 @@ TEST(CompareRecords, NamesWhatTwoComparisonsDoNotShare) {
             std::string::npos);
   EXPECT_NE(with([](CompareAsked& a) { a.results.experiments[0].time_limit = 1; }).find("time limit"),
             std::string::npos);
+  EXPECT_NE(with([](CompareAsked& a) { a.results.experiments[0].robot_sha256 = "01"; }).find("the robot of"),
+            std::string::npos);
+  EXPECT_NE(
+      with([](CompareAsked& a) { a.results.experiments[0].problems_sha256 = "01"; }).find("the problems of"),
+      std::string::npos);
 }
 
 TEST(CompareShards, ShareOutEveryProblemOnce) {

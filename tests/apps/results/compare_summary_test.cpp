@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "apps/results/compare_columns.hpp"
 #include "apps/results/compare_results.hpp"
 
 namespace clearway {
@@ -130,6 +132,27 @@ TEST(CompareSummary, IsOfSolvedRunsForTimesAndOfValidOnesForCosts) {
 }
 
 /// A planner without randomness: the same answer for each of four seeds.
+TEST(CompareSummary, ACostThatIsNotKnownIsNoFigure) {
+  CompareExperiment experiment;
+  experiment.planners = {{"one", "beam", {}, true}};
+  for (const double cost : {4.0, std::nan(""), 8.0}) {
+    CompareRun run;
+    run.status = PlanStatus::solved;
+    run.check = "valid";
+    run.cost = cost;
+    experiment.problems.emplace_back().runs = {run};
+  }
+  EXPECT_EQ(summary(experiment, 0).cost_median, 6.0);
+  for (CompareProblem& problem : experiment.problems) problem.runs[0].cost = std::nan("");
+  EXPECT_TRUE(std::isnan(summary(experiment, 0).cost_median));
+  const std::vector<RunColumn> columns = run_columns();
+  const auto column = std::find_if(columns.begin(), columns.end(),
+                                   [](const RunColumn& each) { return each.name == "cost_joules"; });
+  ASSERT_NE(column, columns.end());
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(
+      column->cell(experiment.problems[0].runs[0], experiment.planners[0])));
+}
+
 TEST(CompareSummary, IntervalsAreOfProblemsAndNotOfSeeds) {
   CompareResults results;
   CompareExperiment& experiment = results.experiments.emplace_back();

@@ -30,7 +30,7 @@ export interface Sweep {
 export interface Run {
   planner: number; problem: number; run: number;
   status: string; check: string;
-  time: number; cpu: number; cost: number;  // s, s, J
+  time: number; cpu: number; cost: number | null;  // s, s, J; null: not known
   clearance: number | null;    // m, by the check
   page?: string;               // in 3D, of a worst case, beside the report
   id: string;                  // for --rerun

@@ -24,10 +24,10 @@ export function timeChart(experiment: Experiment): Chart | null {
 }
 
 /// A figure of valid runs against the option `width`, a line a problem; for many problems their median.
-function againstWidth(experiment: Experiment, figure: (run: Run) => number): Line[] {
+function againstWidth(experiment: Experiment, figure: (run: Run) => number | null): Line[] {
   const widthOf = experiment.planners.map((planner) => Number(planner.options.width));
   const figures = (problem: number | null, p: number) => experiment.runs
-    .filter((run) => run.planner === p && isValid(run) && (problem === null || run.problem === problem)).map(figure).sort((a, b) => a - b);
+    .filter((run) => run.planner === p && isValid(run) && (problem === null || run.problem === problem)).map(figure).filter((value) => value !== null).sort((a, b) => a - b);
   const line = (name: string, color: number, problem: number | null): Line => {
     const out: Line = { name, color, x: [], y: [], dots: true };
     widthOf.map((width, p) => ({ width, p })).filter(({ width }) => Number.isFinite(width)).sort((a, b) => a.width - b.width).forEach(({ width, p }) => {
@@ -109,7 +109,7 @@ export function profileCharts(experiment: Experiment): Chart[] {
 export function costScatter(experiment: Experiment): { figure: HTMLElement; chart: Chart } | null {
   const costOf = experiment.planners.map((_, p) => {
     const costs = new Map<string, number>();
-    for (const run of experiment.runs) if (run.planner === p && isValid(run)) costs.set(`${run.problem}/${run.run}`, run.cost);
+    for (const run of experiment.runs) if (run.planner === p && isValid(run) && run.cost !== null) costs.set(`${run.problem}/${run.run}`, run.cost);
     return costs;
   });
   const solvers = experiment.planners.map((_, p) => p).filter((p) => costOf[p].size > 0);

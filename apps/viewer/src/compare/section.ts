@@ -108,8 +108,8 @@ function pairs(experiment: Experiment): HTMLElement | null {
 function worst(experiment: Experiment): HTMLElement | null {
   if (experiment.worst.length === 0) return null;
   const best = new Map<number, number>();
-  for (const run of experiment.runs.filter(isValid)) best.set(run.problem, Math.min(best.get(run.problem) ?? Infinity, run.cost));
-  const excess = (run: Run) => !isValid(run) ? null : best.get(run.problem)! > 0 ? run.cost / best.get(run.problem)! : 1;
+  for (const run of experiment.runs.filter(isValid)) best.set(run.problem, Math.min(best.get(run.problem) ?? Infinity, run.cost ?? Infinity));
+  const excess = (run: Run) => !isValid(run) || run.cost === null ? null : best.get(run.problem)! > 0 ? run.cost / best.get(run.problem)! : 1;
   const mm = (run: Run) => run.clearance === null || !isValid(run) ? null : 1000 * run.clearance;
   const rows = experiment.worst.map(({ kind, run: index }) => {
     const run = experiment.runs[index], times = excess(run);
