@@ -2,61 +2,27 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <set>
 #include <stdexcept>
 
 #include "apps/console/parse.hpp"
 #include "apps/query/query.hpp"
-#include "datasets/descriptions/yaml_fields.hpp"
-#include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
 
 constexpr double stands_within = 1e-4;  ///< rad or m
-constexpr Bounds any_value{-1e6, 1e6};
-
-/// The map that holds `joint_names`.
-std::optional<YamlFields> innermost(const YamlFields& root) {
-  if (root.has("joint_names") && root.has("joint_trajectory"))
-    root.fail("joint_trajectory", "expected it or 'joint_names', got both");
-  if (root.has("joint_names")) return root;
-  if (root.has("multi_dof_joint_trajectory") &&
-      !root.map("multi_dof_joint_trajectory").list_of_maps("points").empty())
-    root.fail("multi_dof_joint_trajectory", "expected no points: the robot's base stands still");
-  if (root.has("joint_trajectory")) return root.map("joint_trajectory");
-  if (!root.has("trajectory")) return std::nullopt;
-  const std::vector<YamlFields> list = root.list_of_maps("trajectory");
-  if (list.size() != 1)
-    root.fail("trajectory", "expected one trajectory, got " + std::to_string(list.size()));
-  return innermost(list.front());
-}
-
-/// Where the robot is before the trajectory, as a DisplayTrajectory says; not with anything in its hand.
-std::map<std::string, double> start_of(const YamlFields& root) {
-  std::map<std::string, double> start;
-  if (!root.has("trajectory_start")) return start;
-  const YamlFields state = root.map("trajectory_start");
-  if (!state.list_of_maps("attached_collision_objects").empty())
-    state.fail("attached_collision_objects", "expected none; --attach says what the robot carries");
-  if (!state.has("joint_state")) return start;
-  const YamlFields joints = state.map("joint_state");
-  const std::vector<std::string> names = joints.texts("name");
-  const std::vector<double> values = joints.numbers("position", any_value, names.size());
-  for (std::size_t i = 0; i < names.size(); ++i) start[names[i]] = values[i];
-  if (joints.has("velocity"))
-    for (const double velocity : joints.numbers("velocity", any_value))
-      if (std::abs(velocity) > 1e-6)
-        joints.fail("velocity", "expected 0: only a robot that rests before a trajectory is judged");
-  return start;
-}
 
 const HeldJoint* held_joint(const Robot& robot, const std::string& name) {
   const auto held = std::find_if(robot.held.begin(), robot.held.end(),
                                  [&](const HeldJoint& joint) { return joint.name == name; });
   return held == robot.held.end() ? nullptr : &*held;
+}
+
+bool is_near(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  const Eigen::Isometry3d between = a.inverse() * b;
+  return between.translation().norm() <= stands_within &&
+         Eigen::AngleAxisd(between.linear()).angle() <= stands_within;
 }
 
 [[noreturn]] void refuse(const std::filesystem::path& file, const std::string& what) {
@@ -70,8 +36,10 @@ std::vector<std::size_t> places_of_joints(const ForeignTrajectory& trajectory, c
   for (const Joint& joint : robot.joints) {
     const auto found = std::find(trajectory.joints.begin(), trajectory.joints.end(), joint.name);
     if (found == trajectory.joints.end())
-      refuse(file, "says nothing of joint " + quote(joint.name) + " of robot " + quote(robot.name) +
-                       ", expected its values, or --fix or --group, by which it stands still");
+      refuse(file,
+             "says nothing of joint " + quote(joint.name) + " of robot " + quote(robot.name) +
+                 ", expected its values, or where it is before (trajectory_start), or --fix or --group, "
+                 "by which it stands still");
     places.push_back(static_cast<std::size_t>(found - trajectory.joints.begin()));
   }
   return places;
@@ -179,99 +147,6 @@ void require_standing(const ForeignTrajectory& trajectory, const Robot& robot,
     if (held_joint(robot, name) != nullptr) StillJoint(name, robot, file).require(value);
 }
 
-/// Seconds, as ROS 2 (sec, nanosec), ROS 1 (secs, nsecs) and bridges between them (sec, nsec) write them.
-double time_of(const YamlFields& point) {
-  const YamlFields time = point.map("time_from_start");
-  double sum = 0.0;
-  std::size_t known = 0;
-  const auto add = [&](std::initializer_list<const char*> names, Bounds bounds, double unit) {
-    const auto found =
-        std::count_if(names.begin(), names.end(), [&](const char* name) { return time.has(name); });
-    if (found > 1) time.fail(*names.begin(), "expected one of its names");
-    for (const char* name : names)
-      if (time.has(name)) sum += unit * time.number(name, bounds);
-    known += static_cast<std::size_t>(found);
-  };
-  add({"sec", "secs"}, {0.0, 1e9}, 1.0);
-  add({"nanosec", "nsec", "nsecs"}, {0.0, 999'999'999.0}, 1e-9);
-  if (known == 0 || known != time.keys().size())
-    time.fail("", "expected sec and nanosec (ROS 2), or secs and nsecs (ROS 1), and nothing else");
-  return sum;
-}
-
-/// The values of a field that a point may leave out.
-std::vector<double> rates_of(const YamlFields& point, const std::string& key, std::size_t joints) {
-  if (!point.has(key)) return {};
-  std::vector<double> values = point.numbers(key, any_value);
-  if (!values.empty() && values.size() != joints)
-    point.fail(key, "expected none or " + std::to_string(joints) + " numbers, one for each joint, got " +
-                        std::to_string(values.size()));
-  return values;
-}
-
-void read_times(const std::vector<YamlFields>& points, ForeignTrajectory& trajectory) {
-  const auto has_time = [](const YamlFields& point) { return point.has("time_from_start"); };
-  if (std::none_of(points.begin(), points.end(), has_time)) return;
-  for (const YamlFields& point : points) {
-    if (!has_time(point)) point.fail("time_from_start", "expected it as other points have it");
-    trajectory.times.push_back(time_of(point));
-  }
-  if (std::all_of(trajectory.times.begin(), trajectory.times.end(), [](double t) { return t == 0.0; })) {
-    trajectory.times.clear();
-    return;
-  }
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (i > 0 && !(trajectory.times[i] > trajectory.times[i - 1]))
-      points[i].fail("time_from_start", "expected more than the " + significant(trajectory.times[i - 1], 10) +
-                                            " s of the point before, got " +
-                                            significant(trajectory.times[i], 10) + " s");
-    trajectory.velocities.push_back(rates_of(points[i], "velocities", trajectory.joints.size()));
-    trajectory.accelerations.push_back(rates_of(points[i], "accelerations", trajectory.joints.size()));
-    if (trajectory.velocities.back().empty() && !trajectory.accelerations.back().empty())
-      points[i].fail("velocities", "expected them where there are accelerations");
-  }
-}
-
-/// The rates of all points, each of them with or without.
-std::vector<std::vector<double>> rates_in(const YamlFields& root, const std::string& key,
-                                          const ForeignTrajectory& trajectory) {
-  const std::size_t count = trajectory.points.size(), joints = trajectory.joints.size();
-  std::vector<std::vector<double>> rates(count);
-  if (root.has(key)) rates = root.lists_of_numbers(key, any_value);
-  const bool fits = std::all_of(rates.begin(), rates.end(), [&](const std::vector<double>& list) {
-    return list.empty() || list.size() == joints;
-  });
-  if (rates.size() != count || !fits)
-    root.fail(key, "expected " + std::to_string(joints) + " numbers or none for each of the " +
-                       std::to_string(count) + " points");
-  return rates;
-}
-
-/// What `plan --export json` writes: a list for each quantity.
-ForeignTrajectory own_export(const YamlFields& root) {
-  if (root.has("events"))
-    root.fail("events",
-              "expected none: what the robot carries, and when, is in the plan's JSON "
-              "(plan --out --motion), which check reads");
-  ForeignTrajectory trajectory;
-  trajectory.joints = root.texts("joints");
-  if (trajectory.joints.empty()) root.fail("joints", "expected at least one");
-  trajectory.times = root.numbers("times_s", {0.0, 1e9});
-  trajectory.points = root.lists_of_numbers("positions", any_value, trajectory.joints.size());
-  if (trajectory.points.empty()) root.fail("positions", "expected at least one");
-  if (trajectory.times.size() != trajectory.points.size())
-    root.fail("times_s", "expected as many as there are positions, " +
-                             std::to_string(trajectory.points.size()) + ", got " +
-                             std::to_string(trajectory.times.size()));
-  for (std::size_t i = 1; i < trajectory.times.size(); ++i)
-    if (!(trajectory.times[i] > trajectory.times[i - 1]))
-      root.fail("times_s", "expected times that rise, got " + significant(trajectory.times[i], 10) +
-                               " after " + significant(trajectory.times[i - 1], 10));
-  trajectory.velocities = rates_in(root, "velocities", trajectory);
-  trajectory.accelerations = rates_in(root, "accelerations", trajectory);
-  return trajectory;
-}
-
 template <typename Value>
 void take_default(Term<Value>& term) {
   if (term.source == TermSource::plan) term.source = TermSource::by_default;
@@ -279,36 +154,35 @@ void take_default(Term<Value>& term) {
 
 }  // namespace
 
-std::optional<ForeignTrajectory> read_trajectory(const std::filesystem::path& file) {
-  const std::string kind = extension_of(file);
-  if (kind == ".csv")
-    throw std::invalid_argument(file.string() +
-                                ": a trajectory as CSV is for spreadsheets, expected a plan's JSON, or a "
-                                "trajectory as --export ros, ros-json or json writes it");
-  const bool is_yaml = kind == ".yaml" || kind == ".yml";
-  if (!is_yaml && kind != ".json") return std::nullopt;
-  const std::string text = read_input(file, "plan file", 64U << 20U);
-  const bool is_own = !is_yaml && text.find("\"times_s\"") != std::string::npos &&
-                      text.find("\"joints\"") != std::string::npos &&
-                      text.find("\"legs\"") == std::string::npos;
-  if (!is_yaml && !is_own && text.find("\"joint_names\"") == std::string::npos) return std::nullopt;
-  const YamlFields root(text, "trajectory " + quote_path(file.string()));
-  if (is_own) return own_export(root);
-  const std::optional<YamlFields> found = innermost(root);
-  if (!found) root.fail("joint_names", "expected the names of a JointTrajectory");
-  ForeignTrajectory trajectory;
-  trajectory.start = start_of(root);
-  trajectory.joints = found->texts("joint_names");
-  if (trajectory.joints.empty()) found->fail("joint_names", "expected at least one");
-  if (std::set<std::string>(trajectory.joints.begin(), trajectory.joints.end()).size() !=
-      trajectory.joints.size())
-    found->fail("joint_names", "expected each name once");
-  const std::vector<YamlFields> points = found->list_of_maps("points");
-  for (const YamlFields& point : points)
-    trajectory.points.push_back(point.numbers("positions", any_value, trajectory.joints.size()));
-  if (trajectory.points.empty()) found->fail("points", "expected at least one");
-  read_times(points, trajectory);
-  return trajectory;
+std::vector<std::string> hold_unnamed_joints(ForeignTrajectory& trajectory, const Robot& robot) {
+  std::vector<std::string> unnamed;
+  const auto append = [](std::vector<std::vector<double>>& list, double value) {
+    for (std::vector<double>& values : list)
+      if (!values.empty()) values.push_back(value);
+  };
+  for (const Joint& joint : robot.joints) {
+    const auto start = trajectory.start.find(joint.name);
+    if (start == trajectory.start.end() ||
+        std::find(trajectory.joints.begin(), trajectory.joints.end(), joint.name) != trajectory.joints.end())
+      continue;
+    unnamed.push_back(joint.name);
+    trajectory.joints.push_back(joint.name);
+    append(trajectory.points, start->second);
+    append(trajectory.velocities, 0.0);
+    append(trajectory.accelerations, 0.0);
+  }
+  return unnamed;
+}
+
+void require_base(const ForeignTrajectory& trajectory, const Eigen::Isometry3d& map_from_base,
+                  const std::filesystem::path& file) {
+  if (!trajectory.map_from_base || is_near(*trajectory.map_from_base, map_from_base)) return;
+  std::string flag;
+  for (const double number : numbers_from_pose(*trajectory.map_from_base))
+    flag += (flag.empty() ? "" : ",") + significant(number, 9);
+  refuse(file, "begins with the robot's base at " + to_text(*trajectory.map_from_base) +
+                   " (multi_dof_joint_state), which is judged at " + to_text(map_from_base) +
+                   ", expected --base " + flag + ", if that pose is of the map's frame, or no such pose");
 }
 
 Plan plan_of_trajectory(const ForeignTrajectory& trajectory, const Robot& robot,

@@ -1,30 +1,22 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
-#include <optional>
+#include <string>
+#include <vector>
 
 #include "apps/check/check_contract.hpp"
+#include "apps/check/trajectory_file.hpp"
 
 namespace clearway {
 
-/// A path of another program: a trajectory_msgs/JointTrajectory, or what holds one as `joint_trajectory`
-/// (moveit_msgs/RobotTrajectory) or as the only one in `trajectory` (DisplayTrajectory), as JSON or YAML.
-struct ForeignTrajectory {
-  std::vector<std::string> joints;
-  std::vector<std::vector<double>> points;  ///< values of `joints`, rad or m
-  std::map<std::string, double> start{};    ///< by joint, where the robot is before; may be empty
-  /// Of each point its time_from_start, seconds, each above the one before; none: the file has no times, or
-  /// all are 0.
-  std::vector<double> times{};
-  std::vector<std::vector<double>> velocities{}, accelerations{};  ///< of each point with a time; empty: none
-};
+/// Joints of the robot that the trajectory does not name, but of which it says where they are before: a
+/// controller leaves them there, and so they are in every point now. Returns their names.
+std::vector<std::string> hold_unnamed_joints(ForeignTrajectory& trajectory, const Robot& robot);
 
-/// Nothing of a file that is something else: a plan.
-/// @throws std::invalid_argument naming file, field and what was expected: names given twice, a point with
-/// another number of positions, velocities or accelerations, times that are missing or do not rise,
-/// accelerations without velocities, no point.
-std::optional<ForeignTrajectory> read_trajectory(const std::filesystem::path& file);
+/// @throws std::invalid_argument naming `file` where it says that the robot's base stands elsewhere, by more
+/// than 1e-4 m or rad. The identity says nothing.
+void require_base(const ForeignTrajectory& trajectory, const Eigen::Isometry3d& map_from_base,
+                  const std::filesystem::path& file);
 
 /// The points as a plan of one leg from the first (where the file says where the robot is before, from there)
 /// to the last, in the order of the robot's joints. What the trajectory says of joints that stand still has

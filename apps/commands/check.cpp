@@ -145,7 +145,11 @@ int run_check(const CheckOptions& options, Console& console) {
     throw std::invalid_argument("--pick: " + quote_path(options.plan.string()) +
                                 " is a trajectory, which does not say where its legs end; expected the "
                                 "plan's JSON, which holds the motion, too (plan --out --motion)");
-  if (trajectory) take_start(options, robot, *trajectory);
+  std::vector<std::string> unnamed;
+  if (trajectory) {
+    unnamed = hold_unnamed_joints(*trajectory, robot);
+    take_start(options, robot, *trajectory);
+  }
   plan =
       trajectory ? plan_of_trajectory(*trajectory, robot, options.plan) : in_order_of(robot, std::move(plan));
   const Snapshot map = load_map(options.map, options.cloud_resolution);
@@ -160,7 +164,14 @@ int run_check(const CheckOptions& options, Console& console) {
       trajectory ? timed_trajectory(*trajectory, robot, options.plan) : std::nullopt;
   report.contract = state_contract(options, plan, robot, map, map_sha256(options.map),
                                    load_query_record(options.map), plan.motion || timed);
-  if (trajectory) adopt_terms(report.contract, plan, timed.has_value());
+  if (trajectory) {
+    adopt_terms(report.contract, plan, timed.has_value());
+    require_base(*trajectory, report.contract.map_from_base.value, options.plan);
+    if (!unnamed.empty())
+      report.contract.notes.push_back("the trajectory does not name " + listed(unnamed) +
+                                      ": judged where trajectory_start has " +
+                                      (unnamed.size() == 1 ? "it" : "them"));
+  }
   report.deviations = deviations(report.contract, plan, robot, options.accepted);
   adopt_accepted(report.deviations, plan, robot, report.contract);
   note_tip_and_place(robot, map, plan, report.contract);

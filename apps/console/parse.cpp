@@ -67,7 +67,10 @@ std::vector<double> numbers_from_pose(const Eigen::Isometry3d& pose) {
   const Eigen::Matrix3d r = pose.linear();
   const double pitch = std::atan2(-r(2, 0), std::hypot(r(0, 0), r(1, 0)));
   const Eigen::Vector3d t = pose.translation();
-  return {t.x(), t.y(), t.z(), std::atan2(r(2, 1), r(2, 2)), pitch, std::atan2(r(1, 0), r(0, 0))};
+  std::vector<double> numbers{
+      t.x(), t.y(), t.z(), std::atan2(r(2, 1), r(2, 2)), pitch, std::atan2(r(1, 0), r(0, 0))};
+  for (double& number : numbers) number += 0.0;  // no "-0"
+  return numbers;
 }
 
 std::string to_text(const Eigen::VectorXd& values) {

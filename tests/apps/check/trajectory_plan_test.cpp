@@ -106,6 +106,65 @@ TEST_F(CheckTrajectory, WhereTheRobotIsBeforeItCounts) {
   EXPECT_EQ(from(-1.5).status, exit_no);  // not painted
 }
 
+/// What actions and services of ROS and MoveIt wrap round a trajectory.
+TEST_F(CheckTrajectory, GoalsAndResponsesAreReadAsTheTrajectoryInThem) {
+  const Json inside = trajectory({{0.3, 0.0}, {0.5, 0.0}}), robots = {{"joint_trajectory", inside}},
+             start = {{"joint_state", {{"name", {"x", "y"}}, {"position", {-0.2, 0.0}}}}};
+  const auto waypoints = [&](const Json& message) {
+    const CommandRun run = check_file("t.json", message.dump(), {"--json"});
+    EXPECT_EQ(run.status, exit_done) << run.out << run.log;
+    return Json::parse(run.out)["waypoints"].get<int>();
+  };
+  EXPECT_EQ(waypoints({{"trajectory", inside}, {"goal_time_tolerance", {{"sec", 1}}}}), 2);
+  EXPECT_EQ(waypoints({{"goal_id", {{"id", ""}}}, {"goal", {{"trajectory", inside}}}}), 2);
+  EXPECT_EQ(waypoints({{"trajectory", robots}}), 2);
+  EXPECT_EQ(waypoints({{"result", {{"planned_trajectory", robots}, {"trajectory_start", start}}}}), 3);
+  Json response = {{"motion_plan_response",
+                    {{"trajectory", robots}, {"trajectory_start", start}, {"error_code", {{"val", 1}}}}}};
+  EXPECT_EQ(waypoints(response), 3);
+  response["motion_plan_response"]["error_code"]["val"] = -1;
+  const CommandRun failed = check_file("t.json", response.dump());
+  EXPECT_EQ(failed.status, exit_bad_input);
+  EXPECT_NE(failed.log.find("where planning failed"), std::string::npos) << failed.log;
+}
+
+/// MoveIt says by a virtual joint where the base stands: 0.6 along x the disc is painted for other values.
+TEST_F(CheckTrajectory, ABaseThatTheFilePutsElsewhereIsNotJudgedHere) {
+  const auto at = [&](double x, const std::vector<std::string>& flags) {
+    const Json message{{"trajectory", {{{"joint_trajectory", trajectory({{-0.3, 0.0}, {-0.5, 0.0}})}}}},
+                       {"trajectory_start",
+                        {{"multi_dof_joint_state",
+                          {{"joint_names", {"world_joint"}},
+                           {"transforms",
+                            {{{"translation", {{"x", x}, {"y", 0}, {"z", 0}}},
+                              {"rotation", {{"x", 0}, {"y", 0}, {"z", 0}, {"w", 1}}}}}}}}}}};
+    return check_file("t.json", message.dump(), flags);
+  };
+  EXPECT_EQ(at(0.0, {}).status, exit_done);
+  EXPECT_EQ(at(0.0, {"--base=0.2,0,0"}).status, exit_done) << "the identity says nothing";
+  const CommandRun elsewhere = at(0.6, {});
+  EXPECT_EQ(elsewhere.status, exit_bad_input);
+  EXPECT_NE(elsewhere.log.find("expected --base 0.6,0,0,0,0,0,"), std::string::npos) << elsewhere.log;
+  EXPECT_EQ(at(0.6, {"--base=0.6,0,0"}).status, exit_done);
+  EXPECT_EQ(at(1.6, {"--base=1.6,0,0"}).status, exit_no);
+  EXPECT_EQ(at(0.6, {"--base=0.5,0,0"}).status, exit_bad_input);
+}
+
+TEST_F(CheckTrajectory, JointsThatAreNotNamedStandWhereTheRobotIsBefore) {
+  const auto from = [&](double y) {
+    const Json message{
+        {"trajectory", {{{"joint_trajectory", trajectory({{0.3}, {0.5}}, {"x"})}}}},
+        {"trajectory_start", {{"joint_state", {{"name", {"y", "x"}}, {"position", {y, 0.3}}}}}}};
+    return check_file("t.json", message.dump());
+  };
+  const CommandRun run = from(0.1);
+  EXPECT_EQ(run.status, exit_done) << run.out << run.log;
+  EXPECT_NE(run.out.find("does not name y: judged where trajectory_start has it"), std::string::npos)
+      << run.out;
+  EXPECT_EQ(from(1.2).status, exit_no);  // not painted
+  EXPECT_EQ(check_file("t.json", trajectory({{0.3}, {0.5}}, {"x"}).dump()).status, exit_bad_input);
+}
+
 TEST_F(CheckTrajectory, WhatDoesNotFitTheRobotIsNamed) {
   const auto refusal = [&](const Json& message) {
     const CommandRun run = check_file("t.json", message.dump());

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace clearway {
+
+/// A path of another program: a trajectory_msgs/JointTrajectory, or what holds one as `joint_trajectory`
+/// (moveit_msgs/RobotTrajectory) or as the only one in `trajectory` (DisplayTrajectory), goals of
+/// FollowJointTrajectory and ExecuteTrajectory, responses and results of MoveIt, as JSON or YAML.
+struct ForeignTrajectory {
+  std::vector<std::string> joints;
+  std::vector<std::vector<double>> points;  ///< values of `joints`, rad or m
+  std::map<std::string, double> start{};    ///< by joint, where the robot is before; may be empty
+  std::optional<Eigen::Isometry3d>
+      map_from_base{};  ///< where the file says that its base stands; may be none
+  /// Of each point its time_from_start, seconds, each above the one before; none: the file has no times, or
+  /// all are 0.
+  std::vector<double> times{};
+  std::vector<std::vector<double>> velocities{}, accelerations{};  ///< of each point with a time; empty: none
+};
+
+/// Nothing of a file that is something else: a plan.
+/// @throws std::invalid_argument naming file, field and what was expected: names given twice, a point with
+/// another number of positions, velocities or accelerations, times that are missing or do not rise,
+/// accelerations without velocities, no point.
+std::optional<ForeignTrajectory> read_trajectory(const std::filesystem::path& file);
+
+}  // namespace clearway
