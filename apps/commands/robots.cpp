@@ -69,7 +69,7 @@ std::string vector_text(const Eigen::Vector3d& v) {
 }
 
 std::string size_text(const Shape& shape) {
-  if (shape.kind() == Shape::Kind::convex)
+  if (!shape.vertices().empty())
     return "hull of " + counted(shape.vertices().size(), "corner") + ", in " + vector_text(shape.edges());
   std::string text = std::string(shape.name());
   for (const double size : shape.sizes()) text += " " + significant(size);

@@ -71,6 +71,7 @@ class SceneReader {
     if (objects.size() > most_objects) world.fail("collision_objects", "expected at most 100000 of them");
     for (const YamlFields& object : objects) add_object(object);
     if (scene_.has("robot_state")) add_attached(scene_.map("robot_state"));
+    place_objects();
     leave_robot_name();
     take_allowed_pairs();
     leave_link_sizes("link_padding", "padding", 0.0);
@@ -155,11 +156,43 @@ class SceneReader {
     const std::string frame = ros_frame(object);
     const Eigen::Isometry3d* map_from_frame = frames_.find(frame);
     if (map_from_frame != nullptr) return map_from_frame;
+    object_frame_ = frame_of_object(frame);
+    if (object_frame_) return &*object_frame_;
     const std::string what = name + " in frame " + quote(frame) + ", ";
     if (!context_.leaves_unknown_frames)
       object.fail("header", what + frames_.why_unknown(frame) + or_leave_out_frames);
     leave(what + "which is not the map's");
     return nullptr;
+  }
+
+  /// Where an object that is there stands, or a subframe of it, OBJECT/SUBFRAME; as MoveIt has it.
+  std::optional<Eigen::Isometry3d> frame_of_object(const std::string& frame) const {
+    if (const auto known = poses_.find(frame); known != poses_.end()) return known->second;
+    for (const auto& [object, pose] : poses_) {
+      const auto frames = subframes_.find(object);
+      if (frames == subframes_.end() || !frame.starts_with(object + "/")) continue;
+      if (const auto known = frames->second.find(frame.substr(object.size() + 1));
+          known != frames->second.end())
+        return pose * known->second;
+    }
+    return std::nullopt;
+  }
+
+  /// Requests may name them, too.
+  void place_objects() {
+    for (const auto& [object, pose] : poses_) {
+      if (frames_.find(object) == nullptr) frames_.place(object, pose);
+      for (const auto& [name, in_object] : subframes_[object])
+        if (const std::string frame = object + "/" + name; frames_.find(frame) == nullptr)
+          frames_.place(frame, pose * in_object);
+    }
+  }
+
+  void take_subframes(const YamlFields& object, const std::string& name) {
+    const std::vector<std::string> names = object.texts("subframe_names");
+    if (names.empty()) return;
+    const auto places = ros_poses(object, "subframe_poses", names.size());
+    for (std::size_t i = 0; i < names.size(); ++i) subframes_[name].insert_or_assign(names[i], places[i]);
   }
 
   /// Bodies in the hand. One without shapes is the world's object of its name, which is no obstacle then, as
@@ -269,6 +302,7 @@ class SceneReader {
     const bool is_alone =
         world_.solids.size() == before + 1 && map_from_object.isApprox(*map_from_frame, 1e-12);
     poses_.emplace(name, is_alone ? world_.solids.back().map_from_shape : map_from_object);
+    take_subframes(object, name);
   }
 
   void spread(ForeignSolid& solid, const Eigen::Vector4d& plane) const {
@@ -280,6 +314,7 @@ class SceneReader {
     std::erase_if(world_.solids, [&](const ForeignSolid& solid) { return is_piece_of(solid, name); });
     planes_.erase(name);
     poses_.erase(name);
+    subframes_.erase(name);
   }
 
   /// The object of this name, or all, but for the octomap, without a name.
@@ -333,6 +368,8 @@ class SceneReader {
   std::set<std::string> objects_;                               ///< names
   std::map<std::string, Eigen::Isometry3d> poses_;              ///< of objects with pieces, in the map
   std::map<std::string, std::vector<Eigen::Vector4d>> planes_;  ///< of objects, in the order of their pieces
+  std::map<std::string, std::map<std::string, Eigen::Isometry3d>> subframes_;  ///< of objects, in these
+  std::optional<Eigen::Isometry3d> object_frame_;                              ///< that frame_of found
   ForeignWorld world_;
 };
 

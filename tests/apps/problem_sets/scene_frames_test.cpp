@@ -122,6 +122,25 @@ TEST_F(ImportFrames, AnObjectInALinksFrameStandsWhereTheScenesStateHasTheLink) {
   expect_refused(some + object_in("kinect_lower"), "frame 'kinect_lower', which is unknown");
 }
 
+/// MoveIt knows the objects of the world, and what they call their parts, as frames. The tray is turned by a
+/// quarter about z, so that its x is the map's y.
+TEST_F(ImportFrames, AnObjectMayStandInTheFrameOfAnotherOrOfAPartOfIt) {
+  const auto scene = [](const std::string& frame) {
+    return "world: {collision_objects: [{id: tray, header: {frame_id: world}, pose: {position: [1, 2, 0], "
+           "orientation: [0, 0, 0.70710678118654752, 0.70710678118654752]}, primitives: [{type: sphere, "
+           "dimensions: [0.01]}], primitive_poses: [{position: [0.55, 0.05, 0.05]}], subframe_names: [rim], "
+           "subframe_poses: [{position: [0.3, 0, 0]}]}, {id: cup, header: {frame_id: " +
+           frame +
+           "}, primitives: [{type: sphere, dimensions: [0.01]}], primitive_poses: [{position: [0.05, 0.05, "
+           "0.05]}]}]}\n";
+  };
+  expect_at(scene("tray"), {0.95, 2.05, 0.05}, 2);
+  expect_at(scene("tray/rim"), {0.95, 2.35, 0.05}, 2);
+  expect_at(scene("world"), near_origin, 2);
+  expect_refused(scene("tray/handle"), "'tray/handle'");
+  expect_refused(scene("cup"), "'cup'");  // not there yet
+}
+
 TEST_F(ImportFrames, OfShippedRobotsAreKnownByTheNamesThatOthersGiveThem) {
   robot_ = "panda";
   const Robot panda = load_robot("panda");
