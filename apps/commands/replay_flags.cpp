@@ -35,10 +35,10 @@ Command add_replay(CLI::App& app, Console& console) {
   auto options = std::make_shared<ReplayOptions>();
   CLI::App* command = add_command(
       app, "replay", "turn a recording into painted spheres, a fused map, plans and a report page", console);
-  add_source(
-      *command, options->recording, options->camera_seconds, "recording",
-      "MRPT rawlog; ROS bag (.bag, .mcap); video; .pcd, .ply, .bin, .png or .jpg: a file, or a folder of "
-      "them; folder of depth pictures");
+  add_source(*command, options->recording, options->camera_seconds, "recording",
+             "MRPT rawlog; ROS bag (.bag, .mcap, .db3); video; .pcd, .ply, .bin, .png or .jpg: a file, or a "
+             "folder of "
+             "them; folder of depth pictures");
   command
       ->add_option("--setup", options->setup,
                    "tag boards, probe, robot and queries, by file or name; default: the recording's own")

@@ -10,7 +10,8 @@ namespace clearway {
 
 /// What a recording may be, for sentences that refuse something else.
 inline constexpr const char* kinds_of_recordings =
-    "an MRPT rawlog, a ROS bag (.bag, .mcap), a video, a .pcd, .ply, .bin, .png or .jpg file, or a folder of "
+    "an MRPT rawlog, a ROS bag (.bag, .mcap, .db3), a video, a .pcd, .ply, .bin, .png or .jpg file, or a "
+    "folder of "
     "such files or of depth pictures";
 
 /// Whatever holds frames, recognized by what it is:
@@ -23,7 +24,7 @@ inline constexpr const char* kinds_of_recordings =
 /// - a folder of .bin files, or one of them: scans of kind "velodyne" (apps/fusion/velodyne_folder.hpp),
 /// where
 ///   there is nothing of the above;
-/// - a .bag or .mcap file, or the folder that `ros2 bag record` makes: topics that the setup names
+/// - a .bag, .mcap or .db3 file, or the folder that `ros2 bag record` makes: topics that the setup names
 /// (datasets/ros/bag_source.hpp);
 /// - else an MRPT rawlog.
 /// Sensors are called like the folder, or the single file.

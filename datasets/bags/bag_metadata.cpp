@@ -8,12 +8,17 @@
 #include <stdexcept>
 
 #include "datasets/descriptions/yaml_gate.hpp"
+#include "datasets/ros/bag_source.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 
 namespace {
+
+bool is_zstd(const YAML::Node& format) {
+  return format && format.IsScalar() && format.as<std::string>() == "zstd";
+}
 
 /// Gives `take` what metadata.yaml says of the bag, if it is there.
 void read_metadata(const std::filesystem::path& folder,
@@ -58,8 +63,10 @@ void require_unpacked(const std::filesystem::path& folder) {
     if (mode != "FILE" && mode != "MESSAGE") return;
     const bool are_files = mode == "FILE";
     std::error_code error;
-    for (const auto& entry : std::filesystem::directory_iterator(folder, error))
-      if (are_files && (entry.path().extension() == ".mcap" || entry.path().extension() == ".db3")) return;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+      if (are_files && entry.path().extension() == ".mcap") return;
+      if (is_sqlite_bag(entry.path()) && (are_files || is_zstd(format))) return;
+    }
     throw std::invalid_argument("bag " + quote_path(folder.string()) + " has compressed " +
                                 (are_files ? "files" : "messages") + " (" +
                                 (format && format.IsScalar() ? quote(format.as<std::string>()) : "unknown") +

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
 #include <stdexcept>
+#include <string_view>
 
 #include "datasets/pictures/picture_times.hpp"
 #include "datasets/ros/bag_frames.hpp"
@@ -31,9 +33,12 @@ DecodingLimits limits_of(std::uint64_t bytes) {
 
 std::unique_ptr<MessageBag> open_messages(const std::filesystem::path& file, int descriptor,
                                           std::uint64_t size) {
-  char magic[2] = {};
-  const bool is_ros1 = ::pread(descriptor, magic, 2, 0) == 2 && magic[0] == '#' && magic[1] == 'R';
-  return is_ros1 ? open_ros1_bag(file) : open_mcap(descriptor, size);
+  char magic[7] = {};
+  const bool has_magic = ::pread(descriptor, magic, 6, 0) == 6;
+  if (has_magic && std::string_view(magic).starts_with("#R")) return open_ros1_bag(file);
+  const bool is_mcap = has_magic && std::string_view(magic).starts_with("\x89MCAP");
+  const bool is_sqlite = has_magic && std::string_view(magic) == "SQLite";
+  return is_sqlite || (is_sqlite_bag(file) && !is_mcap) ? open_sqlite_bag(file) : open_mcap(descriptor, size);
 }
 
 /// What is wrong with a bag, as one sentence.
@@ -41,13 +46,25 @@ std::string sentence(const std::filesystem::path& file, const std::string& claus
   return "bag " + quote_path(file.string()) + " " + clause;
 }
 
-/// The files of a folder with this end of their names, in the order of names, numbers by value.
+/// The name without what says that the file is packed.
+std::string unpacked_name(const std::filesystem::path& file) {
+  const std::string kind = extension_of(file);
+  return (kind == ".zstd" || kind == ".zst" ? file.stem() : file.filename()).string();
+}
+
+/// The files of a folder with this end of their names, in the order of names, numbers by value. Of a part of
+/// SQLite that lies there packed and unpacked, the unpacked one.
 std::vector<std::filesystem::path> files_with(const std::filesystem::path& folder, const std::string& kind) {
-  std::vector<std::filesystem::path> files;
+  std::map<std::string, std::filesystem::path> files;
   std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, error))
-    if (extension_of(entry.path()) == kind) files.push_back(entry.path());
-  return in_order_of_names(files);
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const std::filesystem::path& file = entry.path();
+    if (extension_of(file) == kind) files[file.filename().string()] = file;
+    if (kind == ".db3" && is_sqlite_bag(file)) files.try_emplace(unpacked_name(file), file);
+  }
+  std::vector<std::filesystem::path> list;
+  for (const auto& [name, file] : files) list.push_back(file);
+  return in_order_of_names(list);
 }
 
 /// Several bags, one after the other in the order of their first messages, as one. In the child.
@@ -131,12 +148,12 @@ class BagFiles {
  public:
   explicit BagFiles(const std::filesystem::path& bag) : files_{bag} {
     const bool is_folder = is_bag_folder(bag);
-    const bool is_sqlite = is_folder ? !files_with(bag, ".db3").empty() : extension_of(bag) == ".db3";
-    if (is_sqlite)
-      throw std::invalid_argument(sentence(
-          bag, "is SQLite (.db3), which is not read here: expected MCAP, which `ros2 bag convert` makes"));
     if (is_folder) files_ = files_with(bag, ".mcap");
+    if (is_folder && files_.empty()) files_ = files_with(bag, ".db3");
     if (is_folder && files_.empty()) files_ = files_with(bag, ".bag");
+    if (is_folder && extension_of(files_.front()) == ".mcap" && !files_with(bag, ".db3").empty())
+      throw std::invalid_argument(
+          sentence(bag, "has MCAP files and SQLite's (.db3): expected one kind, or one of them by its name"));
     for (const std::filesystem::path& file : files_) {
       inputs_.push_back(std::make_unique<InputFile>(file, "bag"));
       size_ += inputs_.back()->size();
@@ -149,13 +166,14 @@ class BagFiles {
     std::string first;
     std::size_t count = 0;
     for (const std::string& part : parts) {
-      const bool is_read = std::any_of(files_.begin(), files_.end(),
-                                       [&](const auto& file) { return file.filename() == part; });
+      const bool is_read = std::any_of(files_.begin(), files_.end(), [&](const auto& file) {
+        return unpacked_name(file) == unpacked_name(part);
+      });
       if (!is_read && count++ == 0) first = quote(part);
     }
     if (count == 0) return "";
     return "its metadata.yaml lists " + first + ", which is not there" +
-           (count > 1 ? ", nor are " + std::to_string(count - 1) + " more" : "") + " as an MCAP file";
+           (count > 1 ? ", nor are " + std::to_string(count - 1) + " more" : "") + " as a bag";
   }
   int descriptor() const { return inputs_.front()->descriptor(); }
   /// In the child. @param descriptor of the first file

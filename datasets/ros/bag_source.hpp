@@ -14,24 +14,31 @@
 
 namespace clearway {
 
-/// True for names that end in .mcap and .bag, in small or capital letters, and in .db3, which is refused.
-inline bool is_bag_file(const std::filesystem::path& file) {
+/// True for names of SQLite's bags: that end in .db3, or .db3.zstd and .db3.zst, packed.
+inline bool is_sqlite_bag(const std::filesystem::path& file) {
   const std::string kind = extension_of(file);
-  return kind == ".mcap" || kind == ".bag" || kind == ".db3";
+  return kind == ".db3" || ((kind == ".zstd" || kind == ".zst") && extension_of(file.stem()) == ".db3");
 }
 
-/// True for the folder that `ros2 bag record` makes: metadata.yaml beside files .mcap or .db3; and for one of
-/// files .mcap alone, or .bag alone, as `rosbag record --split` makes them.
+/// True for names that end in .mcap and .bag, in small or capital letters, and for those of SQLite's bags.
+inline bool is_bag_file(const std::filesystem::path& file) {
+  const std::string kind = extension_of(file);
+  return kind == ".mcap" || kind == ".bag" || is_sqlite_bag(file);
+}
+
+/// True for the folder that `ros2 bag record` makes: metadata.yaml beside files .mcap or .db3 (of which what
+/// SQLite keeps may lie there, too); and for one of these alone, as a recorder that was ended leaves them, or
+/// of files .bag alone, as `rosbag record --split` makes them.
 inline bool is_bag_folder(const std::filesystem::path& folder) {
   std::error_code error;
   const bool has_metadata = std::filesystem::exists(folder / "metadata.yaml", error);
   bool has_bags = false, has_ros1 = false, has_others = false;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
     const std::string kind = extension_of(entry.path());
-    const bool is_part = kind == ".mcap" || (has_metadata && kind == ".db3");
+    const bool is_part = kind == ".mcap" || is_sqlite_bag(entry.path());
     has_bags |= is_part;
     has_ros1 |= kind == ".bag";
-    has_others |= !is_part && kind != ".bag";
+    has_others |= !is_part && kind != ".bag" && !kind.starts_with(".db3-");
   }
   if (!has_metadata && has_others) return false;
   return has_bags ? has_metadata || !has_ros1 : has_ros1 && !has_metadata;
@@ -39,7 +46,7 @@ inline bool is_bag_folder(const std::filesystem::path& folder) {
 
 inline bool is_bag(const std::filesystem::path& path) { return is_bag_file(path) || is_bag_folder(path); }
 
-/// What a bag holds (a file, or a folder of MCAP files), in the order of names. A bag that is damaged has
+/// What a bag holds (a file, or a folder of files), in the order of names. A bag that is damaged has
 /// what could be read.
 /// @throws std::invalid_argument naming the file when it is no bag.
 std::vector<BagTopic> list_bag(const std::filesystem::path& file);

@@ -2,6 +2,7 @@
 
 #include <compare>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -68,5 +69,10 @@ std::unique_ptr<MessageBag> open_mcap(int file, std::uint64_t size);
 /// A ROS 1 bag, format 2.0, by rosbag_storage. @param path of a file that this process may open
 /// @throws std::runtime_error a clause that says why it is none.
 std::unique_ptr<MessageBag> open_ros1_bag(const std::string& path);
+
+/// A ROS 2 bag of rosbag2's plugin sqlite3, also packed by Zstandard as a whole or message by message. What a
+/// recorder that was ended left in a write-ahead log counts. Nothing is written beside it.
+/// @param file that this process may open @throws std::runtime_error a clause that says why it is none.
+std::unique_ptr<MessageBag> open_sqlite_bag(const std::filesystem::path& file);
 
 }  // namespace clearway

@@ -37,12 +37,13 @@
 #include "planning/files/plan_file.hpp"
 #include "planning/files/query_record.hpp"
 #include "planning/robot/robot.hpp"
+#include "planning/robot_files/load_robot.hpp"
 #include "planning/robot_files/robot_settings.hpp"
 #include "planning/robot_files/srdf_file.hpp"
 #include "planning/robot_files/urdf_file.hpp"
 #include "tests/apps/run_command.hpp"
 #include "tests/worlds/bag_topics.hpp"
-#include "tests/worlds/bags/ros1_bag_writer.hpp"
+#include "tests/worlds/bags/sqlite_bag_writer.hpp"
 #include "tests/worlds/mutated_bytes.hpp"
 #include "tests/worlds/picture_bytes.hpp"
 #include "tests/worlds/small_scene.hpp"
@@ -284,6 +285,10 @@ TEST_F(MutatedReaders, bags) {
   };
   for (const char* name : {"cdr_none.mcap", "cdr_zstd.mcap", "ros1_none.mcap"})
     expect_read_or_refused(name, source(std::string("tests/datasets/ros/bags/") + name), read);
+  worlds::write_sqlite_bag(folder_ / "whole.db3",
+                           worlds::records_of_mcap(std::filesystem::path(CLEARWAY_SOURCE_DIR) /
+                                                   "tests/datasets/ros/bags/cdr_none.mcap"));
+  expect_read_or_refused("a.db3", read_file(folder_ / "whole.db3"), read);
   worlds::write_ros1_bag(
       folder_ / "a.bag",
       std::filesystem::path(CLEARWAY_SOURCE_DIR) / "tests/datasets/ros/bags/ros1_none.mcap", false);

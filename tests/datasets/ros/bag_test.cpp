@@ -152,16 +152,6 @@ TEST(Bag, TheFolderOfARecorderIsReadFileByFileInTheOrderOfTimes) {
   EXPECT_NE(complaint([&] { list_bag(folder.path()); }).find("of its 'r_1.mcap': "), std::string::npos);
 }
 
-TEST(Bag, SqliteIsRefusedWithTheProgramThatConvertsIt) {
-  const TemporaryFolder folder;
-  folder.write("metadata.yaml", "rosbag2_bagfile_information:\n  version: 9\n");
-  folder.write("r_0.db3", "SQLite format 3");
-  for (const fs::path& path : {folder.path(), folder / "r_0.db3"}) {
-    const std::string sentence = complaint([&] { open_bag(path, all_topics()); });
-    EXPECT_NE(sentence.find("expected MCAP, which `ros2 bag convert` makes"), std::string::npos) << sentence;
-  }
-}
-
 TEST(Bag, ListsTopicsTypesAndMessages) {
   for (const char* name : {"cdr_zstd.mcap", "ros1_none.mcap", "cdr_zstd_unended.mcap"}) {
     SCOPED_TRACE(name);

@@ -7,6 +7,7 @@
 
 #include "datasets/ros/mcap_writer.hpp"
 #include "datasets/ros/message_bag.hpp"
+#include "tests/worlds/bags/sqlite_bag_writer.hpp"
 
 namespace {
 
@@ -74,6 +75,7 @@ void write_ros1_bag(const std::filesystem::path& bag, const std::vector<BagRecor
 
 void write_bag(const std::filesystem::path& file, const std::vector<BagRecord>& records, bool is_ros1) {
   if (is_ros1) return write_ros1_bag(file, records);
+  if (file.extension() == ".db3") return write_sqlite_bag(file, records);
   McapWriter bag(file);
   std::map<std::string, std::uint16_t> topics;
   for (const BagRecord& record : records) {
