@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <opencv2/imgcodecs.hpp>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
 
+#include "datasets/pictures/camera_path.hpp"
 #include "datasets/pictures/files_in_child.hpp"
 #include "datasets/pictures/image_folder.hpp"
 #include "datasets/pictures/picture_file.hpp"
@@ -24,55 +26,6 @@ namespace fs = std::filesystem;
 
 constexpr std::uint16_t no_depth = 65535;
 
-/// What is called like a picture; one that is no file is refused when it is read.
-std::vector<fs::path> pictures_in(const fs::path& folder) {
-  std::vector<fs::path> files;
-  std::error_code error;
-  if (!fs::is_directory(folder, error)) return files;
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (is_picture_file(entry.path())) files.push_back(entry.path());
-  return files;
-}
-
-/// The pictures whose names begin or end in the first of these words that any does.
-std::vector<fs::path> called(const std::vector<fs::path>& pictures,
-                             std::initializer_list<const char*> words) {
-  std::vector<fs::path> files;
-  for (const char* word : words) {
-    std::copy_if(pictures.begin(), pictures.end(), std::back_inserter(files),
-                 [word](const fs::path& file) { return name_beside(file, word).has_value(); });
-    if (!files.empty()) break;
-  }
-  return files;
-}
-
-/// The one file of the folder with this end of its name; empty when there are several or none.
-fs::path only_file(const fs::path& folder, const std::string& kind) {
-  fs::path found;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    if (extension_of(entry.path()) != kind) continue;
-    if (!found.empty()) return {};
-    found = entry.path();
-  }
-  return found;
-}
-
-/// The first of these names that is there.
-fs::path first_there(const fs::path& folder, std::initializer_list<const char*> names) {
-  std::error_code error;
-  for (const char* name : names)
-    if (fs::exists(folder / name, error)) return folder / name;
-  return {};
-}
-
-/// Whether any file is called like the pose of one picture.
-bool has_pose_files(const fs::path& folder) {
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (extension_of(entry.path()) == ".txt" && name_beside(entry.path(), "pose")) return true;
-  return false;
-}
-
 /// The rays (1, y, z) of all pixels, row by row: x forward, y left, z up; 0 where the lens sees nothing.
 std::vector<Eigen::Vector3f> rays_of(const CameraIntrinsics& camera) {
   std::vector<Eigen::Vector3f> rays;
@@ -82,9 +35,40 @@ std::vector<Eigen::Vector3f> rays_of(const CameraIntrinsics& camera) {
   return rays;
 }
 
+/// A camera, and its rays.
+struct CastCamera {
+  CameraIntrinsics camera;
+  std::vector<Eigen::Vector3f> rays;
+
+  void become(const CameraIntrinsics& next) {
+    if (camera == next && !rays.empty()) return;
+    camera = next;
+    rays = rays_of(next);
+  }
+};
+
+/// The camera of pictures that were made larger or smaller; nothing: their sides have another ratio.
+std::optional<CameraIntrinsics> resized(CameraIntrinsics camera, int width, int height) {
+  if (std::int64_t{camera.width} * height != std::int64_t{camera.height} * width) return std::nullopt;
+  const double by = static_cast<double>(width) / camera.width;
+  camera.width = width;
+  camera.height = height;
+  camera.fx *= by;
+  camera.fy *= by;
+  camera.cx = (camera.cx + 0.5) * by - 0.5;
+  camera.cy = (camera.cy + 0.5) * by - 0.5;
+  return camera;
+}
+
+/// The cameras of depth pictures, one after the other.
+struct DepthCameras {
+  std::vector<CameraIntrinsics> of_picture;
+  bool may_be_resized = false;  ///< depth may be smaller than the pictures that the cameras are of
+};
+
 /// In the child.
-CloudFrame decode_depth(const std::string& bytes, const CameraIntrinsics& camera,
-                        const std::vector<Eigen::Vector3f>& rays, const DepthOptions& options) {
+CloudFrame decode_depth(const std::string& bytes, const CameraIntrinsics& stated, bool may_be_resized,
+                        CastCamera& cast, const DepthOptions& options) {
   const cv::Mat_<unsigned char> raw(1, static_cast<int>(bytes.size()),
                                     reinterpret_cast<unsigned char*>(const_cast<char*>(bytes.data())));
   cv::Mat depth;
@@ -94,16 +78,20 @@ CloudFrame decode_depth(const std::string& bytes, const CameraIntrinsics& camera
   }
   if (depth.empty()) throw std::runtime_error("it cannot be decoded");
   if (depth.type() != CV_16UC1) throw std::runtime_error("it is not a grey picture of 16 bits");
-  if (depth.cols != camera.width || depth.rows != camera.height)
+  const bool has_size = depth.cols == stated.width && depth.rows == stated.height;
+  const auto camera = has_size || !may_be_resized ? stated : resized(stated, depth.cols, depth.rows);
+  if (!camera || depth.cols != camera->width || depth.rows != camera->height)
     throw std::runtime_error("it has " + std::to_string(depth.cols) + " x " + std::to_string(depth.rows) +
-                             " pixels, expected the camera's " + std::to_string(camera.width) + " x " +
-                             std::to_string(camera.height));
+                             " pixels, expected the camera's " + std::to_string(stated.width) + " x " +
+                             std::to_string(stated.height));
+  cast.become(*camera);
   CloudFrame cloud;
   cloud.kind = "depth";
   cloud.max_range = options.max_range;
   for (int row = 0; row < depth.rows; ++row) {
     const auto* line = depth.ptr<std::uint16_t>(row);
-    const Eigen::Vector3f* ray = &rays[static_cast<std::size_t>(row) * static_cast<std::size_t>(depth.cols)];
+    const Eigen::Vector3f* ray =
+        &cast.rays[static_cast<std::size_t>(row) * static_cast<std::size_t>(depth.cols)];
     for (int column = 0; column < depth.cols; ++column) {
       if (line[column] == 0 || line[column] == no_depth || ray[column].x() == 0.0F) continue;
       cloud.points.push_back(static_cast<float>(*options.scale * line[column]) * ray[column]);
@@ -128,10 +116,12 @@ std::vector<fs::path> names_of(const TimedFiles& timed) {
   return files;
 }
 
-FilesInChild::Decode depth_decoder(const CameraIntrinsics& camera, const DepthOptions& options) {
-  const auto rays = std::make_shared<std::vector<Eigen::Vector3f>>(rays_of(camera));
-  return [camera, rays, options](const std::string& bytes) {
-    return decode_depth(bytes, camera, *rays, options);
+FilesInChild::Decode depth_decoder(const DepthCameras& cameras, const DepthOptions& options) {
+  const auto cast = std::make_shared<CastCamera>();
+  if (!cameras.may_be_resized) cast->become(cameras.of_picture.front());
+  return [cameras, cast, options](const std::string& bytes, std::size_t number) {
+    const CameraIntrinsics& camera = cameras.of_picture[std::min(number, cameras.of_picture.size() - 1)];
+    return decode_depth(bytes, camera, cameras.may_be_resized, *cast, options);
   };
 }
 
@@ -143,7 +133,7 @@ SourceOptions with_scale(SourceOptions options, const fs::path& poses) {
   options.depth.scale = usual_scale;
   const fs::path& file = options.depth.poses.empty() ? poses : options.depth.poses;
   if (file.empty() || !is_input_there(file)) return options;
-  std::istringstream stream(read_input(file, "poses", std::size_t{1} << 28U));
+  std::istringstream stream(read_input(file, "poses", largest_poses));
   std::string line;
   for (int i = 0; i < 3 && std::getline(stream, line); ++i)
     if (line.starts_with("#") && line.find("rgbd_dataset_") != std::string::npos)
@@ -153,17 +143,23 @@ SourceOptions with_scale(SourceOptions options, const fs::path& poses) {
 
 class DepthFolder final : public FrameSource {
  public:
-  DepthFolder(const DepthLayout& layout, const CameraIntrinsics& camera, const SourceOptions& options)
+  /// @param path of the camera, where the poses are one @param camera of all pictures; empty: the path's
+  DepthFolder(const DepthLayout& layout, const CameraPath& path,
+              const std::optional<CameraIntrinsics>& camera, const SourceOptions& options)
       : options_(with_scale(options, layout.poses)),
         is_scale_stated_(options.depth.scale.has_value()),
         timed_(times_of_files(layout.depth, options.rate)),
         poses_(options.depth.poses.empty() ? layout.poses : options.depth.poses, layout.pose_folder, "depth",
                in_order_of_names(layout.depth), options.depth.tolerance, timed_.time_caveat.empty()),
-        depth_(names_of(timed_), "depth picture", depth_decoder(camera, options_.depth)) {
+        depth_(names_of(timed_), "depth picture",
+               depth_decoder(camera ? DepthCameras{{*camera}} : cameras_of(path, layout), options_.depth)) {
     if (!options.depth.camera_file.empty())
       camera_note_ = "the depth pictures' camera is that of " +
                      quote_path(options.depth.camera_file.string()) +
                      ", which lies beside them; `source: {depth: {camera: …}}` states another.";
+    if (!camera)
+      camera_note_ = "the depth pictures' cameras are those of " + quote_path(layout.poses.string()) +
+                     "; `source: {depth: {camera: …}}` states another.";
     if (!layout.colour.empty()) colour_ = open_pictures(layout.colour, "colour", options);
   }
   bool has_poses() const { return poses_.are_there(); }
@@ -208,6 +204,18 @@ class DepthFolder final : public FrameSource {
   }
 
  private:
+  /// Of the pictures in the order of their times.
+  DepthCameras cameras_of(const CameraPath& path, const DepthLayout& layout) const {
+    DepthCameras cameras{{}, path.is_named};
+    const auto shots = shots_of_pictures(path, layout.poses, in_order_of_names(layout.depth));
+    for (const TimedFile& picture : timed_.files) {
+      const auto shot = shots.find(picture.file);
+      // One without a pose is left out, whatever its camera.
+      cameras.of_picture.push_back(*(shot == shots.end() ? shots.begin() : shot)->second.camera);
+    }
+    return cameras;
+  }
+
   std::optional<Frame> read_depth() {
     while (auto outcome = depth_.next()) {
       const TimedFile& picture = timed_.files[at_++];
@@ -261,64 +269,62 @@ class DepthFolder final : public FrameSource {
   FolderDamage damage_;
 };
 
-}  // namespace
-
-std::optional<DepthLayout> depth_layout(const fs::path& folder) {
-  DepthLayout layout;
-  layout.depth = pictures_in(folder / "depth");
-  if (!layout.depth.empty()) {
-    const fs::path colour = first_there(folder, {"rgb", "color", "colour", "image", "images"});
-    if (!colour.empty()) layout.colour = pictures_in(colour);
-    layout.pose_folder = first_there(folder, {"pose", "poses"});
-  } else {
-    for (const fs::path& flat : {folder, folder / "results"}) {
-      const std::vector<fs::path> pictures = pictures_in(flat);
-      layout.depth = called(pictures, {"depth"});
-      if (layout.depth.empty()) continue;
-      layout.colour = called(pictures, {"color", "colour", "rgb", "image", "frame"});
-      layout.pose_folder = first_there(folder, {"pose", "poses"});
-      if (layout.pose_folder.empty() && has_pose_files(flat)) layout.pose_folder = flat;
-      break;
-    }
-  }
-  if (layout.depth.empty()) return std::nullopt;
-  layout.camera =
-      first_there(folder, {"intrinsic/intrinsic_depth.txt", "intrinsic_depth.txt", "camera_intrinsic.json",
-                           "intrinsic.json", "intrinsics.json", "camera.json", "camera-intrinsics.txt",
-                           "camera_intrinsics.txt", "intrinsic.txt", "intrinsics.txt", "camera.yaml",
-                           "camera.yml", "camera.xml", "camera_info.yaml", "cam_params.json"});
-  std::error_code error;
-  const fs::path above = fs::weakly_canonical(folder, error).parent_path();
-  if (layout.camera.empty())
-    layout.camera = first_there(above, {"cam_params.json"});  // Replica's, of all its rooms
-  layout.poses =
-      first_there(folder, {"groundtruth.txt", "poses.txt", "trajectory.txt", "trajectory.log", "traj.txt"});
-  for (const char* kind : {".log", ".freiburg"})
-    if (layout.poses.empty()) layout.poses = only_file(folder, kind);
-  return layout;
+/// The path that a file of poses is, with cameras for pictures of this size where it states none; nothing for
+/// another file.
+std::optional<CameraPath> path_of(const fs::path& poses, const std::optional<ImageSize>& size) {
+  if (poses.empty()) return std::nullopt;
+  const std::string text = read_input(poses, "poses", largest_poses);
+  if (!is_camera_path(text)) return std::nullopt;
+  return parse_camera_path(text, "poses " + quote_path(poses.string()), size);
 }
 
-std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const DepthLayout& layout,
+/// What a path says where the setup says nothing: how far a step of depth is, and the camera of the colour
+/// pictures, if it is one.
+SourceOptions with_path(SourceOptions options, const CameraPath& path) {
+  if (!options.depth.scale) options.depth.scale = path.depth_scale;
+  const auto& first = path.shots.front().camera;
+  const bool is_one = std::all_of(path.shots.begin(), path.shots.end(),
+                                  [&](const CameraShot& shot) { return shot.camera == first; });
+  if (!options.camera && is_one) options.camera = first;
+  return options;
+}
+
+}  // namespace
+
+std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const DepthLayout& found,
                                                const SourceOptions& options) {
   const std::string name = "recording " + quote_path(folder.string());
-  const auto& camera = options.depth.camera ? options.depth.camera : options.camera;
-  if (!camera)
+  DepthLayout layout = found;
+  if (!options.depth.poses.empty()) layout.poses = options.depth.poses;
+  if (options.depth.poses.empty() && !found.other_poses.empty() && !options.places_depth)
+    throw std::invalid_argument(name + " has poses in " + quote(found.poses.filename().string()) +
+                                " and in " + quote(found.other_poses.filename().string()) +
+                                ": expected `poses` of `source: {depth: …}` in the setup to name one");
+  const auto path = path_of(layout.poses, png_size(layout.depth.front()));
+  const SourceOptions whole = path ? with_path(options, *path) : options;
+  const auto& stated = options.depth.camera ? options.depth.camera : options.camera;
+  if (!stated && !(path && path->has_cameras()))
     throw std::invalid_argument(name +
                                 " has depth pictures, which do not hold their camera: expected `camera`, or "
                                 "`camera` of `source: {depth: …}`, in the setup, or a file of it beside them "
                                 "(intrinsic/intrinsic_depth.txt, camera_intrinsic.json, camera.yaml, …)");
-  if (options.depth.rectified && has_distortion(*camera))
+  const bool is_bent = stated
+                           ? has_distortion(*stated)
+                           : std::any_of(path->shots.begin(), path->shots.end(),
+                                         [](const CameraShot& shot) { return has_distortion(*shot.camera); });
+  if (options.depth.rectified && is_bent)
     throw std::invalid_argument(
         name +
         " has rectified depth pictures, by 'rectified' of 'source: {depth: …}', and their camera has a "
         "distortion; expected `camera` of 'source: {depth: …}' to be the rectified one without it, or ROS's "
         "camera_info with a projection_matrix as its `file`, or 'rectified: false'");
-  auto source = std::make_unique<DepthFolder>(layout, *camera, options);
+  auto source = std::make_unique<DepthFolder>(layout, path.value_or(CameraPath{}), stated, whole);
   if (!source->has_poses() && !options.places_depth)
     throw std::invalid_argument(
         name +
-        " has no poses of its depth pictures: expected groundtruth.txt, poses.txt, trajectory.txt (TUM) or "
-        "trajectory.log (Redwood), a folder pose/ of matrices, `poses` of `source: {depth: …}`, "
+        " has no poses of its depth pictures: expected groundtruth.txt, poses.txt, trajectory.txt (TUM), "
+        "trajectory.log (Redwood), trajectory.json (Open3D) or transforms.json (nerfstudio), a folder pose/ "
+        "of matrices, `poses` of `source: {depth: …}`, "
         "or the sensor 'depth' in the setup's `sensors`");
   return source;
 }

@@ -21,7 +21,7 @@ void decode_files(const ChildReport& report, const std::vector<std::filesystem::
     const std::string name = what + " " + quote_path(files[i].string()) + " is damaged: ";
     try {
       DecodedFrame frame;
-      frame.frame.content = decode(read_input(files[i], what, largest_file));
+      frame.frame.content = decode(read_input(files[i], what, largest_file), i);
       report.send(ChildMessage::frame, i, frame_to_bytes(frame));
     } catch (const std::invalid_argument& error) {  // not readable: a whole sentence
       report.send(ChildMessage::skipped, i, error.what());

@@ -18,7 +18,8 @@ namespace clearway {
 class FilesInChild {
  public:
   /// What becomes of a file's bytes; called in the child. What it throws is why there is nothing.
-  using Decode = std::function<decltype(Frame::content)(const std::string& bytes)>;
+  /// @param number of the file, from 0
+  using Decode = std::function<decltype(Frame::content)(const std::string& bytes, std::size_t number)>;
   /// Begins with the first file at once: a child of a program whose other threads are at work may find a
   /// library's lock taken for good.
   /// @param what a file should be, as errors call it: "picture"

@@ -22,7 +22,7 @@ class ImageFolder final : public FrameSource {
       : timed_(std::move(timed)),
         sensor_(std::move(sensor)),
         camera_(camera),
-        files_(files_of(timed_), "picture", [](const std::string& bytes) {
+        files_(files_of(timed_), "picture", [](const std::string& bytes, std::size_t) {
           ImageFrame image;
           image.image = decode_picture(bytes);
           return image;

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "datasets/pictures/camera_path.hpp"
 #include "datasets/pictures/picture_numbers.hpp"
 #include "datasets/sources/finite_number.hpp"
 #include "mapping/system/input_file.hpp"
@@ -193,6 +194,11 @@ PicturePoses::PicturePoses(const fs::path& file, fs::path folder, std::string wo
   folder_.clear();
   const std::string name = "poses " + quote_path(file.string());
   const std::string text = read_input(file, "poses", largest_pose_file);
+  if (is_camera_path(text)) {
+    for (const auto& [picture, shot] : shots_of_pictures(parse_camera_path(text, name), file, pictures))
+      by_file_[picture] = shot.world_from_camera;
+    return;
+  }
   if (auto numbered = parse_numbered_poses(text, name)) {
     number(std::move(*numbered), pictures, name);
     return;

@@ -37,7 +37,8 @@ std::optional<std::string> name_beside(const std::filesystem::path& file, const 
 /// Where the camera was at each of a folder's pictures: poses in time, poses by number, or a file for each.
 class PicturePoses {
  public:
-  /// @param file TUM text or numbered poses, told apart by its first line; empty: none
+  /// @param file TUM text, numbered poses or a camera's path (camera_path.hpp), told apart by its first line;
+  /// empty: none
   /// @param folder of a matrix for each picture, looked at when there is no `file`: NAME.txt, NAME.pose.txt,
   /// or what stands beside `word` in NAME, alone or after or before "pose"; empty: none
   /// @param pictures all of them in the order of names. Poses with numbers belong to those in the names

@@ -313,6 +313,14 @@ TEST_F(MutatedReaders, depth_pictures_and_matrices_of_poses) {
   expect_read_or_refused("pose/1.txt", read_file(folder_.path() / "pose/1.txt"), read);
   expect_read_or_refused("depth/trajectory.log", "0 0 1\n1 0 0 0.5\n0 1 0 0.25\n0 0 1 -1\n0 0 0 1\n",
                          [](const auto& file) { PicturePoses(file, "", "depth", {"1.png"}, 0.02); });
+  for (
+      const char* path :
+      {R"({"fl_x": 50, "w": 48, "h": 36, "k1": 0.1, "frames": [{"file_path": "i/1.png", "transform_matrix": )"
+       R"([[1, 0, 0, 0.5], [0, 1, 0, 0.25], [0, 0, 1, -1], [0, 0, 0, 1]]}]})",
+       R"({"parameters": [{"extrinsic": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 3, 2, 1, 1], "intrinsic": )"
+       R"({"width": 48, "height": 36, "intrinsic_matrix": [50, 0, 0, 0, 50, 0, 24, 18, 1]}}]})"})
+    expect_read_or_refused("depth/path.json", path,
+                           [](const auto& file) { PicturePoses(file, "", "depth", {"1.png"}, 0.02); });
 }
 
 TEST_F(MutatedReaders, streams_of_poses) {

@@ -63,7 +63,7 @@ TEST(FilesInChild, AFileThatCrashesOrEatsMemoryCostsItselfAlone) {
     files.push_back(folder / name);
   }
   files.push_back(folder / "missing");
-  FilesInChild decoded(files, "thing", [](const std::string& bytes) -> decltype(Frame::content) {
+  FilesInChild decoded(files, "thing", [](const std::string& bytes, std::size_t) -> decltype(Frame::content) {
     if (bytes == "crash") std::abort();
     if (bytes == "eat") return CommentFrame{std::string(std::size_t{1} << 40U, 'x')};
     if (bytes == "throw") throw std::runtime_error("its reason");

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/cameras/image_size.hpp"
+#include "datasets/sources/recording.hpp"
+
+namespace clearway {
+
+/// One picture of a camera that moved.
+struct CameraShot {
+  std::string picture, depth;  ///< files, relative to where the path lies; empty: not stated
+  Eigen::Isometry3d world_from_camera = Eigen::Isometry3d::Identity();  ///< optical frame, m
+  std::optional<CameraIntrinsics> camera;  ///< empty: not stated, or not its size
+};
+
+/// The way of a camera as programs write it as JSON that look for it, or that are to show it.
+struct CameraPath {
+  std::vector<CameraShot> shots;
+  std::optional<double> depth_scale;  ///< m per step of depth pictures; empty: not stated
+  bool is_named = false;              ///< shots name their pictures; else they are in the order of these
+
+  /// Whether all of them state their camera.
+  bool has_cameras() const;
+};
+
+/// Whether a text begins as such a file does, with `{`.
+bool is_camera_path(const std::string& text);
+
+/// - transforms.json of nerfstudio and instant-ngp: `frames`, each with `file_path`, possibly
+///   `depth_file_path`, and `transform_matrix`, from a camera with x right, y up and z back. `fl_x`, `fl_y`,
+///   `cx`, `cy`, `w`, `h`, `k1`, `k2`, `p1`, `p2` and `camera_angle_x` of a frame come before those of the
+///   file. A pixel's middle is at 0.5 there, at 0 here.
+/// - Open3D's PinholeCameraTrajectory: `parameters`, each with `extrinsic`, camera_from_world column by
+///   column, and `intrinsic`.
+/// @param name what errors call the file @param size of pictures, for a file that does not say it
+/// @throws std::invalid_argument in one sentence naming the file, the place and what was expected
+CameraPath parse_camera_path(const std::string& text, const std::string& name,
+                             std::optional<ImageSize> size = {});
+
+/// The shot of each of these depth pictures that has one: by the file that it names as its depth or, where
+/// none does, by a picture whose name differs by words such as "depth" and "color" alone; without names, each
+/// in its order. @param file where the path is from @param pictures in the order of names
+/// @throws std::invalid_argument naming `file` when they cannot be matched, or a picture has two shots
+std::map<std::filesystem::path, CameraShot> shots_of_pictures(
+    const CameraPath& path, const std::filesystem::path& file,
+    const std::vector<std::filesystem::path>& pictures);
+
+}  // namespace clearway

@@ -1,0 +1,142 @@
+#include "datasets/pictures/depth_layout.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <optional>
+#include <set>
+
+#include "datasets/pictures/camera_path.hpp"
+#include "datasets/pictures/picture_file.hpp"
+#include "datasets/pictures/picture_poses.hpp"
+#include "mapping/system/input_file.hpp"
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What is called like a picture; one that is no file is refused when it is read.
+std::vector<fs::path> pictures_in(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) return files;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (is_picture_file(entry.path())) files.push_back(entry.path());
+  return files;
+}
+
+/// The pictures whose names begin or end in the first of these words that any does.
+std::vector<fs::path> called(const std::vector<fs::path>& pictures,
+                             std::initializer_list<const char*> words) {
+  std::vector<fs::path> files;
+  for (const char* word : words) {
+    std::copy_if(pictures.begin(), pictures.end(), std::back_inserter(files),
+                 [word](const fs::path& file) { return name_beside(file, word).has_value(); });
+    if (!files.empty()) break;
+  }
+  return files;
+}
+
+/// The one file of the folder with this end of its name; empty when there are several or none.
+fs::path only_file(const fs::path& folder, const std::string& kind) {
+  fs::path found;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (extension_of(entry.path()) != kind) continue;
+    if (!found.empty()) return {};
+    found = entry.path();
+  }
+  return found;
+}
+
+/// The first of these names that is there.
+fs::path first_there(const fs::path& folder, std::initializer_list<const char*> names) {
+  std::error_code error;
+  for (const char* name : names)
+    if (fs::exists(folder / name, error)) return folder / name;
+  return {};
+}
+
+/// Whether any file is called like the pose of one picture.
+bool has_pose_files(const fs::path& folder) {
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (extension_of(entry.path()) == ".txt" && name_beside(entry.path(), "pose")) return true;
+  return false;
+}
+
+/// As the folders of data sets are called, or by the pictures' names.
+DepthLayout layout_by_names(const fs::path& folder) {
+  DepthLayout layout;
+  layout.depth = pictures_in(folder / "depth");
+  if (!layout.depth.empty()) {
+    const fs::path colour = first_there(folder, {"rgb", "color", "colour", "image", "images"});
+    if (!colour.empty()) layout.colour = pictures_in(colour);
+    layout.pose_folder = first_there(folder, {"pose", "poses"});
+    return layout;
+  }
+  for (const fs::path& flat : {folder, folder / "results"}) {
+    const std::vector<fs::path> pictures = pictures_in(flat);
+    layout.depth = called(pictures, {"depth"});
+    if (layout.depth.empty()) continue;
+    layout.colour = called(pictures, {"color", "colour", "rgb", "image", "frame"});
+    layout.pose_folder = first_there(folder, {"pose", "poses"});
+    if (layout.pose_folder.empty() && has_pose_files(flat)) layout.pose_folder = flat;
+    break;
+  }
+  return layout;
+}
+
+/// A transforms.json of colour pictures alone is none of ours.
+std::optional<CameraPath> path_with_depth(const fs::path& transforms, const DepthLayout& layout) {
+  const std::string text = read_input(transforms, "poses", largest_poses);
+  if (layout.depth.empty() && text.find("\"depth_") == std::string::npos) return std::nullopt;
+  return parse_camera_path(text, "poses " + quote_path(transforms.string()));
+}
+
+/// The pictures that a path names, where it names depth pictures.
+void take_stated_pictures(const CameraPath& path, const fs::path& folder, DepthLayout& layout) {
+  std::set<fs::path> depth, colour;
+  std::error_code error;
+  for (const CameraShot& shot : path.shots) {
+    if (shot.depth.empty()) continue;
+    depth.insert((folder / shot.depth).lexically_normal());
+    const fs::path picture = (folder / shot.picture).lexically_normal();
+    if (is_picture_file(picture) && fs::exists(picture, error)) colour.insert(picture);
+  }
+  if (depth.empty()) return;
+  layout.depth.assign(depth.begin(), depth.end());
+  layout.colour.assign(colour.begin(), colour.end());
+}
+
+}  // namespace
+
+std::optional<DepthLayout> depth_layout(const fs::path& folder) {
+  DepthLayout layout = layout_by_names(folder);
+  const fs::path transforms = first_there(folder, {"transforms.json"});
+  const auto path = transforms.empty() ? std::nullopt : path_with_depth(transforms, layout);
+  if (path) take_stated_pictures(*path, folder, layout);
+  if (layout.depth.empty()) return std::nullopt;
+  layout.camera =
+      first_there(folder, {"intrinsic/intrinsic_depth.txt", "intrinsic_depth.txt", "camera_intrinsic.json",
+                           "intrinsic.json", "intrinsics.json", "camera.json", "camera-intrinsics.txt",
+                           "camera_intrinsics.txt", "intrinsic.txt", "intrinsics.txt", "camera.yaml",
+                           "camera.yml", "camera.xml", "camera_info.yaml", "cam_params.json"});
+  std::error_code error;
+  const fs::path above = fs::weakly_canonical(folder, error).parent_path();
+  if (layout.camera.empty())
+    layout.camera = first_there(above, {"cam_params.json"});  // Replica's, of all its rooms
+  layout.poses =
+      first_there(folder, {"groundtruth.txt", "poses.txt", "trajectory.txt", "trajectory.log", "traj.txt"});
+  for (const char* kind : {".log", ".freiburg"})
+    if (layout.poses.empty()) layout.poses = only_file(folder, kind);
+  if (layout.poses.empty() && layout.pose_folder.empty())
+    layout.poses = first_there(folder, {"trajectory.json"});
+  if (!path) return layout;
+  layout.other_poses = layout.poses.empty() ? layout.pose_folder : layout.poses;
+  layout.poses = transforms;
+  if (path->has_cameras()) layout.camera.clear();
+  return layout;
+}
+
+}  // namespace clearway

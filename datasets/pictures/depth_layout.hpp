@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+namespace clearway {
+
+constexpr std::size_t largest_poses = std::size_t{256} << 20U;  ///< bytes of a file of poses
+
+/// Where a folder keeps its depth pictures, colour pictures and poses.
+struct DepthLayout {
+  std::vector<std::filesystem::path> depth, colour;  ///< colour may be empty
+  std::filesystem::path poses;        ///< TUM text, numbered poses or a camera's path; empty: none
+  std::filesystem::path other_poses;  ///< beside transforms.json: which of the two counts is not known
+  std::filesystem::path pose_folder;  ///< of a matrix for each depth picture; empty: none
+  std::filesystem::path camera;       ///< a file of the depth pictures' camera; empty: none
+};
+
+/// The layout of a folder as RGB-D data sets are published: `depth/` beside `rgb/`, `color/` or `image/`
+/// (TUM, ICL-NUIM, ScanNet, Redwood), or in it or its folder `results/` pictures whose names begin or end in
+/// "depth" beside others of "color", "rgb", "image" or "frame" (7-Scenes, Replica); with `groundtruth.txt`,
+/// `poses.txt`, `trajectory.txt`, `trajectory.log`, `traj.txt`, `trajectory.json` (Open3D) or the one file
+/// `.log` or `.freiburg`, or a folder `pose/` or `poses/`, or NAME.pose.txt; or the pictures that the
+/// `transforms.json` of nerfstudio or instant-ngp names, or is of; and `intrinsic/intrinsic_depth.txt`
+/// (ScanNet), `camera_intrinsic.json` (Open3D) or another file that is called like a camera's. None when it
+/// holds no depth pictures.
+/// @throws std::filesystem::filesystem_error when one of the folders cannot be read
+/// @throws std::invalid_argument for a transforms.json that is none (parse_camera_path)
+std::optional<DepthLayout> depth_layout(const std::filesystem::path& folder);
+
+}  // namespace clearway
