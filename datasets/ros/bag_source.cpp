@@ -59,7 +59,8 @@ std::vector<std::filesystem::path> files_with(const std::filesystem::path& folde
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
     const std::filesystem::path& file = entry.path();
-    if (extension_of(file) == kind) files[file.filename().string()] = file;
+    if (extension_of(file) == kind || (kind == ".bag" && is_ros1_bag(file)))
+      files[file.filename().string()] = file;
     if (kind == ".db3" && is_sqlite_bag(file)) files.try_emplace(unpacked_name(file), file);
   }
   std::vector<std::filesystem::path> list;

@@ -20,10 +20,15 @@ inline bool is_sqlite_bag(const std::filesystem::path& file) {
   return kind == ".db3" || ((kind == ".zstd" || kind == ".zst") && extension_of(file.stem()) == ".db3");
 }
 
-/// True for names that end in .mcap and .bag, in small or capital letters, and for those of SQLite's bags.
-inline bool is_bag_file(const std::filesystem::path& file) {
+/// True for names of ROS 1 bags: that end in .bag, or .bag.active, as one is called until its recorder ends.
+inline bool is_ros1_bag(const std::filesystem::path& file) {
   const std::string kind = extension_of(file);
-  return kind == ".mcap" || kind == ".bag" || is_sqlite_bag(file);
+  return kind == ".bag" || (kind == ".active" && extension_of(file.stem()) == ".bag");
+}
+
+/// True for names that end in .mcap, in small or capital letters, and for those of SQLite's and ROS 1 bags.
+inline bool is_bag_file(const std::filesystem::path& file) {
+  return extension_of(file) == ".mcap" || is_sqlite_bag(file) || is_ros1_bag(file);
 }
 
 /// True for the folder that `ros2 bag record` makes: metadata.yaml beside files .mcap or .db3 (of which what
@@ -37,8 +42,8 @@ inline bool is_bag_folder(const std::filesystem::path& folder) {
     const std::string kind = extension_of(entry.path());
     const bool is_part = kind == ".mcap" || is_sqlite_bag(entry.path());
     has_bags |= is_part;
-    has_ros1 |= kind == ".bag";
-    has_others |= !is_part && kind != ".bag" && !kind.starts_with(".db3-");
+    has_ros1 |= is_ros1_bag(entry.path());
+    has_others |= !is_part && !is_ros1_bag(entry.path()) && !kind.starts_with(".db3-");
   }
   if (!has_metadata && has_others) return false;
   return has_bags ? has_metadata || !has_ros1 : has_ros1 && !has_metadata;

@@ -1,5 +1,5 @@
-// ROS 1 bags, format 2.0, by rosbag_storage; those with LZ4 chunks that its decoder does not know, as other
-// programs write them, by the records that they are made of.
+// ROS 1 bags, format 2.0, by rosbag_storage; by the records that they are made of those with LZ4 chunks that
+// its decoder does not know, as other programs write them, and those without a whole index.
 
 #include <ros/serialization.h>
 #include <rosbag/bag.h>
@@ -168,17 +168,16 @@ class Ros1Chunks {
   };
 
   explicit Ros1Chunks(const std::string& path) : input_(path, "bag") {
-    if (bytes(0, ros1_magic.size()) != ros1_magic) return;
-    for (std::uint64_t at = ros1_magic.size(); at < input_.size();) {
-      const Ros1Head head =
-          ros1_head(at, [this](std::uint64_t from, std::size_t count) { return bytes(from, count); });
-      if (head.op() == op_connection) connections_.emplace_back(head, bytes(head.data, head.size));
-      if (head.op() == op_chunk)
-        chunks_.push_back({head.data, head.size, ros1_number<std::uint32_t>(head.at("size")),
-                           std::string(head.at("compression"))});
-      at = head.data + head.size;
+    if (input_.size() < ros1_magic.size() || bytes(0, ros1_magic.size()) != ros1_magic) return;
+    try {
+      for (std::uint64_t at = ros1_magic.size(); at < input_.size();) at = take_record(at);
+    } catch (const std::runtime_error& error) {
+      damage_ = error.what();
     }
   }
+
+  /// What ends the row of records before the file ends; empty: nothing.
+  const std::string& damage() const { return damage_; }
 
   const std::vector<Chunk>& chunks() const { return chunks_; }
   /// Those that stand outside of chunks, with their data.
@@ -197,6 +196,28 @@ class Ros1Chunks {
   }
 
  private:
+  /// @returns where the next one begins
+  std::uint64_t take_record(std::uint64_t at) {
+    const Ros1Head head =
+        ros1_head(at, [this](std::uint64_t from, std::size_t count) { return bytes(from, count); });
+    if (head.op() == op_connection) connections_.emplace_back(head, bytes(head.data, head.size));
+    if (head.op() == op_chunk) {
+      Chunk chunk{head.data, head.size, ros1_number<std::uint32_t>(head.at("size")),
+                  std::string(head.at("compression"))};
+      // One that its recorder had not ended says 0: all that follows is in it.
+      const std::uint64_t rest = input_.size() - std::min<std::uint64_t>(head.data, input_.size());
+      constexpr std::uint64_t most_open = 256U << 20U;  // bytes
+      const bool is_open = chunk.packed == 0 && chunk.unpacked == 0 && chunk.compression == "none";
+      if (is_open && rest > 0 && rest <= most_open) {
+        chunk.packed = chunk.unpacked = static_cast<std::uint32_t>(rest);
+        chunks_.push_back(chunk);
+        throw std::runtime_error("its last chunk was not ended");
+      }
+      chunks_.push_back(chunk);
+    }
+    return head.data + head.size;
+  }
+
   std::string bytes(std::uint64_t from, std::size_t count) const {
     std::string piece;
     input_.read_at(from, count, piece);
@@ -207,12 +228,15 @@ class Ros1Chunks {
   InputFile input_;
   std::vector<Chunk> chunks_;
   std::vector<std::pair<Ros1Head, std::string>> connections_;
+  std::string damage_;
 };
 
 /// A bag read by its records alone.
-class ForeignLz4Bag final : public MessageBag {
+class Ros1RecordsBag final : public MessageBag {
  public:
-  explicit ForeignLz4Bag(std::unique_ptr<Ros1Chunks> chunks) : chunks_(std::move(chunks)) {
+  /// @param damage what is wrong with it, as far as it is known
+  Ros1RecordsBag(std::unique_ptr<Ros1Chunks> chunks, const std::string& damage) : chunks_(std::move(chunks)) {
+    damage_ = damage;
     for (const auto& [head, data] : chunks_->connections()) learn_connection(head, data);
     for (std::size_t i = 0; i < chunks_->chunks().size(); ++i) {
       try {
@@ -317,7 +341,22 @@ std::unique_ptr<MessageBag> open_foreign_lz4(const std::string& path) {
     const bool is_foreign =
         std::any_of(chunks->chunks().begin(), chunks->chunks().end(),
                     [&](const Ros1Chunks::Chunk& chunk) { return !chunks->is_known(chunk); });
-    if (is_foreign) return std::make_unique<ForeignLz4Bag>(std::move(chunks));
+    if (is_foreign && chunks->damage().empty())
+      return std::make_unique<Ros1RecordsBag>(std::move(chunks), "");
+  } catch (const std::runtime_error&) {
+  } catch (const std::invalid_argument&) {
+  }
+  return nullptr;
+}
+
+/// A bag whose index is not there or damaged; none: it has no message that can be read.
+std::unique_ptr<MessageBag> open_without_index(const std::string& path) {
+  try {
+    auto bag = std::make_unique<Ros1RecordsBag>(
+        std::make_unique<Ros1Chunks>(path),
+        "it has no whole index, as its recorder was ended or it was cut, and is read up to where its records "
+        "end: what came last may be lost");
+    if (bag->first_time()) return bag;
   } catch (const std::runtime_error&) {
   } catch (const std::invalid_argument&) {
   }
@@ -328,7 +367,12 @@ std::unique_ptr<MessageBag> open_foreign_lz4(const std::string& path) {
 
 std::unique_ptr<MessageBag> open_ros1_bag(const std::string& path) {
   if (auto foreign = open_foreign_lz4(path)) return foreign;
-  return std::make_unique<Ros1Bag>(path);
+  try {
+    return std::make_unique<Ros1Bag>(path);
+  } catch (const std::runtime_error&) {
+    if (auto bag = open_without_index(path)) return bag;
+    throw;
+  }
 }
 
 }  // namespace clearway

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <opencv2/calib3d.hpp>
 
 #include "datasets/ros/bag_source.hpp"
@@ -116,12 +118,85 @@ TEST(Bag, ReadsARos1BagThatRosbagWrote) {
   }
 }
 
-TEST(Bag, ACutRos1BagIsRefusedWithTheProgramThatMendsIt) {
+/// A record of a ROS 1 bag: its head, fields of which one says what it is, and its data.
+struct Ros1Record {
+  std::size_t at = 0, data = 0, end = 0;
+  char op = 0;
+};
+
+std::vector<Ros1Record> ros1_records(const std::string& bag) {
+  const auto number = [&](std::size_t at) {
+    std::uint32_t value = 0;
+    std::memcpy(&value, &bag.at(at), sizeof value);
+    return value;
+  };
+  std::vector<Ros1Record> records;
+  for (std::size_t at = bag.find('\n') + 1; at < bag.size(); at = records.back().end) {
+    const std::size_t head = number(at), data = at + 8 + head;
+    const std::size_t op = bag.find("op=", at + 4);
+    records.push_back({at, data, data + number(data - 4), bag.at(op + 3)});
+  }
+  return records;
+}
+
+TEST(Bag, ARos1BagWhoseRecorderWasEndedIsReadByItsRecords) {
+  const TemporaryFolder folder;
+  for (const bool packed : {false, true}) {
+    SCOPED_TRACE(packed);
+    worlds::write_ros1_bag(folder / "a.bag", bag("ros1_none.mcap"), packed);
+    const std::string whole = read_file(folder / "a.bag");
+    const std::vector<Ros1Record> records = ros1_records(whole);
+    constexpr char head = 3, chunk = 5;
+    ASSERT_EQ(records.at(0).op, head);
+    ASSERT_EQ(records.at(1).op, chunk);
+    // Without an index, as the head says then, and without what lies behind the chunk.
+    std::string killed = whole.substr(0, records[1].end);
+    const std::size_t place = killed.find("index_pos=") + 10;
+    std::fill_n(killed.begin() + static_cast<std::ptrdiff_t>(place), 8, '\0');
+    folder.write("a.bag", killed);
+    Reading reading = read(folder / "a.bag", all_topics());
+    ASSERT_TRUE(reading.damage);
+    EXPECT_NE(reading.damage->find("it has no whole index, as its recorder was ended"), std::string::npos)
+        << *reading.damage;
+    reading.damage.reset();
+    expect_the_written(reading);
+    EXPECT_EQ(list_bag(folder / "a.bag").size(), 8U);
+    folder.write("a.bag", whole.substr(0, records[1].end));  // cut: the head names an index beyond the end
+    Reading cut = read(folder / "a.bag", all_topics());
+    EXPECT_TRUE(cut.damage);
+    cut.damage.reset();
+    expect_the_written(cut);
+    folder.write("a.bag.active", killed);
+    EXPECT_TRUE(is_bag_file(folder / "a.bag.active"));
+    EXPECT_EQ(read(folder / "a.bag.active", all_topics()).frames.size(), 16U);
+    folder.write("a.bag", whole.substr(0, records[1].data - 1));
+    const std::string sentence = complaint([&] { list_bag(folder / "a.bag"); });
+    EXPECT_NE(sentence.find("expected it after `rosbag reindex`"), std::string::npos) << sentence;
+  }
+}
+
+TEST(Bag, AChunkThatARos1RecorderHadNotEndedIsReadUpToItsLastWholeMessage) {
   const TemporaryFolder folder;
   worlds::write_ros1_bag(folder / "a.bag", bag("ros1_none.mcap"), false);
-  fs::resize_file(folder / "a.bag", fs::file_size(folder / "a.bag") / 2);
-  const std::string sentence = complaint([&] { list_bag(folder / "a.bag"); });
-  EXPECT_NE(sentence.find("expected it after `rosbag reindex`"), std::string::npos) << sentence;
+  const std::string whole = read_file(folder / "a.bag");
+  const Ros1Record chunk = ros1_records(whole).at(1);
+  std::string killed = whole.substr(0, chunk.end);
+  const std::size_t place = killed.find("size=", chunk.at) + 5;
+  std::fill_n(killed.begin() + static_cast<std::ptrdiff_t>(place), 4, '\0');
+  std::fill_n(killed.begin() + static_cast<std::ptrdiff_t>(chunk.data) - 4, 4, '\0');
+  std::size_t last = 16;
+  for (std::size_t size = killed.size(); size > chunk.data + 3000; size -= 301) {
+    folder.write("a.bag", killed.substr(0, size));
+    const Reading reading = read(folder / "a.bag", all_topics());
+    EXPECT_TRUE(reading.damage);
+    EXPECT_LE(reading.frames.size(), last);
+    last = reading.frames.size();
+    if (size == killed.size()) {
+      EXPECT_EQ(last, 16U);
+    }
+  }
+  EXPECT_LT(last, 16U);
+  EXPECT_GT(last, 0U);
 }
 
 TEST(Bag, TheFolderOfARecorderIsReadFileByFileInTheOrderOfTimes) {
