@@ -279,6 +279,10 @@ std::string report_html(const ReplayReport& report, const std::string& json) {
     show_robot(page, with_all_loads(first.space->robot(), loads_of_all(report.plans)), first.start);
     for (const ReplayPlan& entry : report.plans) {
       page.plans.push_back(page_of_plan(entry.plan, *entry.space, entry.start, entry.query));
+      if (!entry.approval.empty()) {
+        auto& figures = page.plans.back().figures;
+        figures.insert(figures.begin(), {"approval", entry.approval});
+      }
     }
     const auto table = plan_table(report);
     page.tables.push_back({"plans", table.front(), {table.begin() + 1, table.end()}});

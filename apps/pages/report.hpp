@@ -21,6 +21,7 @@ struct ReplayPlan {
   Configuration start;
   std::filesystem::path file;  ///< plans/*.json, relative to the output folder
   const ConfigurationSpace* space = nullptr;
+  std::string approval{};  ///< of a taught plan: what became of it, in words; of others empty
 };
 
 /// Everything a replay produced; report.json and report.html are two views of it.

@@ -46,6 +46,13 @@ Json events_json(const TeachSession& session) {
   return json;
 }
 
+/// In words, for the plan's card.
+std::string approval_of(const TaughtPlan& taught) {
+  if (!taught.is_approved) return "not approved";
+  return taught.void_reason.empty() ? "approved"
+                                    : "void: does not hold on the last map: " + taught.void_reason;
+}
+
 }  // namespace
 
 TaughtFolder::TaughtFolder(const fs::path& folder, const Snapshot& map, std::vector<TaughtPlan>& plans)
@@ -60,7 +67,7 @@ std::vector<ReplayPlan> TaughtFolder::save() {
     const bool holds = rests_on_last || save_own_map(taught);
     const fs::path file = fs::path("plans") / (taught.name + ".json");
     save_file(folder_ / file, to_json(taught.plan));
-    report.push_back({taught.name, taught.plan, taught.start, file, taught.space.get()});
+    report.push_back({taught.name, taught.plan, taught.start, file, taught.space.get(), approval_of(taught)});
     if (taught.is_approved && holds) export_approved(taught);
   }
   if (!record.queries.empty()) save_file(folder_ / "queries.json", to_json(record));

@@ -239,6 +239,7 @@ TEST_F(KitchenJob, a_taught_session_ends_in_an_approved_plan_and_is_done_again_b
   const Json& taught = report["teaching"];
   EXPECT_EQ(taught["plans"][0]["approved"], true);
   EXPECT_EQ(taught["plans"][0]["map"], "map.ot");
+  EXPECT_NE(read_file(folder / "taught/report.html").find("[\"approval\",\"approved\"]"), std::string::npos);
   EXPECT_GT(taught["images_leading_the_robot"], 100);
   EXPECT_GT(taught["of_these_warned"], 5);  // the probe ends beyond the arm's reach
   EXPECT_LT(taught["of_these_warned"], 60);
