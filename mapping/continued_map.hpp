@@ -7,7 +7,9 @@
 namespace clearway {
 
 /// A map that was loaded or painted before, and that scans go on to change: its paint and its evidence stay,
-/// and a scan does to its voxels what it does in a FreeSpaceMap. A hit in a painted voxel is a conflict,
+/// and a scan does to its voxels what it does in a FreeSpaceMap, but for voxels beside surfaces that earlier
+/// scans contested (METHODS.md): no snapshot holds that, so a look frees such a voxel up to two looks earlier
+/// than in the map that went on itself. A hit in a painted voxel is a conflict,
 /// blocked under every policy, until misses take it back: then the voxel is painted again. Written by one
 /// thread; read through snapshots. The snapshot that it began with does not change.
 class ContinuedMap {

@@ -226,7 +226,9 @@ CompareAsked asked_of(const Suite& suite, const std::vector<PreparedExperiment>&
   CompareAsked asked{stamped(suite, options),
                      sha256(read_input(suite_file(options), "suite", SIZE_MAX)),
                      {options.shard, options.shards}};
-  asked.results.map_sha256 = map_digests(suite);
+  std::vector<const SuiteExperiment*> setups;
+  for (const PreparedExperiment& experiment : prepared) setups.push_back(&experiment.setup);
+  asked.results.map_sha256 = map_digests(suite, setups);
   std::vector<std::string>& notes = asked.results.notes;
   for (const PreparedExperiment& experiment : prepared) {
     asked.results.experiments.push_back(asked_of(experiment));

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <ostream>
 
 #include "apps/console/commands.hpp"
@@ -48,14 +49,17 @@ int list_robots(Console& console) {
     json.push_back(list_entry(name, description, robot));
   }
   if (console.json)
-    console.out() << Json{{"robots", json}}.dump(2) << '\n';
+    console.out() << Json{{"robots", json}}.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
   else
     print_table(console.out(), rows);
   return exit_done;
 }
 
-/// By the divergence theorem, over the triangles of the surface; of round shapes of their 24-sided solids.
+/// m^3. What is not round by the divergence theorem, over the triangles of its surface.
 double volume_of(const Shape& shape) {
+  const double r = shape.radius(), pi = std::numbers::pi;
+  if (shape.is_rounded()) return pi * r * r * (shape.length() + 4.0 / 3.0 * r);
+  if (shape.is_axial()) return pi * r * r * shape.length();
   const ShapeSurface surface = shape.surface();
   const auto corner = [&](int i) { return surface.corners[static_cast<std::size_t>(i)]; };
   double sum = 0.0;
@@ -109,7 +113,9 @@ class Description {
     for (const BodyPair& pair : self_collision_pairs(robot_)) {
       ++tested_pairs_;
       if (pair_distance(robot_, pair, poses_).lower > 0.0) continue;
-      touching_.push_back(part(pair.first) + " and " + part(pair.second));
+      if (std::string pair_of_parts = part(pair.first) + " and " + part(pair.second);
+          touching_.empty() || touching_.back() != pair_of_parts)  // of several bodies each
+        touching_.push_back(std::move(pair_of_parts));
     }
   }
 
@@ -297,7 +303,7 @@ int run_robots(const RobotsOptions& options, Console& console) {
   const Description description(options, console);
   if (!options.view.empty()) save_file(options.view, description.page());
   if (console.json)
-    console.out() << description.json().dump(2) << '\n';
+    console.out() << description.json().dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
   else
     description.print();
   if (!options.view.empty() && !console.json) console.out() << "  page: " << options.view.string() << '\n';

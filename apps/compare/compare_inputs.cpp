@@ -120,10 +120,16 @@ std::string problems_digest(const SuiteExperiment& experiment) {
   return listing.digest();
 }
 
-std::map<std::string, std::string> map_digests(const Suite& suite) {
+std::map<std::string, std::string> map_digests(const Suite& suite,
+                                               const std::vector<const SuiteExperiment*>& experiments) {
+  std::set<std::string> used;
+  for (const SuiteExperiment* experiment : experiments) {
+    used.insert(experiment->world);
+    for (const SuiteProblem& problem : experiment->problems) used.insert(problem.world);
+  }
   std::map<std::string, std::string> digests;
   for (const SuiteWorld& world : suite.worlds)
-    if (!world.map.empty()) digests[world.name] = map_sha256(world.map);
+    if (!world.map.empty() && used.contains(world.name)) digests[world.name] = map_sha256(world.map);
   return digests;
 }
 

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "datasets/descriptions/suite.hpp"
 #include "planning/robot/robot.hpp"
@@ -22,7 +23,9 @@ std::string team_robots_digest(const SuiteTeams& teams);
 /// @throws std::invalid_argument for a mesh that cannot be read.
 std::string problems_digest(const SuiteExperiment& experiment);
 
-/// Of the maps of a suite's worlds that are files, by world. @throws as map_sha256
-std::map<std::string, std::string> map_digests(const Suite& suite);
+/// Of the maps that are files of a suite's worlds in which any of these experiments plans, by world.
+/// @throws as map_sha256
+std::map<std::string, std::string> map_digests(const Suite& suite,
+                                               const std::vector<const SuiteExperiment*>& experiments);
 
 }  // namespace clearway

@@ -131,7 +131,7 @@ std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOpt
   std::optional<DepthLayout> depth;
   std::optional<VelodyneLayout> velodyne;
   try {
-    depth = depth_layout(folder);
+    depth = depth_layout(folder, options.depth.poses);
     pictures = files_in(folder, is_picture_file);
     clouds = files_in(folder, is_posed_cloud);
     velodyne = velodyne_layout(folder);

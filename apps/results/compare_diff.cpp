@@ -78,6 +78,9 @@ class StoredQuery {
     return bytes == nullptr ? "" : reinterpret_cast<const char*>(bytes);
   }
   double number(int column) const { return sqlite3_column_double(statement_.get(), column); }
+  double number_or_nan(int column) const {
+    return sqlite3_column_type(statement_.get(), column) == SQLITE_NULL ? std::nan("") : number(column);
+  }
   int whole(int column) const { return sqlite3_column_int(statement_.get(), column); }
 
  private:
@@ -119,7 +122,7 @@ StoredResults load_results(const fs::path& given) {
   while (runs.next())
     results.runs[{runs.text(0), runs.text(1)}][{runs.text(2), runs.whole(3), runs.text(4)}] = {
         runs.whole(5) != 0, runs.text(9) == "timed_out" || runs.text(9) == "hung", runs.number(6),
-        runs.number(7), runs.number(8)};
+        runs.number_or_nan(7), runs.number(8)};
   return results;
 }
 
@@ -159,7 +162,8 @@ DiffRow row_of(const std::pair<std::string, std::string>& name, const StoredRuns
     row.lost += run.is_valid && !now.is_valid;
     row.lost_to_clock += run.is_valid && !now.is_valid && now.is_of_clock;
     row.won += !run.is_valid && now.is_valid;
-    row.other_paths += run.is_valid && now.is_valid && (run.cost != now.cost || run.length != now.length);
+    const bool costs_differ = !std::isnan(run.cost) && !std::isnan(now.cost) && run.cost != now.cost;
+    row.other_paths += run.is_valid && now.is_valid && (costs_differ || run.length != now.length);
     gained[std::get<0>(key)] += int{now.is_valid} - int{run.is_valid};
   }
   std::size_t more = 0, fewer = 0;

@@ -169,7 +169,7 @@ void DatabaseBytes::unpack() {
       if (unpacked_.size() + to.pos > most_unpacked)
         throw std::runtime_error("it is larger than 2 GiB unpacked: expected it unpacked (`zstd -d`)");
       unpacked_.insert(unpacked_.end(), out.begin(), out.begin() + static_cast<std::ptrdiff_t>(to.pos));
-    } while (from.pos < from.size || to.pos == to.size);
+    } while (from.pos < from.size || (to.pos == to.size && missing != 0));
   }
   if (missing != 0) report_damage("its Zstandard data ends early");
   present_ = unpacked_.size();

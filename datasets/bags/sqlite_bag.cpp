@@ -141,7 +141,8 @@ class SqliteBag final : public MessageBag {
     std::optional<std::int64_t> last;
     try {
       while (query.next()) {
-        const std::int64_t id = query.number(0).value();
+        const std::int64_t id = query.number(0).value_or(-1);
+        if (id < 0) throw std::runtime_error("rows have no numbers");
         if (last && id <= *last) throw std::runtime_error("rows are out of order");
         last = id;
         const std::int64_t size = query.number(3).value_or(-1);

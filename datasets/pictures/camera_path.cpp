@@ -116,9 +116,14 @@ class NerfCamera {
  public:
   NerfCamera(const PathFields& file, const PathFields& frame) : file_(file), frame_(frame) {}
 
-  std::optional<CameraIntrinsics> read(std::optional<ImageSize> size) const {
+  std::optional<CameraIntrinsics> read(const std::optional<PictureSizes>& sizes) const {
     if (!has("fl_x") && !has("camera_angle_x")) return std::nullopt;
-    if ((!has("w") || !has("h")) && !size) return std::nullopt;
+    std::optional<ImageSize> size;
+    if (!has("w") || !has("h")) {
+      if (!sizes) return std::nullopt;
+      size = size_in_pixels(*sizes);
+      if (!size) return std::nullopt;
+    }
     CameraIntrinsics camera;
     camera.width = has("w") ? side_of(number("w"), of("w")) : size->width;
     camera.height = has("h") ? side_of(number("h"), of("h")) : size->height;
@@ -132,6 +137,16 @@ class NerfCamera {
   }
 
  private:
+  /// Of the pictures whose pixels the camera counts: of an angle alone any.
+  std::optional<ImageSize> size_in_pixels(const PictureSizes& sizes) const {
+    for (const char* key : {"fl_x", "fl_y", "cx", "cy"}) {
+      if (!has(key)) continue;
+      if (!sizes.colour)
+        of(key).at(key).fail("`w` and `h` beside it: the size of the picture whose pixels it counts");
+      return sizes.colour;
+    }
+    return sizes.depth;
+  }
   bool has(const char* key) const { return frame_.has(key) || file_.has(key); }
   const PathFields& of(const char* key) const { return frame_.has(key) ? frame_ : file_; }
   double number(const char* key) const { return of(key).at(key).number(); }
@@ -174,7 +189,7 @@ std::string file_named(const PathFields& frame, std::initializer_list<const char
   return "";
 }
 
-CameraPath read_transforms(const PathFields& file, std::optional<ImageSize> size) {
+CameraPath read_transforms(const PathFields& file, const std::optional<PictureSizes>& sizes) {
   CameraPath path;
   path.is_named = true;
   if (file.number_or("applied_scale", 1.0) != 1.0)
@@ -192,7 +207,7 @@ CameraPath read_transforms(const PathFields& file, std::optional<ImageSize> size
         rigid_of(matrix.numbers(), matrix, "four rows of four numbers, a rigid transform, without a scale");
     // The camera looks along -z there, y is up.
     shot.world_from_camera.linear() *= Eigen::DiagonalMatrix<double, 3>(1.0, -1.0, -1.0);
-    shot.camera = NerfCamera(file, frame).read(size);
+    shot.camera = NerfCamera(file, frame).read(sizes);
   }
   return path;
 }
@@ -248,7 +263,7 @@ bool is_camera_path(const std::string& text) {
 }
 
 CameraPath parse_camera_path(const std::string& text, const std::string& name,
-                             std::optional<ImageSize> size) {
+                             const std::optional<PictureSizes>& sizes) {
   if (text.size() > largest_path_file) throw std::invalid_argument(name + ": expected at most 64 MB of JSON");
   const Json json = parse_bounded(text, name);
   const PathFields file(json, name);
@@ -256,7 +271,7 @@ CameraPath parse_camera_path(const std::string& text, const std::string& name,
     file.fail(
         "either `frames` (transforms.json of nerfstudio and instant-ngp) or `parameters` (Open3D's "
         "PinholeCameraTrajectory)");
-  CameraPath path = file.has("frames") ? read_transforms(file, size) : read_open3d_path(file);
+  CameraPath path = file.has("frames") ? read_transforms(file, sizes) : read_open3d_path(file);
   if (path.shots.empty()) file.fail("at least one frame");
   return path;
 }

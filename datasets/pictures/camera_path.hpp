@@ -29,6 +29,11 @@ struct CameraPath {
   bool has_cameras() const;
 };
 
+/// As far as they are known; of a folder without colour pictures both are those of its depth pictures.
+struct PictureSizes {
+  std::optional<ImageSize> depth, colour;
+};
+
 /// Whether a text begins as such a file does, with `{`.
 bool is_camera_path(const std::string& text);
 
@@ -38,10 +43,11 @@ bool is_camera_path(const std::string& text);
 ///   file. A pixel's middle is at 0.5 there, at 0 here.
 /// - Open3D's PinholeCameraTrajectory: `parameters`, each with `extrinsic`, camera_from_world column by
 ///   column, and `intrinsic`.
-/// @param name what errors call the file @param size of pictures, for a file that does not say it
+/// @param name what errors call the file @param sizes of pictures, for a file that does not say it: lengths
+/// in pixels are of colour pictures, angles of any; without sizes such a file states no camera
 /// @throws std::invalid_argument in one sentence naming the file, the place and what was expected
 CameraPath parse_camera_path(const std::string& text, const std::string& name,
-                             std::optional<ImageSize> size = {});
+                             const std::optional<PictureSizes>& sizes = {});
 
 /// The shot of each of these depth pictures that has one: by the file that it names as its depth or, where
 /// none does, by a picture whose name differs by words such as "depth" and "color" alone; without names, each

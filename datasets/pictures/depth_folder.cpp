@@ -271,11 +271,11 @@ class DepthFolder final : public FrameSource {
 
 /// The path that a file of poses is, with cameras for pictures of this size where it states none; nothing for
 /// another file.
-std::optional<CameraPath> path_of(const fs::path& poses, const std::optional<ImageSize>& size) {
+std::optional<CameraPath> path_of(const fs::path& poses, const PictureSizes& sizes) {
   if (poses.empty()) return std::nullopt;
   const std::string text = read_input(poses, "poses", largest_poses);
   if (!is_camera_path(text)) return std::nullopt;
-  return parse_camera_path(text, "poses " + quote_path(poses.string()), size);
+  return parse_camera_path(text, "poses " + quote_path(poses.string()), sizes);
 }
 
 /// What a path says where the setup says nothing: how far a step of depth is, and the camera of the colour
@@ -300,7 +300,9 @@ std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const Dep
     throw std::invalid_argument(name + " has poses in " + quote(found.poses.filename().string()) +
                                 " and in " + quote(found.other_poses.filename().string()) +
                                 ": expected `poses` of `source: {depth: …}` in the setup to name one");
-  const auto path = path_of(layout.poses, png_size(layout.depth.front()));
+  const auto depth_size = png_size(layout.depth.front());
+  const auto path = path_of(
+      layout.poses, {depth_size, layout.colour.empty() ? depth_size : png_size(layout.colour.front())});
   const SourceOptions whole = path ? with_path(options, *path) : options;
   const auto& stated = options.depth.camera ? options.depth.camera : options.camera;
   if (!stated && !(path && path->has_cameras()))

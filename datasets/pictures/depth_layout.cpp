@@ -111,9 +111,11 @@ void take_stated_pictures(const CameraPath& path, const fs::path& folder, DepthL
 
 }  // namespace
 
-std::optional<DepthLayout> depth_layout(const fs::path& folder) {
+std::optional<DepthLayout> depth_layout(const fs::path& folder, const fs::path& stated_poses) {
   DepthLayout layout = layout_by_names(folder);
-  const fs::path transforms = first_there(folder, {"transforms.json"});
+  fs::path transforms = first_there(folder, {"transforms.json"});
+  if (!stated_poses.empty() && fs::weakly_canonical(stated_poses) != fs::weakly_canonical(transforms))
+    transforms.clear();
   const auto path = transforms.empty() ? std::nullopt : path_with_depth(transforms, layout);
   if (path) take_stated_pictures(*path, folder, layout);
   if (layout.depth.empty()) return std::nullopt;

@@ -26,8 +26,10 @@ struct DepthLayout {
 /// `transforms.json` of nerfstudio or instant-ngp names, or is of; and `intrinsic/intrinsic_depth.txt`
 /// (ScanNet), `camera_intrinsic.json` (Open3D) or another file that is called like a camera's. None when it
 /// holds no depth pictures.
+/// @param stated_poses the file that a setup names: no other transforms.json counts then; empty: none
 /// @throws std::filesystem::filesystem_error when one of the folders cannot be read
 /// @throws std::invalid_argument for a transforms.json that is none (parse_camera_path)
-std::optional<DepthLayout> depth_layout(const std::filesystem::path& folder);
+std::optional<DepthLayout> depth_layout(const std::filesystem::path& folder,
+                                        const std::filesystem::path& stated_poses = {});
 
 }  // namespace clearway

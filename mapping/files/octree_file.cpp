@@ -19,6 +19,7 @@ namespace clearway {
 namespace {
 
 constexpr std::string_view threshold_comment = "# clearway occupied_log_odds ";
+constexpr std::string_view clamping_comment = "# clearway clamped_log_odds ";
 constexpr std::string_view integration_comment = "# clearway integration ";
 constexpr std::string_view agreement_comment = "# clearway hits_called_free ";
 constexpr std::string_view damage_comment = "# clearway damaged_recording records ";
@@ -46,6 +47,21 @@ void restore_threshold(FusedTree& tree, std::string_view header, const std::file
     throw DamagedFile("'" + file.string() + "' is damaged: its header lacks occupied_log_odds");
   }
   tree.set_occupied_log_odds(log_odds);
+}
+
+/// Two log-odds; of a tree with OctoMap's own nothing is said.
+void restore_clamping(FusedTree& tree, std::string_view header, const std::filesystem::path& file) {
+  const std::string text = comments(header, clamping_comment);
+  if (text.empty()) return;
+  float least = 0.0F, most = 0.0F;
+  const char* const last = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), last, least);
+  const bool has_second = first.ec == std::errc() && std::string_view(first.ptr, last).starts_with(" to ");
+  const auto second = has_second ? std::from_chars(first.ptr + 4, last, most) : first;
+  if (!has_second || second.ec != std::errc() || *second.ptr != '\n' || !std::isfinite(least) ||
+      !std::isfinite(most) || !(least < most))
+    throw DamagedFile("'" + file.string() + "' is damaged: its header does not say how evidence is clamped");
+  tree.set_clamping_log_odds(least, most);
 }
 
 /// Files from before maps knew it do not say.
@@ -102,6 +118,13 @@ void restore_agreement(FusedTree& tree, std::string_view header, const std::file
   tree.add_agreement(agreement);
 }
 
+/// The shortest text that reads back to the same number.
+std::string digits_of(float value) {
+  std::array<char, 32> digits{};
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value);
+  return {digits.data(), end.ptr};
+}
+
 }  // namespace
 
 std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVolume>& volumes,
@@ -113,11 +136,13 @@ std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVo
                                            tree.size(), tree.getResolution());
   const auto first_line = header.find('\n') + 1;
 
-  std::array<char, 32> digits{};
-  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), tree.getOccupancyThresLog());
   std::ostringstream rest;
   if (stock_agrees) rest << fused_nodes_comment;
-  rest << threshold_comment << std::string_view(digits.data(), end.ptr) << "\n";
+  rest << threshold_comment << digits_of(tree.getOccupancyThresLog()) << "\n";
+  const FusedTree usual(1.0);
+  const float least = tree.getClampingThresMinLog(), most = tree.getClampingThresMaxLog();
+  if (least != usual.getClampingThresMinLog() || most != usual.getClampingThresMaxLog())
+    rest << clamping_comment << digits_of(least) << " to " << digits_of(most) << "\n";
   rest << integration_comment << to_string(tree.integration()) << "\n";
   if (const ScanAgreement& agreement = tree.agreement(); agreement.looked_up > 0)
     rest << agreement_comment << agreement.called_free << " of " << agreement.looked_up << "\n";
@@ -152,6 +177,7 @@ std::vector<PaintedVolume> restore_header(FusedTree& tree, const CheckedOctree& 
   tree.set_integration(MapIntegration::unknown);
   if (!checked.fused) return {};
   restore_threshold(tree, checked.header, file);
+  restore_clamping(tree, checked.header, file);
   restore_integration(tree, checked.header, file);
   restore_damage(tree, checked.header, file);
   restore_hand_edits(tree, checked.header, file);

@@ -61,7 +61,7 @@ OctreeStream::OctreeStream(const std::filesystem::path& file)
     : file_(file), input_(file, "map file"), header_(read_header()) {
   bool sealed = digest();
   checked_ = check_octree_start(header_, file_, [&] { return sealed; });
-  first_ = checked_.header.size();
+  first_ = static_cast<std::size_t>(checked_.data.data() - header_.data());
   const std::size_t looks = seen_bytes(checked_, input_.size() - first_, file_);
   last_ = input_.size() - looks;
   if (looks > 0) {
@@ -77,6 +77,7 @@ std::string OctreeStream::read_header() const {
   std::string start;
   for (std::size_t size = piece_bytes;; size *= 4) {
     input_.read_at(0, std::min(size, input_.size()), start);
+    if (!start.starts_with('#')) return start;  // numbers, or damage
     const auto end = start.find("\ndata\n");
     if (end != std::string::npos) start.resize(end + 6);
     if (end != std::string::npos || size >= input_.size()) return start;

@@ -26,8 +26,7 @@ Snapshot merge(const Snapshot& map, const Snapshot& other);
 /// The map with these volumes painted, as FreeSpaceMap::paint paints each sphere: what lies wholly inside of
 /// one is painted, and a conflict where it is occupied. Volumes become one with those of their label, as
 /// merge does it.
-/// @throws std::invalid_argument as merge for the volumes, and for a sphere that no map of this resolution
-/// holds.
+/// @throws std::invalid_argument as merge for the volumes.
 Snapshot with_painted(const Snapshot& map, const std::vector<PaintedVolume>& volumes);
 
 /// The voxels of a box, snapped outwards to voxels; all else is unknown. Spheres that do not reach the box

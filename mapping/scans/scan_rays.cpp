@@ -8,6 +8,7 @@
 #include "mapping/scans/point_batch.hpp"
 #include "mapping/scans/safe_scan.hpp"
 #include "mapping/scans/scan_filter.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/parallel.hpp"
 #include "mapping/voxels/rigid_pose.hpp"
 
@@ -236,6 +237,10 @@ void spare_and_weigh(FusedTree& tree, const ScanInsertion& insertion, ContestedC
 
 ScanCounts insert_scan(FusedTree& tree, const Scan& scan, const ScanFilter& filter,
                        const ScanInsertion& insertion, ScanWorkspace& workspace, ContestedCells* contested) {
+  if (!(filter.min_range >= 0.0) || !(filter.max_range >= 0.0) ||
+      (filter.max_range > 0.0 && filter.min_range > filter.max_range))
+    throw std::invalid_argument("scan filter: expected 0 <= min_range <= max_range, metres, got " +
+                                short_text(filter.min_range) + " and " + short_text(filter.max_range));
   ScanCounts counts;
   const ScanRays& rays = choose_rays(tree, scan, filter, insertion, workspace, counts);
   tree.add_agreement(compare_hits(tree, workspace.grid));

@@ -120,6 +120,11 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
   VoxelState state(const FusedNode& node) const;
   /// Log-odds at and over which an observed voxel is occupied, exactly as given (setOccupancyThres rounds).
   void set_occupied_log_odds(float log_odds) { occ_prob_thres_log = log_odds; }
+  /// Between which log-odds evidence stays, exactly as given (setClampingThresMin and Max round).
+  void set_clamping_log_odds(float least, float most) {
+    clamping_thres_min = least;
+    clamping_thres_max = most;
+  }
   /// How many records of a damaged recording went into the tree, where one did. A copy has it, too.
   std::optional<std::uint64_t> records_before_damage() const { return records_before_damage_; }
   void set_records_before_damage(std::uint64_t records) { records_before_damage_ = records; }

@@ -32,6 +32,12 @@ const Configuration& nearest_of(const std::vector<Configuration>& places, const 
   });
 }
 
+bool has_same_joints(const Robot& a, const Robot& b) {
+  return std::equal(
+      a.joints.begin(), a.joints.end(), b.joints.begin(), b.joints.end(),
+      [](const Joint& one, const Joint& other) { return one.name == other.name && one.kind == other.kind; });
+}
+
 std::string jump_sentence(const Robot& robot, const Configuration& from, const Configuration& to,
                           double tolerance) {
   Eigen::Index worst = 0;
@@ -141,8 +147,8 @@ std::uint64_t Gate::publish(ConfigurationSpace space, double taken,
   require(options_.max_age == std::numeric_limits<double>::infinity() || std::isfinite(taken),
           "gate: expected the time at which the map was taken, because max_age asks for it");
   const std::shared_ptr<const Map> before = maps_.get();
-  require(before == nullptr || before->proof.space.robot().dof() == space.robot().dof(),
-          "gate: expected a robot with as many joints as that of the map before");
+  require(before == nullptr || has_same_joints(before->proof.space.robot(), space.robot()),
+          "gate: expected a robot with the joints of that of the map before, in their order");
   space.renew();
   BoundsProof bounds(space, options_.allow_outside);
   maps_.publish(std::make_shared<const Map>(

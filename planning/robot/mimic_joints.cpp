@@ -73,15 +73,10 @@ void keep_mimic_limits(const std::filesystem::path& file, const MimicJoint& mimi
   if (master.lower > master.upper) refuse(file, mimic, " and is never within its own limits");
 }
 
-/// A mimic joint turns about its own axis, in its own link's frame.
+/// A mimic joint moves along or about its own axis, in its own link's frame: the values that multiplier and
+/// offset give are those of the file.
 void keep_own_axis(const Eigen::Vector3d& master_axis, const Eigen::Vector3d& own_axis, Link& link) {
-  if (master_axis.isApprox(own_axis, 1e-12)) return;
-  if (!master_axis.isApprox(-own_axis, 1e-12)) {
-    link.own_axis = own_axis;
-    return;
-  }
-  link.multiplier = -link.multiplier;
-  link.offset = -link.offset;
+  if (!master_axis.isApprox(own_axis, 1e-12)) link.own_axis = own_axis;
 }
 
 }  // namespace

@@ -32,18 +32,67 @@ void check_options(const SpaceOptions& options) {
   }
 }
 
-/// What no file can say, but a robot that was made in memory.
-void check_robot(const Robot& robot) {
-  const auto refuse = [&](const std::string& what) {
-    throw std::invalid_argument("robot " + quote(robot.name) + ": " + what);
-  };
-  if (!is_rotation(robot.map_from_base.linear()) || !robot.map_from_base.matrix().allFinite())
-    refuse("map_from_base is no rigid pose, expected finite numbers and a rotation without scale or mirror");
-  for (const Joint& joint : robot.joints)
+/// What no file can say, but a robot that was made in memory. @throws std::invalid_argument
+class RobotCheck {
+ public:
+  explicit RobotCheck(const Robot& robot) : robot_(robot) {}
+
+  void run() const {
+    require_pose(robot_.map_from_base, "map_from_base");
+    if (robot_.joints.empty()) refuse("it has no joints, expected at least one");
+    for (const Joint& joint : robot_.joints) check(joint);
+    for (std::size_t i = 0; i < robot_.links.size(); ++i) check(robot_.links[i], static_cast<int>(i));
+    for (const Body& body : robot_.bodies) check(body);
+    if (!is_index(robot_.tip_link, robot_.links)) refuse("tip_link is none of its links");
+    require_pose(robot_.link_from_tip, "link_from_tip");
+    for (const auto& [first, second] : robot_.exempt)
+      if (!is_index(first, robot_.bodies) || !is_index(second, robot_.bodies))
+        refuse("a pair in `exempt` is of bodies that it does not have");
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw std::invalid_argument("robot " + quote(robot_.name) + ": " + what);
+  }
+  template <typename Item>
+  static bool is_index(int index, const std::vector<Item>& list) {
+    return index >= 0 && index < static_cast<int>(list.size());
+  }
+  void require_pose(const Eigen::Isometry3d& pose, const std::string& name) const {
+    if (is_rotation(pose.linear()) && pose.matrix().allFinite()) return;
+    refuse(name + " is no rigid pose, expected finite numbers and a rotation without scale or mirror");
+  }
+  void require_axis(const Eigen::Vector3d& axis, const std::string& whose) const {
+    if (!(std::abs(axis.norm() - 1.0) <= 1e-6)) refuse(whose + " has an axis that is no unit vector");
+  }
+  void check(const Joint& joint) const {
     if (!(joint.lower <= joint.upper))
       refuse("joint " + quote(joint.name) +
              " has limits that are none, expected a lower one that is not above the upper");
-}
+    require_axis(joint.axis, "joint " + quote(joint.name));
+  }
+  void check(const Link& link, int index) const {
+    const std::string name = "link " + quote(link.name);
+    const bool is_rooted = index == 0 ? link.parent == -1 : link.parent >= 0 && link.parent < index;
+    if (!is_rooted) refuse(name + " has a parent that does not come before it, expected parents first");
+    if (link.joint != -1 && !is_index(link.joint, robot_.joints))
+      refuse(name + " is moved by a joint that it does not have");
+    require_pose(link.parent_from_link, "parent_from_link of " + name);
+    if (!std::isfinite(link.multiplier) || !std::isfinite(link.offset))
+      refuse(name + " has a multiplier or an offset that is not finite");
+    if (!link.own_axis.isZero(0.0)) require_axis(link.own_axis, name);
+  }
+  void check(const Body& body) const {
+    const std::string name = "a body of part " + quote(body.part);
+    if (!is_index(body.link, robot_.links)) refuse(name + " is on a link that it does not have");
+    require_pose(body.link_from_shape, "link_from_shape of " + name);
+    if (body.cover.empty())
+      refuse(name +
+             " has no cover, expected the spheres of its shape's sphere_cover(), in the frame of its link");
+  }
+
+  const Robot& robot_;
+};
 
 /// As far as the largest body is wide: farther away, edges are proved in one piece anyway.
 double chosen_max_distance(const Robot& robot, double resolution) {
@@ -83,7 +132,7 @@ ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies
                                        const SpaceOptions& options)
     : model_(std::make_unique<CollisionModel>(std::move(robot), std::move(map), options)) {
   CollisionModel& model = *model_;
-  check_robot(model.given);
+  RobotCheck(model.given).run();
   const std::shared_ptr<const RobotGeometry> geometry = robot_geometry(model.given);
   model.robot = model.given;
   model.robot.bodies = geometry->robot.bodies;

@@ -96,7 +96,8 @@ class TeamChecker {
   }
 
  private:
-  /// Bodies of different robots of which one moves, and every body with each obstacle.
+  /// Bodies of different robots of which one moves, and every body with each obstacle. Of two that both stand
+  /// still contact alone counts: no motion makes their distance.
   void list_pairs() {
     std::vector<std::size_t> owner;
     for (std::size_t i = 0; i < team_.robots.size(); ++i)
@@ -104,8 +105,8 @@ class TeamChecker {
     bodies_ = owner.size();
     for (std::size_t a = 0; a < bodies_; ++a) {
       for (std::size_t b = a + 1; b < bodies_; ++b)
-        if (owner[a] != owner[b] && (arm_.is_policed(a) || arm_.is_policed(b)))
-          pairs_.push_back({a, b, false});
+        if (owner[a] != owner[b])
+          (arm_.is_policed(a) || arm_.is_policed(b) ? pairs_ : standing_).push_back({a, b, false});
       for (std::size_t o = 0; o < team_.obstacles.size(); ++o) pairs_.push_back({a, bodies_ + o, true});
     }
   }
@@ -168,6 +169,10 @@ class TeamChecker {
   }
 
   void find_least() {
+    if (!standing_.empty()) place(0, 0.0);
+    for (const Pair& pair : standing_)
+      if (fcl_.distance(pair.first, poses_[pair.first], pair.second, poses_[pair.second]) <= 0.0)
+        note(pair, 0.0, 0, 0.0);
     for (std::size_t k = 0; k < path_.size(); ++k) {
       const Eigen::VectorXd abs_dq =
           k + 1 < path_.size() ? (path_[k + 1] - path_[k]).cwiseAbs().eval() : (0.0 * path_[k]).eval();
@@ -201,7 +206,7 @@ class TeamChecker {
   Least of_robots_, from_obstacles_;
   std::size_t bodies_ = 0;  ///< of robots; those of obstacles follow
   std::vector<Configuration> path_;
-  std::vector<Pair> pairs_;
+  std::vector<Pair> pairs_, standing_;
   check::BodyPoses poses_;
 };
 

@@ -12,7 +12,8 @@ struct TeamVerdict {
       false;  ///< nothing touched at any time: robots, obstacles, themselves, the map at the start
   bool robots_are_apart = false;  ///< the same without obstacles
   double least_separation = 0.0;  ///< between robots, and of robots from obstacles, at ANY time: certified,
-                                  ///< m; at most `cap`, short of the true one by 0.1 mm at most
+                                  ///< m; at most `cap`, short of the true one by 0.1 mm at most; of two
+                                  ///< bodies that both stand still contact alone counts, as 0
   double between_robots = 0.0;    ///< the same of robots from each other alone
   double time = 0.0;              ///< when
   std::string between;            ///< "left/load and right/forearm"; empty when all stayed `cap` apart

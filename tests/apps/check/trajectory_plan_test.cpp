@@ -215,16 +215,32 @@ TEST_F(CheckTrajectory, JointsThatStandStillMayBeInItWhereTheyStand) {
   EXPECT_THROW(plan_of_trajectory(still, scaled(robot, 0.5), "t.json"), std::invalid_argument);
 }
 
+/// The arm with a second finger whose joint follows grip.
+std::string with_follower(const std::string& axis, const std::string& mimic) {
+  std::string text = worlds::arm_with_finger();
+  return text.replace(text.find("</robot>"), std::string::npos,
+                      worlds::urdf_link("other", "0.1 0 0", "<sphere radius='0.05'/>") +
+                          worlds::urdf_joint("follower", "prismatic", "lower", "other", "0.4 0.2 0", axis,
+                                             worlds::urdf_limit(0, 0.1) + mimic) +
+                          "</robot>");
+}
+
+/// As fingers of many grippers, against its master's axis: its values are those of its own joint.
+TEST_F(CheckTrajectory, AFollowerAgainstItsMastersAxisHasItsOwnValues) {
+  for (const char* axis : {"1 0 0", "-1 0 0", "0 1 0"}) {
+    const Robot robot = load_robot(folder_.write("arm.urdf", with_follower(axis, "<mimic joint='grip'/>")));
+    ForeignTrajectory trajectory{{"follower", "grip", "elbow", "shoulder"},
+                                 {{0.0, 0.0, 0.1, 0.2}, {0.03, 0.03, 0.3, 0.4}}};
+    EXPECT_NO_THROW(plan_of_trajectory(trajectory, robot, "t.json")) << axis;
+    trajectory.points[1][0] = -0.03;
+    EXPECT_THROW(plan_of_trajectory(trajectory, robot, "t.json"), std::invalid_argument) << axis;
+  }
+}
+
 /// A second finger at 0.08 - 0.5 grip: a controller may be given it, too, where grip takes it.
 TEST_F(CheckTrajectory, JointsThatFollowOthersMayBeInItWhereTheseTakeThem) {
-  std::string text = worlds::arm_with_finger();
-  text.replace(text.find("</robot>"), std::string::npos,
-               worlds::urdf_link("other", "0.1 0 0", "<sphere radius='0.05'/>") +
-                   worlds::urdf_joint(
-                       "follower", "prismatic", "lower", "other", "0.4 0.2 0", "1 0 0",
-                       worlds::urdf_limit(0, 0.1) + "<mimic joint='grip' multiplier='-0.5' offset='0.08'/>") +
-                   "</robot>");
-  const Robot robot = load_robot(folder_.write("arm.urdf", text));
+  const Robot robot = load_robot(folder_.write(
+      "arm.urdf", with_follower("1 0 0", "<mimic joint='grip' multiplier='-0.5' offset='0.08'/>")));
   ForeignTrajectory trajectory{{"follower", "grip", "elbow", "shoulder"},
                                {{0.08, 0.0, 0.1, 0.2}, {0.05, 0.06, 0.3, 0.4}}};
   trajectory.times = {0.0, 1.0};

@@ -253,6 +253,16 @@ TEST_F(CompareParts, ShardsOnAnotherMapRobotOrProblemAreOfAnotherComparison) {
   ASSERT_EQ(shard("2/2", "2").status, 0);
   EXPECT_EQ(merged(), "");
 
+  folder_.write("more.yaml",
+                read_file(folder_.file("small.yaml")) +
+                    "  - {name: other, robot: point, world: gone, problems: [{name: a, start: [0, "
+                    "0], goals: [[1, 0]]}], planners: [{planner: rrtconnect}]}\n");
+  std::string more = read_file(folder_.file("more.yaml"));
+  more.replace(more.find("{name: w, map: map}"), 19, "{name: w, map: map}, {name: gone, map: gone.bt}");
+  const CommandRun chosen =
+      compare({folder_.write("more.yaml", more), "--out", folder_.file("chosen"), "--experiments", "e"});
+  EXPECT_EQ(chosen.status, 0) << "a map that no chosen experiment needs: " << chosen.log;
+
   write_map(3.5F);
   ASSERT_EQ(shard("2/2", "2").status, 0);
   EXPECT_NE(merged().find("the map of world 'w'"), std::string::npos);

@@ -120,6 +120,14 @@ TEST_F(SqliteBag, PackedFilesAndPackedMessagesAreRead) {
   folder_.write("b.db3.zstd", zstd(bytes));
   expect_whole(folder_ / "b.db3.zstd");
   const std::string packed = read_file(folder_ / "b.db3.zstd");
+  // As large as the decoder's own pieces: the frame ends where one of them does.
+  const std::size_t piece = ZSTD_DStreamOutSize();
+  worlds::run_sql(folder_ / "a.db3", "CREATE TABLE filler(bytes)");
+  for (std::uintmax_t size = fs::file_size(folder_ / "a.db3"); size % piece != 0;
+       size = fs::file_size(folder_ / "a.db3"))
+    worlds::run_sql(folder_ / "a.db3", "INSERT INTO filler VALUES(zeroblob(3000))");
+  folder_.write("even.db3.zstd", zstd(read_file(folder_ / "a.db3")));
+  expect_whole(folder_ / "even.db3.zstd");
   folder_.write("cut.db3.zstd", packed.substr(0, packed.size() / 2));
   const Reading cut = read(folder_ / "cut.db3.zstd");
   EXPECT_TRUE(has(cut.refusal + cut.damage, "cut.db3.zstd")) << cut.refusal << cut.damage;
@@ -235,6 +243,11 @@ TEST_F(SqliteBag, RowsThatAreNoMessagesAreLeftOutAndReported) {
     EXPECT_EQ(reading.frames, whole_.frames);
     EXPECT_TRUE(has(reading.damage, "is damaged: message 1000 is none, or of no topic")) << reading.damage;
   }
+  const Reading unnumbered = read(changed(
+      "ALTER TABLE messages RENAME TO old; CREATE TABLE messages(id TEXT PRIMARY KEY, topic_id, timestamp, "
+      "data) WITHOUT ROWID; INSERT INTO messages SELECT 'm' || id, topic_id, timestamp, data FROM old;"));
+  EXPECT_TRUE(has(unnumbered.refusal + unnumbered.damage, "changed.db3'")) << unnumbered.refusal;
+  EXPECT_FALSE(has(unnumbered.refusal + unnumbered.damage, "optional")) << unnumbered.refusal;
   const Reading empty = read(changed("INSERT INTO messages VALUES(1000, 1, 9000000000, x'')"));
   EXPECT_EQ(empty.frames, whole_.frames);
   EXPECT_TRUE(has(empty.damage + empty.warnings, "changed.db3")) << "a message without a byte";

@@ -248,6 +248,24 @@ TEST_F(CameraPaths, DepthMayBeSmallerThanThePicturesAndAnAngleMayBeTheCamera) {
     EXPECT_EQ(warning.find("steps of depth"), std::string::npos);
 }
 
+/// Pixels are the colour picture's: without its size a focal length in pixels says nothing of the depth.
+TEST_F(CameraPaths, PixelsWithoutASizeAreThoseOfTheColourPicture) {
+  const std::string frame =
+      "{\"fl_x\": 80, \"fl_y\": 84, \"cx\": 45.5, \"cy\": 38.5, \"frames\": [{\"file_path\": \"a.png\", "
+      "\"transform_matrix\": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]}";
+  const PictureSizes both{ImageSize{48, 36}, ImageSize{96, 72}};
+  const auto camera = parse_camera_path(frame, "p", both).shots[0].camera;
+  ASSERT_TRUE(camera);
+  EXPECT_EQ(camera->width, 96);
+  EXPECT_EQ(camera->height, 72);
+  EXPECT_EQ(camera->cx, 45.0);
+  EXPECT_FALSE(parse_camera_path(frame, "p").shots[0].camera);
+  const std::string refused = complaint([&] {
+    parse_camera_path(frame, "p", PictureSizes{ImageSize{48, 36}, {}});
+  });
+  EXPECT_NE(refused.find("'fl_x': expected `w` and `h` beside it"), std::string::npos) << refused;
+}
+
 TEST_F(CameraPaths, LensesAreOpenCvs) {
   const auto camera = [&](const std::string& more) {
     return parse_camera_path(transforms(nerf_camera(camera_) + ", " + more, "depth"), "p")
@@ -315,6 +333,20 @@ TEST_F(CameraPaths, WhatIsIncompleteOrAmbiguousIsRefusedInOneSentence) {
   EXPECT_NE(opened().find("has poses in 'transforms.json' and in 'groundtruth.txt': expected `poses`"),
             std::string::npos)
       << opened();
+  // Who names the other file is not told of this one, however it is.
+  SourceOptions stated;
+  stated.depth.poses = nerf / "groundtruth.txt";
+  stated.depth.scale = 0.001;
+  stated.depth.camera = camera_;
+  folder_.write("nerf/transforms.json",
+                "{\"applied_scale\": 0.5, \"frames\": [{\"file_path\": \"a.png\", "
+                "\"depth_file_path\": \"b.png\", " +
+                    matrix + "}]}");
+  EXPECT_THROW(depth_layout(nerf), std::invalid_argument);
+  const auto layout = depth_layout(nerf, stated.depth.poses);
+  ASSERT_TRUE(layout);
+  EXPECT_EQ(layout->depth.size(), 6U);
+  EXPECT_EQ(layout->poses.filename(), "groundtruth.txt");
   fs::remove(nerf / "groundtruth.txt");
   folder_.write("nerf/transforms.json", transforms("", "depth"));
   EXPECT_NE(opened().find("expected `camera`"), std::string::npos) << opened();

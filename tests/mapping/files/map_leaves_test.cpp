@@ -122,6 +122,22 @@ TEST(MapLeaves, OfOtherProgramsFilesAndOfCloudsAreThoseOfLoadMap) {
   }
 }
 
+/// A .bt of OctoMap before 1.0 has a header of numbers: no text ends it.
+TEST(MapLeaves, OfBinaryFilesOfBeforeOneAreThoseOfLoadMap) {
+  const TemporaryFolder folder;
+  const Snapshot map = worlds::random_map(25).snapshot();
+  export_map(map, folder / "new.bt");
+  const std::string bytes = read_file(folder / "new.bt");
+  const auto word = [](const auto& number) {
+    return std::string(reinterpret_cast<const char*>(&number), sizeof(number));
+  };
+  const std::size_t size = bytes.find("\nsize ") + 6;
+  const auto nodes = static_cast<std::uint32_t>(std::stoul(bytes.substr(size)));
+  const auto old = folder.write("old.bt", word(std::int32_t{3}) + word(map.resolution()) + word(nodes) +
+                                              bytes.substr(bytes.find("\ndata\n") + 6));
+  expect_same(MapLeaves::in_file(old), load_map(folder / "new.bt"));
+}
+
 TEST(MapLeaves, OfAnEmptyMapAreNone) {
   const TemporaryFolder folder;
   save_map(FreeSpaceMap({.resolution = 0.1}).snapshot(), folder / "map");

@@ -112,6 +112,22 @@ TEST(OctreeFile, AnEmptyMapIsAFileToo) {
   }
 }
 
+/// What many looks say takes as many to be taken back, loaded or not.
+TEST(OctreeFile, TheClampingTravelsWithTheMap) {
+  FreeSpaceMap map({.resolution = 0.1, .min_probability = 0.01, .max_probability = 0.999});
+  Scan scan;
+  scan.points = {{0.55F, 0.05F, 0.05F}};
+  for (int i = 0; i < 12; ++i) map.insert(scan);
+  const Snapshot snapshot = map.snapshot();
+  const std::string bytes = format_fused_tree(snapshot.tree(), {});
+  const OctreeContent content = parse_octree(bytes, "map.ot");
+  EXPECT_EQ(content.tree->getClampingThresMaxLog(), snapshot.tree().getClampingThresMaxLog());
+  EXPECT_EQ(content.tree->getClampingThresMinLog(), snapshot.tree().getClampingThresMinLog());
+  EXPECT_GT(content.tree->getClampingThresMaxLog(), 6.0F);
+  EXPECT_EQ(format_fused_tree(*content.tree, {}), bytes);
+  EXPECT_EQ(own_file(1).find("clamped"), std::string::npos) << "OctoMap's own needs no word";
+}
+
 TEST(OctreeFile, TheOccupancyThresholdTravelsWithTheMap) {
   FreeSpaceMap map({.resolution = 0.1, .occupied_probability = 0.9});
   Scan scan;

@@ -69,6 +69,19 @@ TEST(Gate, PassesAMotionOnlyWhenItsStopIsFree) {
   EXPECT_NEAR(refused.parameter, 0.3 / 0.4, 1e-3);
 }
 
+/// As many joints are not the same joints: the arm's last radians would be the disc's metres.
+TEST(Gate, AMapOfAnotherRobotIsRefused) {
+  Gate gate(with_limits(5.0));
+  gate.publish(before_wall());
+  const Snapshot map = VoxelScene{}.snapshot();
+  EXPECT_THROW(gate.publish({load_robot("planar2"), map, {.critical_by_default = false}}),
+               std::invalid_argument);
+  Robot renamed = disc();
+  std::swap(renamed.joints[0].name, renamed.joints[1].name);
+  EXPECT_THROW(gate.publish({renamed, map, {.critical_by_default = false}}), std::invalid_argument);
+  EXPECT_EQ(gate.publish(before_wall()), 2U);
+}
+
 TEST(Gate, FingersThatHoldALoadStandStill) {
   const worlds::UrdfRobot gripper = worlds::gripper();
   Load can;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <limits>
 
 #include "planning/robot_files/load_robot.hpp"
@@ -278,6 +279,51 @@ TEST(ConfigurationSpace, ASlideWithoutLimitsBelowATurningJointIsRefused) {
   }
   robot.joints[0].lower = -std::numeric_limits<double>::infinity();  // turning without limits is no harm
   EXPECT_NO_THROW(ConfigurationSpace(robot, Snapshot(), not_occupied()));
+}
+
+/// A robot made in memory: what would lead out of its lists, round in a circle or to no body at all.
+TEST(ConfigurationSpace, RobotsThatNoFileCanSayAreRefusedBeforeAnythingIsAsked) {
+  const Robot arm = load_robot("planar2");
+  const Snapshot map = FreeSpaceMap({.resolution = edge}).snapshot();
+  const auto refusal = [&](const std::function<void(Robot&)>& change) -> std::string {
+    Robot robot = arm;
+    robot.source.clear();
+    change(robot);
+    try {
+      const ConfigurationSpace space(robot, map, {.other = Policy::not_occupied});
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal([](Robot&) {}), "");
+  const double infinity = std::numeric_limits<double>::infinity();
+  const std::pair<std::function<void(Robot&)>, const char*> wrong[] = {
+      {[](Robot& r) { r.bodies[0].cover.clear(); }, "has no cover"},
+      {[](Robot& r) { r.bodies[0].link = 99; }, "on a link that it does not have"},
+      {[](Robot& r) { r.bodies[0].link = -1; }, "on a link that it does not have"},
+      {[](Robot& r) { r.bodies[0].link_from_shape.linear() *= 2.0; }, "link_from_shape of a body"},
+      {[](Robot& r) { r.links[1].parent = 1; }, "expected parents first"},
+      {[](Robot& r) { r.links[1].parent = -1; }, "expected parents first"},
+      {[](Robot& r) { r.links[0].parent = 1; }, "expected parents first"},
+      {[](Robot& r) { r.links[1].joint = 7; }, "a joint that it does not have"},
+      {[](Robot& r) { r.links[1].parent_from_link.linear() *= 0.5; }, "parent_from_link of link"},
+      {[&](Robot& r) { r.links[1].multiplier = infinity; }, "not finite"},
+      {[&](Robot& r) { r.links[1].offset = std::nan(""); }, "not finite"},
+      {[](Robot& r) {
+         r.links[1].own_axis = {0.0, 0.0, 2.0};
+       },
+       "no unit vector"},
+      {[](Robot& r) { r.joints[0].axis.setZero(); }, "no unit vector"},
+      {[](Robot& r) { r.joints.clear(); }, "no joints"},
+      {[](Robot& r) { r.tip_link = 50; }, "tip_link"},
+      {[](Robot& r) { r.link_from_tip.translation().x() = std::nan(""); }, "link_from_tip"},
+      {[](Robot& r) { r.exempt.emplace_back(0, 50); }, "`exempt`"},
+  };
+  for (const auto& [change, words] : wrong) {
+    const std::string sentence = refusal(change);
+    EXPECT_NE(sentence.find(words), std::string::npos) << words << ": " << sentence;
+  }
 }
 
 TEST(ConfigurationSpace, UnknownPartsAndImpossibleOptionsAreRefused) {

@@ -61,6 +61,39 @@ TEST(TeamCheck, RobotsThatMeetBetweenSamplesAreNotApart) {
   EXPECT_EQ(verdict.least_separation, 0.0);
 }
 
+/// Two arms whose pedestals, which nothing moves, overlap; their distance is nobody's motion.
+TEST(TeamCheck, PedestalsThatOverlapTouchAndThoseThatDoNotAreNoSeparation) {
+  const auto arm_at = [](const std::string& name, double x) {
+    Robot robot = load_robot("planar2");
+    Body pedestal = robot.bodies.front();
+    pedestal.part = "pedestal";
+    pedestal.link = 0;
+    pedestal.shape = Shape::sphere(0.5);
+    pedestal.link_from_shape = Eigen::Translation3d(0.0, 0.0, -3.0) * Eigen::Isometry3d::Identity();
+    pedestal.cover = {{{0.0, 0.0, -3.0}, 0.5}};
+    robot.bodies.push_back(pedestal);
+    robot.source.clear();
+    robot.map_from_base.translation().x() = x;
+    Policies policies;
+    policies.critical_by_default = false;
+    return TeamRobot{name,
+                     std::make_shared<const ConfigurationSpace>(robot, VoxelScene{}.snapshot(), policies),
+                     Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
+  };
+  // Each arm points away from the other and turns a little.
+  const auto verdict_at = [&](double x) {
+    return check_team({{arm_at("a", 0.0), arm_at("b", x)}, {}},
+                      along({{{M_PI, 0.0}, {M_PI - 0.1, 0.0}}, {{0.0, 0.0}, {0.1, 0.0}}}, 4, 1.0), 5.0, 9.0);
+  };
+  const TeamVerdict apart = verdict_at(1.05), overlap = verdict_at(0.95);
+  EXPECT_TRUE(apart.is_apart);
+  EXPECT_GT(apart.between_robots, 0.1);
+  EXPECT_FALSE(overlap.is_apart);
+  EXPECT_FALSE(overlap.robots_are_apart);
+  EXPECT_EQ(overlap.between_robots, 0.0);
+  EXPECT_EQ(overlap.between, "a/pedestal and b/pedestal");
+}
+
 TEST(TeamCheck, MovingObstaclesAreSeenAtAnyTime) {
   Team team{{disc("a")}, {}};
   Eigen::Isometry3d from = Eigen::Isometry3d::Identity(), to = from;
