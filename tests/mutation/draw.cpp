@@ -101,8 +101,12 @@ std::vector<std::string> deciding_files(const std::filesystem::path& repository)
   return files;
 }
 
-std::vector<Candidate> drawn(const std::filesystem::path& repository, const std::vector<std::string>& files,
+std::vector<Candidate> drawn(const std::filesystem::path& repository, std::vector<std::string> files,
                              std::uint64_t seed) {
+  // A short draw must not take the same files every time.
+  std::sort(files.begin(), files.end(), [&](const std::string& a, const std::string& b) {
+    return std::pair(hash_of(without_room(a), seed), a) < std::pair(hash_of(without_room(b), seed), b);
+  });
   std::vector<std::vector<std::pair<std::uint64_t, Candidate>>> of_files;
   std::size_t most = 0;
   for (const std::string& file : files) {

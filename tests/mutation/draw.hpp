@@ -26,8 +26,8 @@ std::vector<std::string> deciding_files(const std::filesystem::path& repository)
 
 /// All faults of these files in the order in which they are tried: a file's are shuffled by the seed and by
 /// what they change, so that a line or a file that moves, or another file's change, does not change them;
-/// then the first of each file, the second of each, and so on.
-std::vector<Candidate> drawn(const std::filesystem::path& repository, const std::vector<std::string>& files,
+/// then the first of each file, the second of each, and so on, the files in an order of the seed's as well.
+std::vector<Candidate> drawn(const std::filesystem::path& repository, std::vector<std::string> files,
                              std::uint64_t seed);
 
 /// The faults of a list, in its order: blocks of "file:", "line:" (its text) and "fault:" (what stands there

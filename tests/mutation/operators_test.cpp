@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <map>
 #include <set>
 
 #include "tests/mutation/code_text.hpp"
@@ -86,10 +87,28 @@ TEST(MutationDraw, TakesAsManyFromEachFileAndDoesNotChangeWithLinesThatMove) {
   const std::vector<std::string> first = names(""), moved = names("int g();\n\n// more\n");
   EXPECT_GT(first.size(), 10U);
   EXPECT_EQ(first, moved);
-  for (std::size_t i = 0; i + 1 < first.size(); i += 2) {
-    EXPECT_TRUE(first[i].starts_with("one.cpp"));
-    EXPECT_TRUE(first[i + 1].starts_with("two.cpp"));
+  for (std::size_t i = 0; i + 1 < first.size(); i += 2)
+    EXPECT_NE(first[i].substr(0, 7), first[i + 1].substr(0, 7));
+  std::filesystem::remove_all(folder);
+}
+
+TEST(MutationDraw, OfFewerFaultsThanFilesTakesOtherFilesForOtherSeeds) {
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "clearway_mutation_few";
+  std::filesystem::create_directories(folder);
+  std::vector<std::string> files;
+  for (const char* name : {"a.cpp", "b.cpp", "c.cpp", "d.cpp", "e.cpp", "f.cpp", "g.cpp", "h.cpp"}) {
+    std::ofstream(folder / name) << "bool f(int a, int b) {\n  return a < b;\n}\n";
+    files.push_back(name);
   }
+  std::map<std::string, int> met;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const std::vector<Candidate> order = drawn(folder, files, seed);
+    std::set<std::string> once;
+    for (std::size_t i = 0; i < files.size(); ++i) once.insert(order.at(i).file);
+    EXPECT_EQ(once.size(), files.size());
+    for (std::size_t i = 0; i < 2; ++i) ++met[order[i].file];
+  }
+  for (const std::string& file : files) EXPECT_GE(met[file], 3) << file << " of 10 expected";
   std::filesystem::remove_all(folder);
 }
 
