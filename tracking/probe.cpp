@@ -199,13 +199,12 @@ Probe::Verdict Probe::judge_history(const PaintingSample& sample) const {
 
 Probe::Verdict Probe::judge_speed(PaintingSample& sample) const {
   double turning = 0.0;
-  sample.speed = 0.0;
   for (const std::optional<Place>& last : {last_measured_, last_accepted_}) {
     if (!last) continue;
     const double passed = sample.time - last->time;
     const Eigen::AngleAxisd turn(last->turn.transpose() * sample.base_from_probe.pose.linear());
     sample.speed = std::max(sample.speed, (sample.sphere.center - last->center).norm() / passed);
-    turning = std::max(turning, std::abs(turn.angle()) / passed);
+    turning = std::max(turning, turn.angle() / passed);
   }
   if (!(sample.speed <= acceptance_.max_speed))
     return {Refusal::too_fast,

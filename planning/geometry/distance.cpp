@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "planning/geometry/gjk.hpp"
 #include "planning/geometry/segment_distance.hpp"
@@ -25,6 +26,7 @@ struct Placed {
     if (is_round()) radius = shape.radius();
   }
   bool is_round() const { return shape.is_rounded(); }
+  bool is_finite() const { return rotation.allFinite() && center.allFinite(); }
   Eigen::Vector3d end(double side) const { return center + rotation.col(2) * (side * shape.length() / 2); }
   /// Farthest point of the core along `direction`.
   Eigen::Vector3d support(const Eigen::Vector3d& direction) const {
@@ -58,10 +60,10 @@ double plane_separation(const Placed& a, const Placed& b, const Eigen::Vector3d&
 /// the nearest points, exceeds `enough`, or nothing improves; and when the distance is `too_near`.
 template <class Body>
 CoreDistance gjk(const Body& a, const Placed& b, Eigen::Vector3d direction, double size, double enough,
-                 double too_near = -1.0) {
+                 double too_near = 0.0) {
   CoreDistance result;
   Simplex simplex;
-  double last = 1e300;
+  double last = std::numeric_limits<double>::infinity();
   if (direction.squaredNorm() < 1e-300) direction = Eigen::Vector3d::UnitX();
   for (int i = 0; i < max_iterations; ++i) {
     SupportPoint point;
@@ -109,9 +111,8 @@ DistanceBounds bounds_of(const CoreDistance& core, double radius_a, double radiu
 
 DistanceBounds round_bodies(const Placed& a, const Placed& b, double size, const Eigen::Vector3d& origin) {
   const NearestPair pair = segment_to_segment(a.end(-1.0), a.end(1.0), b.end(-1.0), b.end(1.0));
-  CoreDistance core{pair.a, pair.b, 0.0, pair.distance <= 1e-14 * size};
-  if (!core.overlap) core.separation = plane_separation(a, b, (pair.b - pair.a) / pair.distance);
-  return bounds_of(core, a.radius, b.radius, size, origin);
+  const Eigen::Vector3d n = (pair.b - pair.a).normalized();  // none where the cores meet: no separation
+  return bounds_of({pair.a, pair.b, plane_separation(a, b, n)}, a.radius, b.radius, size, origin);
 }
 
 }  // namespace
@@ -122,7 +123,7 @@ DistanceBounds distance(const Shape& a, const Eigen::Isometry3d& pose_a, const S
   const Eigen::Vector3d origin = pose_a.translation();
   const Placed placed_a(a, pose_a, origin), placed_b(b, pose_b, origin);
   const double size = a.bounding_radius() + b.bounding_radius() + placed_b.center.norm();
-  if (!std::isfinite(size) || !placed_b.rotation.allFinite() || !placed_a.rotation.allFinite()) return {};
+  if (!placed_a.is_finite() || !placed_b.is_finite()) return {};
   if (placed_a.is_round() && placed_b.is_round()) return round_bodies(placed_a, placed_b, size, origin);
   const double radii = placed_a.radius + placed_b.radius;
   CoreDistance best = gjk(placed_a, placed_b, placed_b.center, size, enough + radii);
@@ -130,7 +131,7 @@ DistanceBounds distance(const Shape& a, const Eigen::Isometry3d& pose_a, const S
       (best.b - best.a).norm() - best.separation > 1e-7 * size) {
     // Rounding stopped it short: once more from the direction found, and the better proof of both.
     const CoreDistance again =
-        gjk(placed_a, placed_b, placed_a.rotation.col(0) + placed_b.rotation.col(1), size, enough + radii);
+        gjk(placed_a, placed_b, placed_a.rotation.rowwise().sum(), size, enough + radii);
     const double separation = std::max(best.separation, again.separation);
     if (again.overlap || (again.b - again.a).norm() < (best.b - best.a).norm()) best = again;
     best.separation = separation;
@@ -146,15 +147,12 @@ DistanceBounds distance_to_cube(const Shape& a, const Eigen::Isometry3d& pose_a,
     return distance(a, pose_a, Shape::box(Eigen::Vector3d::Constant(cube_edge)), pose_b, enough);
   }
   const double size = a.bounding_radius() + cube_edge + placed.center.norm();
-  if (!std::isfinite(size)) return {};
+  if (!placed.is_finite()) return {};
   const Eigen::Vector3d end_0 = placed.end(-1.0), end_1 = placed.end(1.0);
   const NearestPair pair = segment_to_box(end_0, end_1, Eigen::Vector3d::Constant(cube_edge / 2));
-  CoreDistance core{pair.a, pair.b, 0.0, pair.distance <= 1e-14 * size};
-  if (!core.overlap) {
-    const Eigen::Vector3d n = (pair.b - pair.a) / pair.distance;
-    core.separation = -n.cwiseAbs().sum() * cube_edge / 2 - std::max(n.dot(end_0), n.dot(end_1));
-  }
-  return bounds_of(core, placed.radius, 0.0, size, cube_center);
+  const Eigen::Vector3d n = (pair.b - pair.a).normalized();
+  const double separation = -n.cwiseAbs().sum() * cube_edge / 2 - std::max(n.dot(end_0), n.dot(end_1));
+  return bounds_of({pair.a, pair.b, separation}, placed.radius, 0.0, size, cube_center);
 }
 
 namespace {
@@ -167,7 +165,7 @@ DistanceBounds swept_bounds(const Shape& a, const Eigen::Isometry3d& begin, cons
   const Placed placed(cube, Eigen::Isometry3d::Identity(), Eigen::Vector3d::Zero());
   const double size =
       a.bounding_radius() + cube_edge + std::max(swept.begin.center.norm(), swept.end.center.norm());
-  if (!std::isfinite(size) || !swept.begin.rotation.allFinite() || !swept.end.rotation.allFinite()) return {};
+  if (!swept.begin.is_finite() || !swept.end.is_finite()) return {};
   const double radius = swept.begin.radius;
   const CoreDistance core = gjk(swept, placed, towards, size, enough + radius, too_near + radius);
   return bounds_of(core, radius, 0.0, size, cube_center);
@@ -179,7 +177,7 @@ DistanceBounds swept_distance_to_cube(const Shape& a, const Eigen::Isometry3d& b
                                       const Eigen::Isometry3d& end, const Eigen::Vector3d& cube_center,
                                       double cube_edge, double enough) {
   const Eigen::Vector3d middle = (begin.translation() + end.translation()) / 2;
-  return swept_bounds(a, begin, end, cube_center, cube_edge, cube_center - middle, enough, -1.0);
+  return swept_bounds(a, begin, end, cube_center, cube_edge, cube_center - middle, enough, 0.0);
 }
 
 bool is_sweep_beyond(const Shape& a, const Eigen::Isometry3d& begin, const Eigen::Isometry3d& end,

@@ -28,10 +28,8 @@ void consider(const Simplex& simplex, Choice& best, const std::array<int, 4>& in
 void consider_edge(const Simplex& s, Choice& best, int n, int i) {
   const Eigen::Vector3d& p = s.points[static_cast<std::size_t>(n)].difference;
   const Eigen::Vector3d edge = s.points[static_cast<std::size_t>(i)].difference - p;
-  const double squared = edge.squaredNorm();
-  if (squared <= 0.0) return;
-  const double t = -p.dot(edge) / squared;
-  if (t > 0.0 && t < 1.0) consider(s, best, {n, i, 0, 0}, {1.0 - t, t, 0.0, 0.0}, 2);
+  const double t = -p.dot(edge) / edge.squaredNorm();  // of one without length no number
+  if (t > 0.0 && t < 1.0) consider(s, best, {n, i}, {1.0 - t, t}, 2);
 }
 
 /// Nearest point on the triangle new-i-j, when it lies inside the triangle.
@@ -40,11 +38,10 @@ void consider_triangle(const Simplex& s, Choice& best, int n, int i, int j) {
   const Eigen::Vector3d u = s.points[static_cast<std::size_t>(i)].difference - p;
   const Eigen::Vector3d v = s.points[static_cast<std::size_t>(j)].difference - p;
   const Eigen::Vector3d normal = u.cross(v);
-  const double squared = normal.squaredNorm();
-  if (squared <= 1e-30 * u.squaredNorm() * v.squaredNorm()) return;
+  const double squared = normal.squaredNorm();  // of a flat one rounding alone: any weights, or no numbers
   const double wu = -p.cross(v).dot(normal) / squared;
   const double wv = -u.cross(p).dot(normal) / squared;
-  if (wu > 0.0 && wv > 0.0 && wu + wv < 1.0) consider(s, best, {n, i, j, 0}, {1.0 - wu - wv, wu, wv, 0.0}, 3);
+  if (wu > 0.0 && wv > 0.0 && wu + wv < 1.0) consider(s, best, {n, i, j}, {1.0 - wu - wv, wu, wv}, 3);
 }
 
 /// Whether the tetrahedron of the four points holds the origin.
@@ -53,7 +50,7 @@ bool holds_origin(const Simplex& s) {
   for (int i = 0; i < 3; ++i)
     edges.col(i) = s.points[static_cast<std::size_t>(i)].difference - s.points[3].difference;
   const double determinant = edges.determinant();
-  const double size = edges.col(0).norm() * edges.col(1).norm() * edges.col(2).norm();
+  const double size = edges.colwise().norm().prod();
   if (std::abs(determinant) <= 1e-14 * size) return false;
   const Eigen::Vector3d weights = -edges.inverse() * s.points[3].difference;
   return weights.minCoeff() >= 0.0 && weights.sum() <= 1.0;
@@ -66,7 +63,7 @@ bool Simplex::add_and_reduce(const SupportPoint& point) {
   points[static_cast<std::size_t>(newest)] = point;
   if (size == 4 && holds_origin(*this)) return true;
   Choice best;
-  consider(*this, best, {newest, 0, 0, 0}, {1.0, 0.0, 0.0, 0.0}, 1);
+  consider(*this, best, {newest}, {1.0}, 1);
   for (int i = 0; i < newest; ++i) {
     consider_edge(*this, best, newest, i);
     for (int j = i + 1; j < newest; ++j) consider_triangle(*this, best, newest, i, j);

@@ -68,6 +68,9 @@ void compare(const Shape& a, const Eigen::Isometry3d& pose_a, const Shape& b, co
   if (bounds.upper < 0.01 || expected > 0.0)
     tally.worst_upper = std::max(tally.worst_upper, expected - bounds.upper);
   const double size = a.bounding_radius() + b.bounding_radius();
+  if (a.is_rounded() && b.is_rounded())  // no iteration
+    ASSERT_LE(bounds.upper - bounds.lower,
+              1e-12 * (size + (pose_a.translation() - pose_b.translation()).norm()));
   tally.worst_gap = std::max(tally.worst_gap, (bounds.upper - bounds.lower) / size);
   if (bounds.upper - bounds.lower > 1e-6 * size) ++tally.open;
 }
@@ -244,8 +247,9 @@ TEST(Distance, WhetherASweepIsBeyondAMarginFollowsFromItsDistance) {
     const Eigen::Vector3d cube = random.point(0.8);
     const double lower = swept_distance_to_cube(shape, begin, end, cube, 0.05).lower;
     const double margin = i % 2 == 0 ? random.between(0.0, 0.3) : lower * random.between(0.99, 1.01);
-    if (std::abs(lower - margin) < 1e-8) continue;  // a proof may stop a hair short
     const Eigen::Vector3d towards = i % 4 < 2 ? cube - begin.translation() : random.point(1.0);
+    ASSERT_TRUE(lower > 0.0 || !is_sweep_beyond(shape, begin, end, cube, 0.05, towards, 0.0)) << i;
+    if (std::abs(lower - margin) < 1e-8) continue;  // a proof may stop a hair short
     ASSERT_EQ(is_sweep_beyond(shape, begin, end, cube, 0.05, towards, margin), lower > margin) << i;
     beyond += lower > margin;
   }
@@ -270,12 +274,119 @@ TEST(Distance, OfASweptBodyIsNeverAboveThatOfAnyMixOfItsPoints) {
   }
 }
 
+/// Bodies one behind the other along an axis, with faces square to it: their distance is a difference of
+/// numbers, taken here with more digits. What is kept back for rounding grows with the coordinates.
+TEST(Distance, LowerBoundsAreNeverAboveTheExactOnesAndNearlyThemWhateverTheSizes) {
+  Random random(12);
+  const auto drawn = [&](double low, double high) {
+    return std::exp(random.between(std::log(low), std::log(high)));
+  };
+  struct Solid {
+    Shape shape;
+    double half;  ///< along x
+  };
+  const auto solid = [&] {
+    const double half = drawn(1e-3, 1e3);
+    const int kind = random.below(3);
+    return Solid{kind == 0   ? Shape::sphere(half)
+                 : kind == 1 ? Shape::box({2.0 * half, drawn(1e-2, 10.0), drawn(1e-2, 10.0)})
+                             : Shape::capsule(half, drawn(1e-2, 10.0)),
+                 half};
+  };
+  for (int i = 0; i < 20'000; ++i) {
+    const Solid a = solid(), b = solid();
+    const double gap = drawn(1e-6, 10.0), at = random.between(-1.0, 1.0) * drawn(1e-3, 1e3),
+                 side = random.below(2) == 0 ? 1.0 : -1.0;
+    const Eigen::Vector3d beside(0.0, random.between(-1.0, 1.0), random.between(-1.0, 1.0));
+    const auto placed = [&](double x) {
+      return Eigen::Isometry3d(Eigen::Translation3d(beside + x * Eigen::Vector3d::UnitX()));
+    };
+    const double other = at + side * (a.half + gap + b.half), farther = other + side * drawn(1e-6, 10.0);
+    const auto expect = [&](const DistanceBounds& bounds, double half, double from, double to,
+                            const char* what, double closely = 1e-7) {
+      const long double exact = std::abs(static_cast<long double>(to) - from) - a.half - half;
+      if (exact <= 0.0L) return;
+      const double size = a.half + half + gap + std::abs(at) + 100.0;
+      ASSERT_LE(static_cast<long double>(bounds.lower), exact) << what << " " << i;
+      ASSERT_GE(static_cast<long double>(bounds.lower), exact - closely * size) << what << " " << i;
+      ASSERT_NEAR(bounds.upper, static_cast<double>(exact), closely * size) << what << " " << i;
+    };
+    expect(distance(a.shape, placed(at), b.shape, placed(other)), b.half, at, other, "bodies");
+    const Eigen::Vector3d cube = placed(other).translation();
+    expect(distance_to_cube(a.shape, placed(at), cube, 2.0 * b.half), b.half, at, other, "cube");
+    expect(swept_distance_to_cube(a.shape, placed(at - side * (farther - other)), placed(at), cube,
+                                  2.0 * b.half),
+           b.half, at, other, "sweep", 1.0);
+    if (HasFatalFailure()) return;
+  }
+}
+
+/// `enough` ends a search sooner: then the bound is above it, and still below the distance.
+TEST(Distance, WithEnoughAskedForIsProvedAsFarAsThatOrIsTheDistanceItself) {
+  Random random(13);
+  std::array<int, 2> sides{};
+  for (int i = 0; i < 6'000; ++i) {
+    const Shape a = random_shape(random, i % 3 == 0), b = random_shape(random, i % 3 == 0);
+    const Eigen::Isometry3d begin = random_pose(random, i % 3 == 0), end = random_pose(random, false);
+    const Eigen::Vector3d cube = random.point(0.8);
+    const auto compare_with = [&](const auto& bounds_of) {
+      const DistanceBounds whole = bounds_of(std::numeric_limits<double>::infinity());
+      const double enough = i % 4 == 0   ? random.between(0.0, 0.5)
+                            : i % 4 == 1 ? 0.0
+                                         : whole.lower * random.between(0.9, 1.1);
+      if (std::abs(whole.lower - enough) < 1e-7) return;
+      const DistanceBounds some = bounds_of(enough);
+      ASSERT_LE(some.lower, whole.upper + 1e-12) << i;
+      ASSERT_GE(some.upper, whole.lower - 1e-12) << i;
+      ASSERT_EQ(some.lower > enough, whole.lower > enough) << i;
+      ++sides[whole.lower > enough ? 1 : 0];
+      if (whole.lower > enough) return;
+      ASSERT_NEAR(some.lower, whole.lower, 1e-7) << i;
+      ASSERT_NEAR(some.upper, whole.upper, 1e-7) << i;
+    };
+    compare_with([&](double enough) { return distance(a, begin, b, end, enough); });
+    compare_with([&](double enough) { return distance_to_cube(a, begin, cube, 0.05, enough); });
+    compare_with([&](double enough) { return swept_distance_to_cube(a, begin, end, cube, 0.05, enough); });
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_GT(sides[0], 3'000);
+  EXPECT_GT(sides[1], 3'000);
+}
+
+bool is_nothing(const DistanceBounds& bounds) {
+  return bounds.lower == 0.0 && bounds.upper == 0.0 && bounds.point_a.isZero(0.0) &&
+         bounds.point_b.isZero(0.0) && bounds.direction.isZero(0.0);
+}
+
 TEST(Distance, IsNotProvedForPosesThatAreNotFinite) {
-  const Shape shape = Shape::capsule(0.1, 0.5);
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.translation().x() = NAN;
-  EXPECT_EQ(distance(shape, pose, shape, Eigen::Isometry3d::Identity()).lower, 0.0);
-  EXPECT_EQ(distance_to_cube(shape, pose, Eigen::Vector3d::Ones(), 0.1).lower, 0.0);
+  const std::array shapes{Shape::capsule(0.1, 0.5), Shape::box({0.1, 0.2, 0.3}), Shape::sphere(0.1)};
+  const Eigen::Isometry3d good(Eigen::Translation3d(3.0, 1.0, 0.5));
+  const Eigen::Vector3d cube = Eigen::Vector3d::Constant(-4.0);
+  for (const Shape& shape : shapes) {
+    EXPECT_GT(distance(shape, good, shape, Eigen::Isometry3d::Identity()).lower, 1.0);
+    EXPECT_GT(distance_to_cube(shape, good, cube, 0.1).lower, 1.0);
+    EXPECT_TRUE(is_sweep_beyond(shape, good, good, cube, 0.1, cube, 0.1));
+    for (const double value : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+      for (int entry = 0; entry < 12; ++entry) {
+        Eigen::Isometry3d bad = good;
+        bad.matrix()(entry % 3, entry / 3) = value;
+        for (const Shape& other : shapes) {
+          EXPECT_TRUE(is_nothing(distance(shape, bad, other, Eigen::Isometry3d::Identity()))) << entry;
+          EXPECT_TRUE(is_nothing(distance(other, Eigen::Isometry3d::Identity(), shape, bad))) << entry;
+        }
+        EXPECT_TRUE(is_nothing(distance_to_cube(shape, bad, cube, 0.1))) << entry;
+        for (const auto& [begin, end] : {std::pair(bad, good), std::pair(good, bad)}) {
+          EXPECT_TRUE(is_nothing(swept_distance_to_cube(shape, begin, end, cube, 0.1))) << entry;
+          EXPECT_FALSE(is_sweep_beyond(shape, begin, end, cube, 0.1, cube - good.translation(), 0.1))
+              << entry;
+        }
+      }
+      Eigen::Vector3d lost = cube;
+      lost.y() = value;
+      EXPECT_TRUE(is_nothing(distance_to_cube(shape, good, lost, 0.1)));
+      EXPECT_TRUE(is_nothing(swept_distance_to_cube(shape, good, good, lost, 0.1)));
+    }
+  }
 }
 
 }  // namespace distance_test
