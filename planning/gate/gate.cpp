@@ -14,10 +14,10 @@ namespace clearway {
 
 struct Gate::Map {
   ProofSpace proof;
-  double taken = 0.0;  ///< seconds
+  double taken;  ///< seconds
   std::shared_ptr<const Provenance> history;
   JointLimits limits;
-  std::uint64_t number = 0;
+  std::uint64_t number;
 };
 
 namespace {
