@@ -119,17 +119,17 @@ void ControlConstraints::cube_constraints(const BodyGroup& group, int which,
   const double reach = group.reach[static_cast<std::size_t>(which)].near;
   const Body& body = robot_->bodies[static_cast<std::size_t>(index)];
   const VoxelDistances distances(body.shape, pose(body.link) * body.link_from_shape, resolution_);
-  if (voxel_distances_.size() < cubes.size()) voxel_distances_.resize(2 * cubes.size());
+  voxel_distances_.resize(std::max(voxel_distances_.size(), cubes.size()));
   const auto found = std::span(voxel_distances_).first(cubes.size());
   distances.to(cubes, reach, found);
   for (std::size_t i = 0; i < cubes.size(); ++i) {
     const NearVoxel& cube = cubes[i];
     VoxelDistance& to_voxel = found[i];
     if (to_voxel.distance >= reach) continue;
-    if (to_voxel.normal.squaredNorm() < 0.5) {  // they overlap
+    if (to_voxel.normal.isZero(0.0)) {  // they overlap
       to_voxel.normal = (cube.center - cube.towards).stableNormalized();
       to_voxel.point = cube.center;
-      if (to_voxel.normal.squaredNorm() < 0.5) continue;
+      if (to_voxel.normal.isZero(0.0)) continue;
     }
     append({index, -1, to_voxel.distance - padding_, cube.behind, to_voxel.point, to_voxel.normal}, body.link,
            nullptr);
@@ -147,7 +147,7 @@ void ControlConstraints::pair_constraints() {
 /// Constraints that no joint can change are left out.
 void ControlConstraints::append(const ControlConstraint& constraint, int link, const NearPair* pair) {
   const std::size_t dof = robot_->dof(), begin = constraints_.size() * dof;
-  if (gradients_.size() < begin + dof) gradients_.resize(2 * (begin + dof));
+  gradients_.resize(std::max(gradients_.size(), begin + dof));
   const auto gradient = std::span(gradients_).subspan(begin, dof);
   kinematics_.rate(link, constraint.point, constraint.normal, gradient);
   if (pair != nullptr) {

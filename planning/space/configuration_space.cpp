@@ -190,10 +190,9 @@ const SpaceOptions& ConfigurationSpace::options() const { return model_->options
 const std::map<std::string, Policy>& ConfigurationSpace::policies() const { return model_->policies; }
 
 const BlockedSpace* ConfigurationSpace::blocked_space(int body) const {
-  for (std::size_t i = 0; i < model_->bodies.size(); ++i) {
-    if (model_->indices[i] == body) return &model_->bodies[i].space();
-  }
-  return nullptr;
+  const auto found = std::find(model_->indices.begin(), model_->indices.end(), body);
+  if (found == model_->indices.end()) return nullptr;
+  return &model_->bodies[static_cast<std::size_t>(found - model_->indices.begin())].space();
 }
 
 void ConfigurationSpace::renew() const {
@@ -201,12 +200,10 @@ void ConfigurationSpace::renew() const {
 }
 
 bool CollisionModel::is_within_limits(const Configuration& q) const {
-  if (q.size() != static_cast<Eigen::Index>(robot.dof())) return false;
-  for (std::size_t j = 0; j < robot.dof(); ++j) {
-    const double value = q[static_cast<Eigen::Index>(j)];
-    if (!std::isfinite(value) || value < robot.joints[j].lower || value > robot.joints[j].upper) return false;
-  }
-  return true;
+  return std::equal(robot.joints.begin(), robot.joints.end(), q.begin(), q.end(),
+                    [](const Joint& joint, double value) {
+                      return std::isfinite(value) && value >= joint.lower && value <= joint.upper;
+                    });
 }
 
 bool CollisionModel::is_free_by_shapes(const Configuration& q) const {

@@ -116,7 +116,7 @@ std::vector<ProximityConstraint> ConfigurationSpace::proximity_constraints(const
   for (const BodyPair& pair : model.pairs) {
     if (is_apart(model.robot, pair, poses, influence_distance)) continue;
     const DistanceBounds bounds = pair_distance(model.robot, pair, poses);
-    if (bounds.direction.squaredNorm() < 0.5) continue;
+    if (bounds.direction.isZero(0.0)) continue;
     const int link_a = model.robot.bodies[static_cast<std::size_t>(pair.first)].link;
     const int link_b = model.robot.bodies[static_cast<std::size_t>(pair.second)].link;
     ProximityConstraint constraint;

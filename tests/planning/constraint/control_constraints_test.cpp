@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/random_world.hpp"
 
@@ -287,6 +289,65 @@ TEST(ControlConstraints, OfADampersStepLookRoundFromHalfwayToWhereItStopsOn) {
     EXPECT_EQ(constraints.constraints().size() > 1, away < 0.2) << away;
     EXPECT_FALSE(constraints.constraints().empty()) << away;
   }
+}
+
+/// The same without a damper, where distances are less by the padding.
+TEST(ControlConstraints, LookRoundBelowTheCloseDistanceOfThePaddedBody) {
+  Robot robot = load_robot("point");
+  robot.map_from_base.translation().z() = 0.025;
+  FreeSpaceMap map({.resolution = 0.05});
+  for (int y = -20; y < 20; ++y) occupy(map, {0.525, (y + 0.5) * 0.05, 0.025});  // a wall at x = 0.5
+  const ConfigurationSpace space(robot, map.snapshot(), {.critical_by_default = false},
+                                 {.padding = 0.04, .max_distance = 1.0});
+  ControlConstraints constraints(space, 0.3, 0.2);
+  for (const double away : {0.31, 0.29, 0.25, 0.21, 0.19, 0.15, 0.11}) {
+    constraints.look(Eigen::Vector2d(0.3 - 0.04 - away, 0.013));
+    EXPECT_EQ(constraints.constraints().size() > 1, away < 0.2) << away;
+    EXPECT_EQ(constraints.constraints().empty(), away > 0.3) << away;
+    for (const ControlConstraint& constraint : constraints.constraints())
+      EXPECT_GE(constraint.distance, away - 1e-3);
+  }
+}
+
+/// Each body by the policy of its own part: what blocks one is nothing to another.
+TEST(ControlConstraints, OfBodiesUnderSeveralPoliciesAreOfWhatBlocksEach) {
+  const Robot robot = load_robot("puma560");
+  Random random(12);
+  FreeSpaceMap map({.resolution = edge});
+  const int volume = map.add_volume("free", {});
+  for (int i = 0; i < 25; ++i)
+    map.paint(volume, {tip_pose(robot, random.configuration(robot)).translation(), 0.3});
+  for (int i = 0; i < 60; ++i) {
+    const Eigen::Vector3d at = tip_pose(robot, random.configuration(robot)).translation() + random.point(0.1);
+    occupy(map, ((at / edge).array().floor() + 0.5) * edge);
+  }
+  Policies policies{.other = Policy::not_occupied, .critical_by_default = false};
+  const int last = static_cast<int>(robot.bodies.size()) - 1;
+  policies.parts[robot.bodies[static_cast<std::size_t>(last)].part] = Policy::painted;
+  policies.parts[robot.bodies[static_cast<std::size_t>(last) - 1].part] = Policy::known_free;
+  const ConfigurationSpace space(robot, map.snapshot(), policies);
+  ControlConstraints constraints(space, influence, influence);
+  std::map<Policy, int> near;
+  int farther = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    const Configuration q = random.configuration(robot);
+    const LinkPoses poses = forward_kinematics(robot, q);
+    constraints.look(q);
+    for (int body = 0; body <= last; ++body) {
+      if (robot.bodies[static_cast<std::size_t>(body)].link < 3) continue;
+      double ours = influence;
+      for (const ControlConstraint& constraint : constraints.constraints())
+        if (constraint.body == body && constraint.other < 0) ours = std::min(ours, constraint.distance);
+      const double truth = std::max(0.0, true_distance(space, body, poses));
+      EXPECT_GT(ours, truth - 0.01 * edge) << body;
+      farther += ours > truth + 0.5 * edge;  // of a voxel that no joint moves the body towards or from
+      near[space.policies().at(robot.bodies[static_cast<std::size_t>(body)].part)] +=
+          truth > 0.0 && truth < influence;
+    }
+  }
+  EXPECT_LE(farther, 3);
+  for (const Policy policy : {Policy::painted, Policy::known_free, Policy::not_occupied})
+    EXPECT_GT(near[policy], 5);
 }
 
 }  // namespace control_rows_test

@@ -1,5 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <set>
+
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/space/configuration_space.hpp"
 #include "tests/worlds/fcl_truth.hpp"
@@ -125,6 +130,133 @@ TEST(ProximityConstraints, ADiscInOneLayerOfKnownSpaceSeesItsWallsAndNotItsFloor
     if (constraint.gradient[0] > 0.99) toward_wall = constraint.distance;
   }
   EXPECT_NEAR(toward_wall, 0.1, 1e-6);
+}
+
+/// A body that floats: three slides, then three turns.
+Robot floating(const Shape& shape) {
+  Robot robot;
+  robot.name = "floating";
+  robot.links.resize(7);
+  robot.links[0].name = "base";
+  for (int j = 0; j < 6; ++j) {
+    Joint& joint = robot.joints.emplace_back();
+    joint.name = "j" + std::to_string(j);
+    joint.kind = j < 3 ? JointKind::prismatic : JointKind::revolute;
+    joint.axis = Eigen::Vector3d::Unit(j % 3);
+    joint.lower = j < 3 ? -1.0 : -3.0;
+    joint.upper = -joint.lower;
+    Link& link = robot.links[static_cast<std::size_t>(j) + 1];
+    link.name = "l" + std::to_string(j);
+    link.parent = link.joint = j;
+  }
+  robot.bodies.resize(1);
+  robot.bodies[0] = {"body", 6, Eigen::Isometry3d::Identity(), shape, shape.sphere_cover()};
+  robot.tip_link = 6;
+  return robot;
+}
+
+struct Expected {
+  double distance;
+  std::vector<Eigen::Vector3d> normals, points;  ///< of several cubes that overlap any may stand
+};
+
+/// Of the voxels that lie beside the same part of the body's length and the same way, the nearest.
+std::map<std::pair<int, int>, Expected> nearest_of_each(const Shape& shape, const Eigen::Isometry3d& pose,
+                                                        const std::vector<Eigen::Vector3d>& cubes,
+                                                        double reach) {
+  const MedialSegment medial = shape.medial_segment();
+  int parts = 1;
+  while (parts < 4 && medial.half_extent > parts * medial.width) ++parts;
+  std::map<std::pair<int, int>, Expected> nearest;
+  for (const Eigen::Vector3d& cube : cubes) {
+    const DistanceBounds bounds = distance_to_cube(shape, pose, cube, edge);
+    if (bounds.lower >= reach) continue;
+    const Eigen::Vector3d local = pose.inverse() * cube;
+    const double place = std::max(-medial.half_length, std::min(medial.half_length, medial.axis.dot(local)));
+    int part = 0;
+    while (part + 1 < parts && place >= medial.half_length * (2.0 * (part + 1) / parts - 1.0)) ++part;
+    Eigen::Vector3d way = shape.offset_to(local);
+    if (way.norm() == 0.0) way = local - place * medial.axis;
+    way = pose.linear() * way.normalized();
+    int axis = 0;
+    for (int i = 1; i < 3; ++i)
+      if (std::abs(way[i]) > std::abs(way[axis])) axis = i;
+    const bool is_overlap = bounds.lower <= 0.0;
+    const auto known = nearest.try_emplace({part, way[axis] < 0.0 ? -1 - axis : 1 + axis},
+                                           Expected{std::numeric_limits<double>::infinity(), {}, {}});
+    Expected& slot = known.first->second;
+    if (bounds.lower < slot.distance) slot = {bounds.lower, {}, {}};
+    if (bounds.lower > slot.distance) continue;
+    slot.normals.push_back(is_overlap ? way : bounds.direction);
+    slot.points.push_back(is_overlap ? cube : bounds.point_a);
+  }
+  return nearest;
+}
+
+TEST(ProximityConstraints, AreTheNearestVoxelsOfEachPartOfABodysLengthOnEachSideByBruteForce) {
+  Random random(8);
+  int constraints_seen = 0, overlapping = 0;
+  std::set<int> ways;
+  for (const Shape& shape : {Shape::sphere(0.1), Shape::capsule(0.04, 0.5), Shape::cylinder(0.05, 0.2),
+                             Shape::box({0.3, 0.1, 0.08}), Shape::box({0.08, 0.4, 0.09})}) {
+    const Robot robot = floating(shape);
+    for (int trial = 0; trial < 12; ++trial) {
+      FreeSpaceMap builder({.resolution = edge});
+      std::vector<Eigen::Vector3d> cubes;
+      for (int i = 0; i < 40; ++i) {
+        const Eigen::Vector3d cube = ((random.point(0.4) / edge).array().floor() + 0.5) * edge;
+        if (std::find(cubes.begin(), cubes.end(), cube) != cubes.end()) continue;
+        cubes.push_back(cube);
+        occupy(builder, cube);
+      }
+      const double padding = trial % 2 == 0 ? 0.0 : 0.02, influence = random.between(0.05, 0.2);
+      const ConfigurationSpace space(robot, builder.snapshot(), {.critical_by_default = false},
+                                     {.padding = padding});
+      Configuration q = random.configuration(robot);
+      q.head<3>() *= 0.2;
+      const Eigen::Isometry3d pose = forward_kinematics(robot, q)[6];
+      const auto expected = nearest_of_each(shape, pose, cubes, influence + padding);
+      const auto constraints = space.proximity_constraints(q, influence);
+      ASSERT_EQ(constraints.size(), expected.size()) << trial;
+      for (const auto& [slot, nearest] : expected) {
+        const auto is_it = [&](const ProximityConstraint& constraint) {
+          for (std::size_t i = 0; i < nearest.normals.size(); ++i)
+            if ((constraint.normal - nearest.normals[i]).norm() < 1e-3 &&
+                std::abs(constraint.distance - (nearest.distance - padding)) < 1e-6 &&
+                (constraint.point - nearest.points[i]).dot(nearest.normals[i]) < 1e-4)
+              return true;
+          return false;
+        };
+        EXPECT_TRUE(std::any_of(constraints.begin(), constraints.end(), is_it))
+            << trial << ": part " << slot.first << " way " << slot.second;
+        ways.insert(slot.second);
+        overlapping += nearest.distance <= 0.0;
+      }
+      for (const ProximityConstraint& constraint : constraints) {
+        ++constraints_seen;
+        EXPECT_EQ(constraint.body, 0);
+        const Eigen::Vector3d local = pose.inverse() * constraint.point;
+        for (Eigen::Index j = 0; j < 6; ++j) {
+          Configuration up = q, down = q;
+          up[j] += 1e-4, down[j] -= 1e-4;
+          const Eigen::Vector3d moved =
+              (forward_kinematics(robot, up)[6] * local - forward_kinematics(robot, down)[6] * local) / 2e-4;
+          EXPECT_NEAR(constraint.gradient[j], constraint.normal.dot(moved), 2e-5);
+        }
+      }
+    }
+  }
+  EXPECT_GT(constraints_seen, 200);
+  EXPECT_GT(overlapping, 30);
+  EXPECT_EQ(ways.size(), 6U);
+}
+
+TEST(ProximityConstraints, OfAConfigurationThatIsNoneAreRefused) {
+  const Robot robot = load_robot("planar2");
+  const ConfigurationSpace space(robot, Snapshot(), {.critical_by_default = false});
+  EXPECT_NO_THROW(space.proximity_constraints(Eigen::Vector2d(0.1, 0.2), 0.1));
+  EXPECT_THROW(space.proximity_constraints(Eigen::Vector3d::Zero(), 0.1), std::invalid_argument);
+  EXPECT_THROW(space.proximity_constraints(Eigen::Vector2d(0.0, NAN), 0.1), std::invalid_argument);
 }
 
 TEST(ProximityConstraints, BothWallsOfACorridorHaveConstraints) {

@@ -38,15 +38,16 @@ TEST(Verdict, OfABodyAsLargeAsAHouseNamesOneOfTheCubesThatItMeets) {
   FreeSpaceMap builder({.resolution = 0.02});
   builder.paint(builder.add_volume("free", {}), {Eigen::Vector3d::Zero(), 0.3});
   Robot robot = load_robot("point");
-  robot.bodies[0].shape = Shape::sphere(50.0);
-  robot.bodies[0].cover = robot.bodies[0].shape.sphere_cover();
-  for (const Policy policy : {Policy::painted, Policy::known_free}) {
+  for (const auto& [policy, radius] : {std::pair(Policy::painted, 50.0), std::pair(Policy::known_free, 50.0),
+                                       std::pair(Policy::painted, 8.0)}) {
+    robot.bodies[0].shape = Shape::sphere(radius);
+    robot.bodies[0].cover = robot.bodies[0].shape.sphere_cover();
     const ConfigurationSpace space(robot, builder.snapshot(), {.parts = {{"base", policy}}}, {});
     const Verdict verdict = space.check(Configuration::Zero(2));
     EXPECT_EQ(verdict.obstruction,
               policy == Policy::painted ? Obstruction::outside_painted : Obstruction::unknown);
     EXPECT_NE(space.map().state(verdict.point), VoxelState::painted);
-    EXPECT_LE(verdict.point.norm(), 50.0 + 0.02);
+    EXPECT_LE(verdict.point.norm(), radius + 0.02);
     EXPECT_GT(verdict.depth, 0.0);
   }
 }
