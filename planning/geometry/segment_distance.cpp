@@ -54,9 +54,8 @@ NearestPair segment_to_box(const Eigen::Vector3d& a0, const Eigen::Vector3d& a1,
     t = 1.0;
   } else {
     for (int i = 0; i < 3; ++i) {
-      if (u[i] == 0.0) continue;
       for (double plane : {-half[i], half[i]}) {
-        const double crossing = (plane - a0[i]) / u[i];
+        const double crossing = (plane - a0[i]) / u[i];  // of one along the plane no number, or infinite
         if (!(crossing > low && crossing < high)) continue;
         const double value = slope(crossing);
         (value < 0.0 ? low : high) = crossing;

@@ -68,9 +68,10 @@ void compare(const Shape& a, const Eigen::Isometry3d& pose_a, const Shape& b, co
   if (bounds.upper < 0.01 || expected > 0.0)
     tally.worst_upper = std::max(tally.worst_upper, expected - bounds.upper);
   const double size = a.bounding_radius() + b.bounding_radius();
-  if (a.is_rounded() && b.is_rounded())  // no iteration
+  if (a.is_rounded() && b.is_rounded()) {  // no iteration
     ASSERT_LE(bounds.upper - bounds.lower,
               1e-12 * (size + (pose_a.translation() - pose_b.translation()).norm()));
+  }
   tally.worst_gap = std::max(tally.worst_gap, (bounds.upper - bounds.lower) / size);
   if (bounds.upper - bounds.lower > 1e-6 * size) ++tally.open;
 }
