@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <regex>
+#include <string_view>
 
 #include "tests/mutation/code_text.hpp"
 
@@ -44,7 +45,7 @@ bool is_of_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 
 
 class Finder {
  public:
-  explicit Finder(const std::string& source) : code_(code_only(source)) {}
+  explicit Finder(const std::string& source) : source_(source), code_(code_only(source)) {}
 
   std::vector<Fault> run() {
     for (const Swap& swap : infix) find(swap, true);
@@ -68,8 +69,17 @@ class Finder {
     for (std::size_t at = code_.find(was); at != std::string::npos; at = code_.find(was, at + 1)) {
       if (at == 0 || at + was.size() >= code_.size()) continue;
       if (is_infix && !(is_space(code_[at - 1]) && is_space(code_[at + was.size()]))) continue;
+      if (swap.kind == std::string_view("sign") && is_beside_text(at, was.size())) continue;
       add(swap.kind, at, was.size(), swap.is);
     }
+  }
+
+  /// Text in quotes is joined by + alone: what is made of it does not compile.
+  bool is_beside_text(std::size_t at, std::size_t length) const {
+    const std::size_t before = source_.find_last_not_of(" \n", at - 1),
+                      behind = source_.find_first_not_of(" \n", at + length);
+    return (before != std::string::npos && source_[before] == '"') ||
+           (behind != std::string::npos && source_[behind] == '"');
   }
 
   template <typename Visit>
@@ -92,7 +102,8 @@ class Finder {
         });
     each("\\d[\\w.]* \\* ", [&](const std::smatch& m) {
       const auto at = static_cast<std::size_t>(m.position());
-      if (at > 0 && !is_of_word(code_[at - 1]) && code_[at - 1] != '.')
+      const bool is_exponent = at > 1 && code_[at - 1] == '-' && code_[at - 2] == 'e';
+      if (at > 0 && !is_of_word(code_[at - 1]) && code_[at - 1] != '.' && !is_exponent)
         add("product", at, static_cast<std::size_t>(m.length()), "");
     });
   }
@@ -161,6 +172,7 @@ class Finder {
       if (value != answer) add("answer", at + begin + 7, value.size(), answer);
   }
 
+  const std::string& source_;
   std::string code_;
   std::vector<Fault> found_;
 };

@@ -40,6 +40,12 @@ TEST(MutationOperators, ChangeComparisonsSignsFactorsNumbersAndWords) {
                    "constant: const double x = 1.0;"}));
 }
 
+TEST(MutationOperators, LeaveExponentsAndJoinedTextsWhole) {
+  EXPECT_EQ(changed("const bool x = a == \"b\";"), (Lines{"relation: const bool x = a != \"b\";"}));
+  EXPECT_EQ(changed("const auto x = 1e-9 * r;"),
+            (Lines{"product: const auto x = 1e-9 / r;", "product: const auto x = 1e-9;"}));
+}
+
 TEST(MutationOperators, DropStatementsGuardsAndNegationsAndAnswerBothWays) {
   EXPECT_EQ(changed("continue;"), (Lines{"dropped: ;"}));
   EXPECT_EQ(changed("list.push_back(x);"), (Lines{"dropped: ;"}));
@@ -54,7 +60,8 @@ TEST(MutationOperators, LeaveAloneWhatIsNoCodeDeclarationsTemplatesAndAllowances
   for (const char* line :
        {"// a < b + 1", "const char* x = \"a < b + 1\";", "std::vector<int> list;", "Foo& x = y;",
         "const double x = 1e-9;", "const Array<float, 3>* p = q;", "static_assert(a < 4);",
-        "HWY_BEFORE_NAMESPACE();", "for (int i = 0; i < 8; ++i) __builtin_prefetch(p[i]);"})
+        "HWY_BEFORE_NAMESPACE();", "const std::string x = a + \": \" + b;",
+        "for (int i = 0; i < 8; ++i) __builtin_prefetch(p[i]);"})
     EXPECT_EQ(changed(line), Lines{}) << line;
 }
 
