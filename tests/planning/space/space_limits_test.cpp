@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <vector>
 
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/space/body_collision.hpp"
@@ -153,45 +156,128 @@ TEST(SpaceLimits, WhatTouchesAtTheEndOfAllThatIsReachedIsMet) {
   }
 }
 
-/// Coarse clearances are too small by 1.75 voxels at most, of the spheres that hold the body; far away the
-/// sphere around all of it may stand for them.
-TEST(SpaceLimits, CoarseClearancesAreTightBesideWhatBlocks) {
-  constexpr double edge = 0.03;
-  Random random(14);
-  int near = 0;
-  for (const Shape& shape : {Shape::sphere(0.08), Shape::capsule(0.05, 0.3), Shape::cylinder(0.06, 0.15),
-                             Shape::box({0.1, 0.15, 0.3})}) {
+/// A body, not in the middle of its link, among voxels that are looked at one by one.
+struct Among {
+  static constexpr double edge = 0.03;
+  Body body;
+  std::vector<Eigen::Vector3d> cubes;
+  Eigen::AlignedBox3d all{Eigen::Vector3d::Constant(-1.5), Eigen::Vector3d::Constant(1.5)};
+  std::unique_ptr<BodyCollision> collision;
+
+  Among(Random& random, const Shape& shape, int count) {
+    body = {"body", 0, random.pose(0.1), shape, shape.sphere_cover()};
+    for (Sphere& sphere : body.cover) sphere.center = body.link_from_shape * sphere.center;
     FreeSpaceMap map({.resolution = edge});
-    std::vector<Eigen::Vector3d> cubes;
-    for (int i = 0; i < 12; ++i) {
+    for (int i = 0; i < count; ++i) {
       cubes.push_back(((random.point(0.4) / edge).array().floor() + 0.5) * edge);
       occupy(map, cubes.back());
     }
-    const Eigen::AlignedBox3d all(Eigen::Vector3d::Constant(-1.5), Eigen::Vector3d::Constant(1.5));
-    const Body body{"body", 0, Eigen::Isometry3d::Identity(), shape, shape.sphere_cover()};
-    const BodyCollision collision(body, map.snapshot().blocked_space({Policy::not_occupied, 0}, all, 0.5),
-                                  all);
+    collision = std::make_unique<BodyCollision>(
+        body, map.snapshot().blocked_space({Policy::not_occupied, 0}, all, 0.5), all);
+  }
+  double gap(const Eigen::Isometry3d& pose, const Eigen::Vector3d& cube) const {
+    return distance_to_cube(body.shape, pose * body.link_from_shape, cube, edge).lower;
+  }
+};
+
+std::vector<Shape> shapes() {
+  std::vector<Eigen::Vector3d> corners;
+  for (int i = 0; i < 8; ++i)
+    corners.emplace_back(i & 1 ? 0.1 : -0.08, i & 2 ? 0.06 : -0.06, i & 4 ? 0.19 : -0.05);
+  return {Shape::sphere(0.08), Shape::capsule(0.05, 0.3), Shape::cylinder(0.06, 0.15),
+          Shape::box({0.1, 0.15, 0.3}), Shape::convex(corners)};
+}
+
+/// Coarse clearances are too small by 1.75 voxels at most, of the spheres that hold the body; far away the
+/// sphere around all of it may stand for them.
+TEST(SpaceLimits, ClearancesAreTightBesideWhatBlocks) {
+  Random random(14);
+  int near = 0;
+  for (const Shape& shape : shapes()) {
+    const Among among(random, shape, 12);
+    const BodyCollision& collision = *among.collision;
     RecentCubes recent;
     for (int i = 0; i < 300; ++i) {
       const Eigen::Isometry3d pose = random.pose(0.5);
       double by_spheres = 0.5, exact = 0.5;
-      for (const Eigen::Vector3d& cube : cubes) {
-        exact = std::min(exact, distance_to_cube(shape, pose, cube, edge).lower);
-        for (const Sphere& sphere : body.cover) {
+      for (const Eigen::Vector3d& cube : among.cubes) {
+        exact = std::min(exact, among.gap(pose, cube));
+        for (const Sphere& sphere : among.body.cover) {
           const Eigen::Vector3d beside =
-              ((pose * sphere.center - cube).cwiseAbs().array() - 0.5 * edge).max(0.0);
+              ((pose * sphere.center - cube).cwiseAbs().array() - 0.5 * Among::edge).max(0.0);
           by_spheres = std::min(by_spheres, beside.norm() - sphere.radius);
         }
       }
-      const double least = std::min(by_spheres - 1.75 * edge, shape.bounding_radius());
-      near += least > 0.0 && by_spheres < shape.bounding_radius();
+      const double radius = 0.5 * shape.bounds(Eigen::Isometry3d::Identity()).sizes().maxCoeff();
+      const double least = std::min(by_spheres - 1.75 * Among::edge, radius);
+      near += least > 0.0 && by_spheres < radius;
       EXPECT_GE(collision.coarse_clearance(pose), least) << i;
       EXPECT_LE(collision.coarse_clearance(pose), exact + 1e-12) << i;
+      EXPECT_GE(collision.quick_clearance(pose), std::min(by_spheres - 0.9 * Among::edge, 0.3)) << i;
+      EXPECT_LE(collision.quick_clearance(pose), exact + 1e-12) << i;
       const double beyond = collision.clearance_beyond(pose, 0.0, 0.02, recent);
       EXPECT_GE(beyond, exact > 0.02 + 1e-9 ? std::max(0.02, least) : -1.0) << i;
+      const double limit = random.between(0.0, 0.4);
+      EXPECT_NEAR(collision.exact_clearance(pose, limit), std::min(limit, exact), 1e-6) << i;
     }
   }
   EXPECT_GT(near, 50);
+}
+
+TEST(SpaceLimits, EveryVoxelWithinTheMarginIsVisitedWithABoundThatIsNoMoreThanItsDistance) {
+  Random random(15);
+  int inside = 0, visits = 0, wanted = 0;
+  for (const Shape& shape : shapes()) {
+    const Among among(random, shape, 60);
+    for (int i = 0; i < 100; ++i) {
+      const Eigen::Isometry3d pose = random.pose(0.4);
+      const double margin = i % 3 == 0 ? 0.0 : random.between(0.0, 0.1);
+      std::vector<Eigen::Vector3d> visited;
+      const bool whole =
+          among.collision->visit_near(pose, margin, [&](const Eigen::Vector3d& cube, double bound) {
+            EXPECT_GE(bound, 0.0);
+            EXPECT_LE(bound, among.gap(pose, cube) + 1e-9);
+            EXPECT_LE(bound, margin);
+            visited.push_back(cube);
+            return true;
+          });
+      EXPECT_TRUE(whole);
+      visits += static_cast<int>(visited.size());
+      const auto is_visited = [&](const Eigen::Vector3d& cube) {
+        return std::any_of(visited.begin(), visited.end(),
+                           [&](const Eigen::Vector3d& other) { return (other - cube).norm() < 1e-9; });
+      };
+      bool is_met = false;
+      for (const Eigen::Vector3d& cube : among.cubes) {
+        const double gap = among.gap(pose, cube);
+        is_met = is_met || gap <= margin;
+        if (gap > margin) continue;
+        ++wanted;
+        inside += gap <= 0.0;
+        EXPECT_TRUE(is_visited(cube)) << i << " " << gap;
+      }
+      if (!visited.empty()) {  // who has seen enough is heard
+        int count = 0;
+        EXPECT_FALSE(among.collision->visit_near(
+            pose, margin, [&](const Eigen::Vector3d&, double) { return ++count < 1; }));
+        EXPECT_EQ(count, 1);
+      }
+      const auto met = among.collision->met_cube(pose, margin);
+      EXPECT_EQ(met.has_value(), is_met) << i;
+      if (met) EXPECT_LE(among.gap(pose, *met), margin + 1e-9) << i;
+      RecentCubes recent;
+      EXPECT_FALSE(among.collision->is_met(pose, margin, recent));  // nothing yet
+      if (met) {
+        recent.remember(*met);
+        EXPECT_TRUE(!among.body.shape.has_exact_distance() || among.gap(pose, *met) > margin - 1e-6 ||
+                    among.collision->is_met(pose, margin, recent))
+            << i;
+      }
+    }
+  }
+  EXPECT_GT(inside, 200);
+  EXPECT_GT(wanted, inside + 100);
+  EXPECT_LT(visits, 4 * wanted);
 }
 
 }  // namespace space_limits_test
