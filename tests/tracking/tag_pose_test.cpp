@@ -149,6 +149,16 @@ TEST(TagPose, a_corner_that_turns_by_less_than_a_twentieth_gives_no_pose) {
   EXPECT_GT(poses(0.053), 0u);
 }
 
+TEST(TagPose, a_tag_that_is_seen_edge_on_does_not_face_the_camera) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.translation() = Eigen::Vector3d(0.0, 0.0, 1.0);
+  EXPECT_FALSE(faces_camera(pose));  // away
+  pose.linear() << 0, 0, 1, 0, 1, 0, -1, 0, 0;
+  EXPECT_FALSE(faces_camera(pose));
+  pose.linear() << 1, 0, 0, 0, -1, 0, 0, 0, -1;
+  EXPECT_TRUE(faces_camera(pose));
+}
+
 TEST(TagPose, random_corners_never_throw_and_never_give_a_pose_behind_the_camera) {
   std::mt19937 random(10);
   std::uniform_real_distribution<double> x(-50, 690), y(-50, 530);

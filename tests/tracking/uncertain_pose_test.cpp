@@ -123,6 +123,27 @@ TEST(UncertainPose, zero_changes_nothing_and_there_and_back_is_where_it_began) {
   }
 }
 
+TEST(UncertainPose, however_many_are_composed_stay_rotations) {
+  Random random(16);
+  UncertainPose chain = random_pose(random), back = chain;
+  const UncertainPose step = random_pose(random);
+  for (int i = 0; i < 5000; ++i) {
+    chain = compose(chain, step);
+    chain.pose.translation().setZero();
+    back = inverse(back);
+  }
+  for (const UncertainPose& pose : {chain, back}) {
+    const Eigen::Matrix3d rotation = pose.pose.linear();
+    EXPECT_LT((rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).norm(), 3e-15);
+  }
+}
+
+TEST(UncertainPoint, of_a_covariance_that_rounding_made_negative_has_no_sigma) {
+  UncertainPoint point;
+  point.covariance = Eigen::Vector3d(-1e-20, -2e-20, -3e-20).asDiagonal();
+  EXPECT_EQ(point.largest_sigma(), 0.0);
+}
+
 TEST(UncertainPoint, largest_sigma_is_the_longest_half_axis) {
   UncertainPoint point;
   point.covariance = Eigen::Vector3d(1e-6, 9e-6, 4e-6).asDiagonal();
