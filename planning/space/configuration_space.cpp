@@ -115,7 +115,7 @@ Eigen::AlignedBox3d region_of(const Requirement& requirement, Eigen::AlignedBox3
   };
   const double margin = requirement.policy == Policy::not_occupied ? wanted : resolution;
   reach = grown(reach, wanted);
-  const double farthest = std::max(reach.min().cwiseAbs().maxCoeff(), reach.max().cwiseAbs().maxCoeff());
+  const double farthest = std::max(-reach.min().minCoeff(), reach.max().maxCoeff());
   if ((reach.sizes().array() / resolution + edge_of_tile).prod() <= most_cells &&
       farthest <= farthest_cell * resolution)
     return reach;

@@ -54,6 +54,12 @@ class Finder {
     dropped_factors();
     numbers();
     lines();
+    each(" \\* \\(1\\.0 [-+] \\d+(\\.\\d+)?e-(0?[7-9]|\\d\\d)\\)",
+         [&](const std::smatch& m) {  // for rounding
+           const auto at = static_cast<std::size_t>(m.position()),
+                      end = at + static_cast<std::size_t>(m.length());
+           std::erase_if(found_, [&](const Fault& fault) { return fault.at >= at && fault.at < end; });
+         });
     std::stable_sort(found_.begin(), found_.end(),
                      [](const Fault& a, const Fault& b) { return a.at < b.at; });
     return std::move(found_);

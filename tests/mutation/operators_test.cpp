@@ -60,8 +60,8 @@ TEST(MutationOperators, LeaveAloneWhatIsNoCodeDeclarationsTemplatesAndAllowances
   for (const char* line :
        {"// a < b + 1", "const char* x = \"a < b + 1\";", "std::vector<int> list;", "Foo& x = y;",
         "const double x = 1e-9;", "const Array<float, 3>* p = q;", "static_assert(a < 4);",
-        "HWY_BEFORE_NAMESPACE();", "const std::string x = a + \": \" + b;",
-        "for (int i = 0; i < 8; ++i) __builtin_prefetch(p[i]);"})
+        "HWY_BEFORE_NAMESPACE();", "const double x = y * (1.0 + 1e-9);",
+        "const std::string x = a + \": \" + b;", "for (int i = 0; i < 8; ++i) __builtin_prefetch(p[i]);"})
     EXPECT_EQ(changed(line), Lines{}) << line;
 }
 
