@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 
 #include "planning/geometry/voxel_distance.hpp"
@@ -152,7 +153,8 @@ void ControlConstraints::append(const ControlConstraint& constraint, int link, c
   kinematics_.rate(link, constraint.point, constraint.normal, gradient);
   if (pair != nullptr) {
     kinematics_.rate(pair->second_link, pair->second_point, constraint.normal, second_gradient_);
-    for (std::size_t j = 0; j < dof; ++j) gradient[j] -= second_gradient_[j];
+    std::transform(gradient.begin(), gradient.end(), second_gradient_.begin(), gradient.begin(),
+                   std::minus<>());
   }
   if (std::any_of(gradient.begin(), gradient.end(), [](double rate) { return std::abs(rate) > 1e-12; }))
     constraints_.push_back(constraint);
