@@ -8,7 +8,6 @@
 #include "mapping/map_option.hpp"
 #include "mapping/scans/scan_rays.hpp"
 #include "mapping/stamps/seen_stamps.hpp"
-#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 
@@ -68,11 +67,6 @@ void FreeSpaceMap::State::check_sphere(int volume, const Sphere& sphere, double 
       !std::isfinite(time)) {
     throw std::invalid_argument("painted ball: expected a finite centre and time and a radius > 0 in metres");
   }
-  const double farthest = 32768.0 * options.resolution;  // OctoMap's keys
-  if (((sphere.center.cwiseAbs().array() - sphere.radius) > farthest).any())
-    throw std::invalid_argument(
-        "painted ball: its centre is beyond what a map of this resolution can hold, " + short_text(farthest) +
-        " m");
 }
 
 /// Lets the voxels agree with the spheres again.

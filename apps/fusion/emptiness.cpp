@@ -104,11 +104,15 @@ std::string refusals_of(const FusionCounts& counts) {
   return first == counts.first_refusals.end() ? text : text + "; the first: " + first->second;
 }
 
-void require_content(const Fusion& fusion, const std::filesystem::path& recording) {
+bool has_content(const Fusion& fusion) {
   const FusionCounts& counts = fusion.counts;
+  return counts.spheres > 0 || counts.body_spheres > 0 || counts.points.inserted > 0 ||
+         counts.points.cleared > 0;
+}
+
+void require_content(const Fusion& fusion, const std::filesystem::path& recording) {
   require_tags(fusion, recording.string());
-  if (counts.spheres > 0 || counts.body_spheres > 0) return;
-  if (counts.points.inserted > 0 || counts.points.cleared > 0) return;
+  if (has_content(fusion)) return;
   throw std::invalid_argument(recording.string() + ": " + reason_for_nothing(fusion));
 }
 

@@ -10,6 +10,9 @@ namespace clearway {
 /// that put nothing at all into its map. @throws std::invalid_argument
 void require_content(const Fusion& fusion, const std::filesystem::path& recording);
 
+/// Whether anything at all is in its map: a painted sphere, or a voxel that a scan hit or freed.
+bool has_content(const Fusion& fusion);
+
 /// "too_fast 3, ambiguous_pose 1": why samples were refused, the most frequent first.
 std::string refusals_of(const FusionCounts& counts);
 

@@ -194,7 +194,7 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   if (painter) painter->finish();
   if (body) counts.body_spheres = body->spheres();
   fusion.damage = frames->damage();
-  if (fusion.damage && fusion.counts.frames == 0)
+  if (fusion.damage && !has_content(fusion))
     throw std::invalid_argument(fusion.damage->substr(0, fusion.damage->find_last_not_of('.') + 1) +
                                 "; nothing gets into the map");
   if (fusion.damage) fusion.map.note_damaged_recording(fusion.counts.frames);

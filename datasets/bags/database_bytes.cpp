@@ -42,10 +42,12 @@ bool read_fully(const InputFile& input, std::uint64_t at, std::size_t count, std
   return true;
 }
 
-/// The file beside a database with this end to its name; none: it is not there, or is empty.
+/// The file beside a database with this end to its name; none: it is not there, or is empty. Of a link beside
+/// what it leads to, as SQLite has it.
 std::unique_ptr<InputFile> file_beside(fs::path file, const char* end) {
-  file += end;
   std::error_code error;
+  if (const fs::path real = fs::canonical(file, error); !error) file = real;
+  file += end;
   if (!fs::exists(file, error)) return nullptr;
   auto beside = std::make_unique<InputFile>(file, "bag");
   if (beside->size() == 0) return nullptr;
@@ -137,12 +139,9 @@ bool DatabaseBytes::read(std::uint64_t at, std::size_t count, std::uint8_t* to) 
 }
 
 bool DatabaseBytes::read_file(std::uint64_t at, std::size_t count, std::uint8_t* to) const {
-  const auto there =
-      static_cast<std::size_t>(std::min<std::uint64_t>(count, present_ - std::min(at, present_)));
-  std::fill(to + there, to + count, std::uint8_t{0});
-  if (there == 0) return true;
-  if (unpacked_.empty()) return read_fully(input_, at, there, to);
-  std::memcpy(to, &unpacked_[at], there);
+  if (at > present_ || count > present_ - at) return false;
+  if (unpacked_.empty()) return read_fully(input_, at, count, to);
+  std::memcpy(to, unpacked_.data() + at, count);
   return true;
 }
 

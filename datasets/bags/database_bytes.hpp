@@ -24,7 +24,7 @@ class DatabaseBytes {
   std::uint64_t size() const { return size_; }
   /// Whether they are all in memory.
   bool is_packed() const { return !unpacked_.empty(); }
-  /// All of `count` bytes; those that are not there are 0. False: they cannot be read.
+  /// All of `count` bytes. False: some are not there, or cannot be read.
   bool read(std::uint64_t at, std::size_t count, std::uint8_t* to) const;
   /// One clause about what is not there; empty: nothing.
   const std::string& damage() const { return damage_; }

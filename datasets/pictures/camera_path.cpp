@@ -194,9 +194,12 @@ CameraPath read_transforms(const PathFields& file, const std::optional<PictureSi
   path.is_named = true;
   if (file.number_or("applied_scale", 1.0) != 1.0)
     file.at("applied_scale").fail("1: poses and depth in one unit");
-  if (file.has("integer_depth_scale")) {
-    path.depth_scale = file.at("integer_depth_scale").number();
-    if (!(*path.depth_scale > 0.0)) file.at("integer_depth_scale").fail("a number > 0");
+  for (const char* key : {"integer_depth_scale", "depth_unit_scale_factor"}) {
+    if (!file.has(key)) continue;
+    const double scale = file.at(key).number();
+    if (!(scale > 0.0)) file.at(key).fail("a number > 0");
+    if (path.depth_scale && *path.depth_scale != scale) file.at(key).fail("what integer_depth_scale says");
+    path.depth_scale = scale;
   }
   for (const PathFields& frame : file.at("frames").items()) {
     CameraShot& shot = path.shots.emplace_back();

@@ -152,7 +152,8 @@ class DepthFolder final : public FrameSource {
         poses_(options.depth.poses.empty() ? layout.poses : options.depth.poses, layout.pose_folder, "depth",
                in_order_of_names(layout.depth), options.depth.tolerance, timed_.time_caveat.empty()),
         depth_(names_of(timed_), "depth picture",
-               depth_decoder(camera ? DepthCameras{{*camera}} : cameras_of(path, layout), options_.depth)) {
+               depth_decoder(camera ? DepthCameras{{*camera}} : cameras_of(path, layout), options_.depth)),
+        unnamed_(layout.unnamed) {
     if (!options.depth.camera_file.empty())
       camera_note_ = "the depth pictures' camera is that of " +
                      quote_path(options.depth.camera_file.string()) +
@@ -188,6 +189,9 @@ class DepthFolder final : public FrameSource {
           "(`source: {depth: {scale: …}}`).");
     sentences.insert(sentences.end(), poses_.notes().begin(), poses_.notes().end());
     if (unposed_ > 0) sentences.push_back(unposed());
+    if (unnamed_ > 0)
+      sentences.push_back(std::to_string(unnamed_) +
+                          " depth pictures are named by no frame of transforms.json and were left out");
     if (colour_)
       for (const std::string& warning : colour_->warnings()) sentences.push_back(warning);
     return sentences;
@@ -264,7 +268,7 @@ class DepthFolder final : public FrameSource {
   FilesInChild depth_;
   std::unique_ptr<FrameSource> colour_;
   std::optional<Frame> next_depth_, next_colour_;
-  std::size_t at_ = 0, unposed_ = 0;
+  std::size_t at_ = 0, unposed_ = 0, unnamed_ = 0;
   std::string camera_note_;
   FolderDamage damage_;
 };

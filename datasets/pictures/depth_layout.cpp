@@ -105,6 +105,9 @@ void take_stated_pictures(const CameraPath& path, const fs::path& folder, DepthL
     if (is_picture_file(picture) && fs::exists(picture, error)) colour.insert(picture);
   }
   if (depth.empty()) return;
+  layout.unnamed = static_cast<std::size_t>(
+      std::count_if(layout.depth.begin(), layout.depth.end(),
+                    [&](const fs::path& picture) { return !depth.contains(picture.lexically_normal()); }));
   layout.depth.assign(depth.begin(), depth.end());
   layout.colour.assign(colour.begin(), colour.end());
 }

@@ -16,6 +16,7 @@ struct DepthLayout {
   std::filesystem::path other_poses;  ///< beside transforms.json: which of the two counts is not known
   std::filesystem::path pose_folder;  ///< of a matrix for each depth picture; empty: none
   std::filesystem::path camera;       ///< a file of the depth pictures' camera; empty: none
+  std::size_t unnamed = 0;  ///< depth pictures that transforms.json, which names others, does not name
 };
 
 /// The layout of a folder as RGB-D data sets are published: `depth/` beside `rgb/`, `color/` or `image/`

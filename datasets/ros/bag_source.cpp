@@ -73,6 +73,7 @@ class JoinedBag final : public MessageBag {
  public:
   explicit JoinedBag(const std::vector<std::filesystem::path>& files) {
     for (const std::filesystem::path& file : files) add(file);
+    if (parts_.empty()) throw std::runtime_error(damage_);
     std::stable_sort(parts_.begin(), parts_.end(),
                      [](const Part& a, const Part& b) { return a.bag->first_time() < b.bag->first_time(); });
   }
@@ -113,11 +114,12 @@ class JoinedBag final : public MessageBag {
 
   void add(const std::filesystem::path& file) {
     Part part{quote_path(file.filename().string()), std::make_unique<InputFile>(file, "bag"), nullptr, {}};
-    part.number = parts_.size();
+    part.number = number_++;
     try {
       part.bag = open_messages(file, part.input->descriptor(), part.input->size());
     } catch (const std::runtime_error& error) {
-      throw std::runtime_error("of its " + part.name + ": " + error.what());
+      if (damage_.empty()) damage_ = "of its " + part.name + ": " + error.what();
+      return;  // as one that is not there
     }
     for (const BagTopic& topic : part.bag->topics()) part.topics.push_back(number_of(topic));
     note_damage(part);
@@ -140,7 +142,7 @@ class JoinedBag final : public MessageBag {
   }
 
   std::vector<Part> parts_;
-  std::size_t at_ = 0;
+  std::size_t number_ = 0, at_ = 0;
   std::uint64_t done_ = 0;  ///< bytes of the parts before
 };
 

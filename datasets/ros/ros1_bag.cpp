@@ -105,7 +105,7 @@ class Ros1Bag final : public MessageBag {
 };
 
 constexpr std::string_view ros1_magic = "#ROSBAG V2.0\n";
-enum Ros1Record : std::uint8_t { op_message = 2, op_chunk = 5, op_connection = 7 };
+enum Ros1Record : std::uint8_t { op_message = 2, op_bag = 3, op_chunk = 5, op_connection = 7 };
 
 template <class Number>
 Number ros1_number(std::string_view bytes, std::size_t at = 0) {
@@ -179,6 +179,10 @@ class Ros1Chunks {
   /// What ends the row of records before the file ends; empty: nothing.
   const std::string& damage() const { return damage_; }
 
+  /// Whether the index, which connections begin, is where the bag's head says: rosbag_storage follows it
+  /// wherever it leads.
+  bool is_index_as_said() const { return !first_connection_ || index_at_ == *first_connection_; }
+
   const std::vector<Chunk>& chunks() const { return chunks_; }
   /// Those that stand outside of chunks, with their data.
   const std::vector<std::pair<Ros1Head, std::string>>& connections() const { return connections_; }
@@ -200,7 +204,11 @@ class Ros1Chunks {
   std::uint64_t take_record(std::uint64_t at) {
     const Ros1Head head =
         ros1_head(at, [this](std::uint64_t from, std::size_t count) { return bytes(from, count); });
-    if (head.op() == op_connection) connections_.emplace_back(head, bytes(head.data, head.size));
+    if (head.op() == op_bag) index_at_ = ros1_number<std::uint64_t>(head.at("index_pos"));
+    if (head.op() == op_connection) {
+      connections_.emplace_back(head, bytes(head.data, head.size));
+      if (!first_connection_) first_connection_ = at;
+    }
     if (head.op() == op_chunk) {
       Chunk chunk{head.data, head.size, ros1_number<std::uint32_t>(head.at("size")),
                   std::string(head.at("compression"))};
@@ -228,6 +236,8 @@ class Ros1Chunks {
   InputFile input_;
   std::vector<Chunk> chunks_;
   std::vector<std::pair<Ros1Head, std::string>> connections_;
+  std::uint64_t index_at_ = 0;  ///< as the bag's head says
+  std::optional<std::uint64_t> first_connection_;
   std::string damage_;
 };
 
@@ -367,6 +377,8 @@ std::unique_ptr<MessageBag> open_without_index(const std::string& path) {
 
 std::unique_ptr<MessageBag> open_ros1_bag(const std::string& path) {
   if (auto foreign = open_foreign_lz4(path)) return foreign;
+  if (!Ros1Chunks(path).is_index_as_said())
+    if (auto bag = open_without_index(path)) return bag;
   try {
     return std::make_unique<Ros1Bag>(path);
   } catch (const std::runtime_error&) {

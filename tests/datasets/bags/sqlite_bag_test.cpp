@@ -151,6 +151,11 @@ TEST_F(SqliteBag, TheFolderOfARecorderIsReadPartByPart) {
   expect_whole(folder_ / "r");
   fs::rename(folder_ / "last.db3", folder_ / "r/r_1.db3");  // beside the packed one
   expect_whole(folder_ / "r");
+  folder_.write("r/r_2.db3", "");  // of a recorder that lost its power
+  const Reading without = read(folder_ / "r");
+  EXPECT_EQ(without.frames, whole_.frames);
+  EXPECT_TRUE(has(without.damage, "of its 'r_2.db3': ")) << without.refusal << without.damage;
+  fs::remove(folder_ / "r/r_2.db3");
   for (const char* name : {"r/r_1.db3", "r/r_1.db3.zstd"}) fs::remove(folder_ / name);
   EXPECT_EQ(read(folder_ / "r").damage.find("its metadata.yaml lists 'r_1.db3.zstd', which is not there"),
             ("bag '" + folder_.file("r") + "' is damaged: ").size());
@@ -171,6 +176,12 @@ TEST_F(SqliteBag, OfAKilledRecorderWhatItCommittedIsReadAndNothingIsWritten) {
   EXPECT_EQ(folder_.files(), files);
   EXPECT_EQ(read_file(folder_ / "k.db3"), before);
   EXPECT_EQ(read_file(folder_ / "k.db3-wal"), log);
+  // As SQLite does, by a link as by its name.
+  fs::create_directory(folder_ / "links");
+  fs::create_symlink(folder_ / "k.db3", folder_ / "links/l.db3");
+  const Reading linked = read(folder_ / "links/l.db3");
+  EXPECT_EQ(linked.frames, reading.frames);
+  EXPECT_TRUE(has(linked.damage, "its recorder was ended, or still records")) << linked.damage;
   // A log that is cut counts up to its last whole transaction.
   std::size_t least = reading.frames.size(), most = 0;
   for (std::size_t size = log.size(); size > 40; size -= std::min<std::size_t>(size - 40, 3001)) {
@@ -319,6 +330,13 @@ TEST_F(SqliteBag, ACutFileIsReadUpToItsEnd) {
     most = std::max(most, reading.frames.size());
   }
   EXPECT_GT(most, whole_.frames.size() / 2);
+  // At the edges of pages, and with messages of many pages: none is read whose last pages are not there.
+  const std::string small = read_file(changed("PRAGMA page_size=512; VACUUM"));
+  for (std::size_t size = 1024; size < small.size(); size += 512) {
+    folder_.write("cut.db3", small.substr(0, size));
+    for (const std::string& frame : read(folder_ / "cut.db3").frames)
+      EXPECT_TRUE(std::count(whole_.frames.begin(), whole_.frames.end(), frame) == 1) << size;
+  }
 }
 
 TEST_F(SqliteBag, DamagedBytesCostMessagesAndNeverMore) {

@@ -333,6 +333,22 @@ TEST_F(CameraPaths, WhatIsIncompleteOrAmbiguousIsRefusedInOneSentence) {
   EXPECT_NE(opened().find("has poses in 'transforms.json' and in 'groundtruth.txt': expected `poses`"),
             std::string::npos)
       << opened();
+  // Depth pictures that no frame names are told.
+  fs::remove(nerf / "groundtruth.txt");
+  folder_.write("nerf/transforms.json", "{" + nerf_camera(camera_) +
+                                            ", \"frames\": [{\"file_path\": \"a.png\", \"depth_file_path\": "
+                                            "\"depth/frame_00001.png\", " +
+                                            matrix + "}]}");
+  SourceOptions scaled;
+  scaled.depth.scale = 0.001;
+  const auto one = open_depth_folder(nerf, depth_layout(nerf).value(), scaled);
+  while (one->next()) {
+  }
+  std::string told;
+  for (const std::string& warning : one->warnings()) told += warning + "\n";
+  EXPECT_NE(told.find("5 depth pictures are named by no frame of transforms.json"), std::string::npos)
+      << told;
+  folder_.write("nerf/groundtruth.txt", "1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 1\n");
   // Who names the other file is not told of this one, however it is.
   SourceOptions stated;
   stated.depth.poses = nerf / "groundtruth.txt";

@@ -175,6 +175,29 @@ TEST(Bag, ARos1BagWhoseRecorderWasEndedIsReadByItsRecords) {
   }
 }
 
+/// rosbag_storage follows the head's index_pos wherever it leads, and ends the process where that is no
+/// record.
+TEST(Bag, AHeadThatNamesAnotherPlaceForTheIndexCostsNothing) {
+  const TemporaryFolder folder;
+  worlds::write_ros1_bag(folder / "a.bag", bag("ros1_none.mcap"), false);
+  const std::string whole = read_file(folder / "a.bag");
+  const std::size_t place = whole.find("index_pos=") + 10;
+  std::uint64_t said = 0;
+  std::memcpy(&said, &whole[place], sizeof said);
+  for (const std::uint64_t index :
+       {said - 1, said + 1, said + 4, said / 2, std::uint64_t{13}, std::uint64_t{1}, whole.size() - 5,
+        whole.size() + 100, std::uint64_t{1} << 62U}) {
+    SCOPED_TRACE(index);
+    std::string wrong = whole;
+    std::memcpy(&wrong[place], &index, sizeof index);
+    folder.write("a.bag", wrong);
+    Reading reading = read(folder / "a.bag", all_topics());
+    EXPECT_TRUE(reading.damage);
+    reading.damage.reset();
+    expect_the_written(reading);
+  }
+}
+
 TEST(Bag, AChunkThatARos1RecorderHadNotEndedIsReadUpToItsLastWholeMessage) {
   const TemporaryFolder folder;
   worlds::write_ros1_bag(folder / "a.bag", bag("ros1_none.mcap"), false);
@@ -224,6 +247,11 @@ TEST(Bag, TheFolderOfARecorderIsReadFileByFileInTheOrderOfTimes) {
   ASSERT_EQ(topics.size(), 8U);
   EXPECT_EQ(topics[6].count, 10U);
   folder.write("r_1.mcap", "no bag");
+  const Reading without = read(folder.path(), all_topics());
+  EXPECT_EQ(without.frames.size(), 18U);  // as if it was not there
+  ASSERT_TRUE(without.damage);
+  EXPECT_NE(without.damage->find("of its 'r_1.mcap': "), std::string::npos) << *without.damage;
+  for (const char* name : {"r_10.mcap", "r_11.mcap"}) folder.write(name, "no bag");
   EXPECT_NE(complaint([&] { list_bag(folder.path()); }).find("of its 'r_1.mcap': "), std::string::npos);
 }
 

@@ -35,12 +35,12 @@ TEST(LaneCover, HoldsTheBodyAndHasNoMoreSpheresThanItsOwn) {
   EXPECT_GT(thinned, 50);
 }
 
-TEST(SphereRobot, ABodyThatNothingCoversIsLeftToExactShapes) {
+TEST(SphereRobot, ABodyThatNothingCoversIsRefused) {
   Robot robot = load_robot("planar2");
   robot.bodies.back().cover.clear();
-  const ConfigurationSpace space(robot, worlds::voxels_about(load_robot("planar2"), 1),
-                                 {.critical_by_default = false});
-  EXPECT_EQ(space.collision_model().spheres, nullptr);
+  EXPECT_THROW(ConfigurationSpace(robot, worlds::voxels_about(load_robot("planar2"), 1),
+                                  {.critical_by_default = false}),
+               std::invalid_argument);
 }
 
 TEST(SphereRobot, KnowsHowSteeplyItsJointsAreFollowed) {
