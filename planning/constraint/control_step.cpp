@@ -41,7 +41,15 @@ ControlStep::ControlStep(const ConfigurationSpace& space, DamperOptions options)
   per_weight_ = options_.weight.cwiseInverse();
 }
 
+void ControlStep::require_joints(std::size_t count, const char* what) const {
+  const std::size_t joints = constraints_.robot().dof();
+  if (count != joints)
+    throw std::invalid_argument("control step: expected " + std::to_string(joints) + " values of " + what +
+                                ", one for each joint, got " + std::to_string(count));
+}
+
 void ControlStep::look(const Configuration& q) {
+  require_joints(static_cast<std::size_t>(q.size()), "q");
   constraints_.look(q);
   load(q);
 }
@@ -60,12 +68,14 @@ void ControlStep::load(const Configuration& q) {
 }
 
 void ControlStep::add(std::span<const double> gradient, double bound) {
+  require_joints(gradient.size(), "a gradient");
   for (Eigen::Index j = 0; j < weighted_gradient_.size(); ++j)
     weighted_gradient_[j] = gradient[static_cast<std::size_t>(j)] * per_weight_[j];
   solver_.add_constraint(numbers(weighted_gradient_), bound);
 }
 
 const Eigen::VectorXd& ControlStep::solve(const Eigen::VectorXd& wanted) {
+  require_joints(static_cast<std::size_t>(wanted.size()), "the wanted step");
   solver_.set_target(numbers(wanted));
   step_.setZero();  // where rounding leaves no step: standing still keeps what demands nothing
   if (!solver_.solve_relaxed()) return step_;

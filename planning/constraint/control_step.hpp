@@ -26,6 +26,7 @@ class ControlStep {
   ControlStep(const ConfigurationSpace& space, DamperOptions options);
 
   /// Constraints at q, and the room to the joint limits.
+  /// @throws std::invalid_argument, as add and solve do, for another number of values than joints
   void look(const Configuration& q);
 
   /// One more constraint: gradient . dq <= bound, in joint units (not weighted).
@@ -50,6 +51,8 @@ class ControlStep {
   void load(const Configuration& q);
 
  private:
+  void require_joints(std::size_t count, const char* what) const;
+
   DamperOptions options_;
   ControlConstraints constraints_;
   QuadraticSolver solver_;

@@ -104,6 +104,18 @@ TEST(ControlStep, SlidesSmoothlyAlongASlantedWallOfVoxelsWhereTheNearestCubeAlon
   EXPECT_GT(naive_flips, 0);
 }
 
+TEST(ControlStep, AnotherNumberOfValuesThanJointsIsRefused) {
+  const ConfigurationSpace space(load_robot("point"), slanted_wall(0.1), {.critical_by_default = false});
+  ControlStep step(space, damper(2));
+  EXPECT_THROW(step.look(Eigen::Vector3d::Zero()), std::invalid_argument);
+  step.look(Eigen::Vector2d::Zero());
+  const std::vector<double> three(3, 1.0), one(1, 1.0);
+  EXPECT_THROW(step.add(three, 0.1), std::invalid_argument);
+  EXPECT_THROW(step.add(one, 0.1), std::invalid_argument);
+  EXPECT_THROW(step.solve(Eigen::VectorXd::Zero(1)), std::invalid_argument);
+  EXPECT_EQ(step.solve(Eigen::Vector2d::Zero()).size(), 2);
+}
+
 TEST(ControlStep, KeepsTheDamperOfTheNearestVoxelAndTheLimits) {
   const Robot robot = load_robot("puma560");
   Random random(8);
