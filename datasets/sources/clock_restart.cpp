@@ -42,11 +42,12 @@ std::optional<std::size_t> find_restart(std::span<const double> times) {
   if (is_without_order(times, begins.size())) return std::nullopt;
   for (std::size_t run = 1; run < begins.size(); ++run) {
     const auto past = times.first(begins[run]);
-    const auto [first, last] = std::minmax_element(past.begin(), past.end());
+    const double first = *std::min_element(past.begin(), past.end()),
+                 last = *std::max_element(past.begin(), past.end());
     const std::size_t end = run + 1 < begins.size() ? begins[run + 1] : times.size();
     const auto of_run = times.subspan(begins[run], end - begins[run]);
     const auto repeated = std::count_if(of_run.begin(), of_run.end(),
-                                        [&](double time) { return *first <= time && time <= *last; });
+                                        [&](double time) { return first <= time && time <= last; });
     if (repeated >= least_repeated) return begins[run];
   }
   return std::nullopt;

@@ -10,6 +10,7 @@
 #include "mapping/system/random_unit.hpp"
 #include "planning/check/path_check_links.hpp"
 #include "planning/check/path_check_model.hpp"
+#include "planning/robot/kinematics.hpp"
 #include "planning/robot_files/robot_settings.hpp"
 #include "planning/robot_files/urdf_document.hpp"
 

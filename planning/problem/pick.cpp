@@ -58,7 +58,8 @@ void require_grip(const Robot& robot, const Pick& pick) {
     throw std::invalid_argument("pick " + quote(pick.object.name) + ", grip, joint " + quote(name) + ": " +
                                 what);
   };
-  for (const auto& [name, grip] : pick.grip) {
+  for (const auto& [called, grip] : pick.grip) {
+    const std::string& name = called;  // clang 14 takes no part of a pair into a lambda
     const auto joint = joint_of(robot, name);
     const bool is_held = std::any_of(robot.held.begin(), robot.held.end(),
                                      [&](const HeldJoint& held) { return held.name == name; });

@@ -14,6 +14,7 @@
 #include "planning/robot_files/mesh_file.hpp"
 #include "planning/robot_files/urdf_document.hpp"
 #include "planning/robot_files/urdf_messages.hpp"
+#include "planning/robot_files/xacro_file.hpp"
 
 namespace clearway {
 namespace {
