@@ -98,7 +98,7 @@ std::string say_source(HoldSource source) {
 class Description {
  public:
   Description(const RobotsOptions& options, Console& console)
-      : options_(options), console_(console), robot_(choose_robot(options.robot)) {
+      : console_(console), robot_(choose_robot(options.robot)) {
     const std::vector<LegLoad> loads = choose_loads(options.attach, robot_);
     notes_ = robot_notes(robot_, robot_request(options.robot).packages);
     for (const std::string& note : hold_notes(robot_, loads)) notes_.push_back(note);
@@ -113,9 +113,8 @@ class Description {
     for (const BodyPair& pair : self_collision_pairs(robot_)) {
       ++tested_pairs_;
       if (pair_distance(robot_, pair, poses_).lower > 0.0) continue;
-      if (std::string pair_of_parts = part(pair.first) + " and " + part(pair.second);
-          touching_.empty() || touching_.back() != pair_of_parts)  // of several bodies each
-        touching_.push_back(std::move(pair_of_parts));
+      const std::string parts = part(pair.first) + " and " + part(pair.second);  // of several bodies each
+      if (std::find(touching_.begin(), touching_.end(), parts) == touching_.end()) touching_.push_back(parts);
     }
   }
 
@@ -273,7 +272,6 @@ class Description {
     return json;
   }
 
-  const RobotsOptions& options_;
   Console& console_;
   Robot robot_;
   std::vector<std::string> notes_{};

@@ -145,24 +145,22 @@ class SceneReader {
         octomap.has("origin") ? ros_pose(octomap.map("origin")) : Eigen::Isometry3d::Identity();
     std::optional<ForeignSolid> solid = read_octomap(octomap.map("octomap"), origin);
     if (!solid) return;
-    const Eigen::Isometry3d* map_from_frame = frame_of(octomap, "its octomap");
-    if (map_from_frame == nullptr) return;
+    const std::optional<Eigen::Isometry3d> map_from_frame = frame_of(octomap, "its octomap");
+    if (!map_from_frame) return;
     solid->map_from_shape = *map_from_frame * origin;
     world_.solids.push_back(std::move(*solid));
   }
 
   /// Where the frame of an object's header stands. None, reported: it is unknown, which the context allows.
-  const Eigen::Isometry3d* frame_of(const YamlFields& object, const std::string& name) {
+  std::optional<Eigen::Isometry3d> frame_of(const YamlFields& object, const std::string& name) {
     const std::string frame = ros_frame(object);
-    const Eigen::Isometry3d* map_from_frame = frames_.find(frame);
-    if (map_from_frame != nullptr) return map_from_frame;
-    object_frame_ = frame_of_object(frame);
-    if (object_frame_) return &*object_frame_;
+    if (const Eigen::Isometry3d* known = frames_.find(frame)) return *known;
+    if (const auto of_object = frame_of_object(frame)) return of_object;
     const std::string what = name + " in frame " + quote(frame) + ", ";
     if (!context_.leaves_unknown_frames)
       object.fail("header", what + frames_.why_unknown(frame) + or_leave_out_frames);
     leave(what + "which is not the map's");
-    return nullptr;
+    return std::nullopt;
   }
 
   /// Where an object that is there stands, or a subframe of it, OBJECT/SUBFRAME; as MoveIt has it.
@@ -280,8 +278,8 @@ class SceneReader {
     const auto planes = object.list_of_maps("planes");
     if (object.list_of_maps("primitives").empty() && object.list_of_maps("meshes").empty() && planes.empty())
       return leave("object " + quote(name) + ", which has neither primitives nor meshes");
-    const Eigen::Isometry3d* map_from_frame = frame_of(object, "object " + quote(name));
-    if (map_from_frame == nullptr) return;
+    const std::optional<Eigen::Isometry3d> map_from_frame = frame_of(object, "object " + quote(name));
+    if (!map_from_frame) return;
     if (operation == "add") forget_object(name);  // in place of the one of its name, as MoveIt has it
     const Eigen::Isometry3d map_from_object =
         *map_from_frame * (object.has("pose") ? ros_pose(object.map("pose")) : Eigen::Isometry3d::Identity());
@@ -335,8 +333,8 @@ class SceneReader {
   void move_object(const YamlFields& object, const std::string& name) {
     const auto known = poses_.find(name);
     if (known == poses_.end()) return leave("the move of object " + quote(name) + ", which is not there");
-    const Eigen::Isometry3d* map_from_frame = frame_of(object, "object " + quote(name));
-    if (map_from_frame == nullptr) return;
+    const std::optional<Eigen::Isometry3d> map_from_frame = frame_of(object, "object " + quote(name));
+    if (!map_from_frame) return;
     const Eigen::Isometry3d moved =
         *map_from_frame * (object.has("pose") ? ros_pose(object.map("pose")) : Eigen::Isometry3d::Identity());
     std::vector<ForeignSolid*> pieces;
@@ -369,7 +367,6 @@ class SceneReader {
   std::map<std::string, Eigen::Isometry3d> poses_;              ///< of objects with pieces, in the map
   std::map<std::string, std::vector<Eigen::Vector4d>> planes_;  ///< of objects, in the order of their pieces
   std::map<std::string, std::map<std::string, Eigen::Isometry3d>> subframes_;  ///< of objects, in these
-  std::optional<Eigen::Isometry3d> object_frame_;                              ///< that frame_of found
   ForeignWorld world_;
 };
 
