@@ -15,7 +15,7 @@
 #include "apps/inspect/map_folder.hpp"
 #include "apps/inspect/slice_image.hpp"
 #include "apps/pages/map_page.hpp"
-#include "datasets/ros/bag_source.hpp"
+#include "datasets/bags/bag_source.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
 

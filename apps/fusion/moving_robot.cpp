@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "apps/query/query.hpp"
-#include "datasets/ros/bag_source.hpp"
+#include "datasets/bags/bag_source.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/robot/kinematics.hpp"
 #include "planning/robot/reach.hpp"

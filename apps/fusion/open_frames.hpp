@@ -25,7 +25,7 @@ inline constexpr const char* kinds_of_recordings =
 /// where
 ///   there is nothing of the above;
 /// - a .bag, .mcap or .db3 file, or the folder that `ros2 bag record` makes: topics that the setup names
-/// (datasets/ros/bag_source.hpp);
+/// (datasets/bags/bag_source.hpp);
 /// - else an MRPT rawlog.
 /// Sensors are called like the folder, or the single file.
 /// @throws std::invalid_argument in one sentence when it is none of these.

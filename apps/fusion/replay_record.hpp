@@ -4,7 +4,7 @@
 #include <string>
 
 #include "apps/fusion/fusion.hpp"
-#include "datasets/ros/mcap_writer.hpp"
+#include "datasets/bags/mcap_writer.hpp"
 #include "planning/path/trajectory.hpp"
 
 namespace clearway {

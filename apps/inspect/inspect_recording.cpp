@@ -11,7 +11,7 @@
 #include "apps/console/table.hpp"
 #include "apps/fusion/open_frames.hpp"
 #include "datasets/bags/bag_metadata.hpp"
-#include "datasets/ros/bag_source.hpp"
+#include "datasets/bags/bag_source.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 

@@ -7,8 +7,8 @@
 #include <functional>
 #include <stdexcept>
 
+#include "datasets/bags/bag_source.hpp"
 #include "datasets/descriptions/yaml_gate.hpp"
-#include "datasets/ros/bag_source.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 

@@ -26,22 +26,6 @@ bool holds(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-/// Some of the frames that transforms join, for a sentence.
-std::string list_of(const std::vector<std::string>& frames) {
-  constexpr std::size_t enough = 12;
-  std::string list;
-  for (std::size_t i = 0; i < std::min(frames.size(), enough); ++i)
-    list += (i > 0 ? ", " : "") + quote(frames[i]);
-  if (frames.size() > enough) list += " and " + std::to_string(frames.size() - enough) + " more";
-  return list.empty() ? "none" : list;
-}
-
-/// There is no pose, as one on the way jumps.
-class JumpedPose : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
 /// Seconds to the millisecond.
 std::string time_text(double time) {
   std::ostringstream text;
@@ -64,12 +48,6 @@ RosHeader header_of(const BagTopic& topic, const BagMessage& message) {
   }
 }
 
-/// The clause about messages that are left out.
-std::string unusable(std::size_t count, const std::string& topic, const std::string& why) {
-  return "holds " + std::to_string(count) + " message" + (count == 1 ? "" : "s") + " in topic " +
-         quote(topic) + " that cannot be used: " + why;
-}
-
 constexpr std::size_t most_held_bytes = std::size_t{64} << 20U;  ///< of messages that wait for their turn
 
 }  // namespace
@@ -80,9 +58,7 @@ BagFrames::BagFrames(MessageBag& bag, const SourceOptions& options) : bag_(bag),
                            const std::optional<CameraIntrinsics>& of_setup, bool is_rectified) {
     if (!camera && !topic.empty())
       throw std::runtime_error("topic " + quote(topic) + " has no camera that can be used" +
-                               (left_out_.contains(topic) ? ": " + left_out_.at(topic).first
-                                : cut_.contains(topic)    ? ": " + cut_.at(topic).first
-                                                          : ""));
+                               account_.reason(topic));
     if (camera || !of_setup) return;
     camera = RosCamera{*of_setup};
     camera->intrinsics.is_rectified = is_rectified;
@@ -127,7 +103,7 @@ void BagFrames::learn() {
     const BagTopic& topic = bag_.topics()[message.topic];
     if (sensors_[message.topic]) {
       RosHeader header = header_of(topic, message);
-      note_stamp(topic.name, header.time);
+      account_.note_stamp(topic.name, header.time);
       header.time = time_of(header, message.time);
       stamps_.push_back(header.time);
       delays_.push_back(message.time - header.time);
@@ -151,7 +127,7 @@ void BagFrames::learn() {
           note(quote(topic.name) + ", frame " + quote(transform.child) + ",", transform.header.time, message);
       }
     } catch (const std::runtime_error& error) {
-      leave_out(topic, error);
+      account_.leave_out(topic.name, error);
     }
     return true;
   });
@@ -161,15 +137,6 @@ void BagFrames::learn() {
   if (!options_.bag.sensor_frame.empty()) sensor_frames_.insert(options_.bag.sensor_frame);
   transforms_.prefer_ways_to(options_.bag.fixed_frame);
   refuse_contradictions(transforms_, options_.bag.fixed_frame, sensor_frames_);
-}
-
-void BagFrames::note_stamp(const std::string& topic, double stamp) {
-  if (stamp < 0.0)
-    throw ContradictoryBag("has a message in topic " + quote(topic) + " whose stamp is " + short_text(stamp) +
-                           " s: expected stamps after 1970, as of a clock that runs");
-  Stamps& stamps = stamped_[topic];
-  ++stamps.messages;
-  stamps.missing += stamp == 0.0;
 }
 
 void BagFrames::add_beyond() {
@@ -210,19 +177,12 @@ void BagFrames::refuse_restarts(const std::map<std::string, Stream>& streams) co
   }
 }
 
-void BagFrames::leave_out(const BagTopic& topic, const std::runtime_error& error) {
-  const bool is_cut = dynamic_cast<const CutMessage*>(&error) != nullptr;
-  const bool is_jump = dynamic_cast<const JumpedPose*>(&error) != nullptr;
-  Missing& missing = (is_cut ? cut_ : is_jump ? jumped_ : left_out_)[topic.name];
-  if (missing.count++ == 0) missing.first = error.what();
-}
-
 void BagFrames::visit(const std::function<void(const Frame&)>& take) {
   visit_by_stamp(bag_, read_, sensors_, stamps_, most_held_bytes, [&](const BagMessage& message) {
     try {
       for (const Frame& frame : frames_in(message)) take(frame);
     } catch (const std::runtime_error& error) {
-      leave_out(bag_.topics()[message.topic], error);
+      account_.leave_out(bag_.topics()[message.topic].name, error);
     }
   });
 }
@@ -274,8 +234,7 @@ std::vector<Frame> BagFrames::parts_in_time(const RosPointCloud& cloud, const Fr
   auto seen = point_times(cloud);
   if (!seen) return {};
   if (seen->times.empty()) {
-    if (odd_times_[frame.sensor].count++ == 0)
-      odd_times_[frame.sensor].first = quote(seen->field) + " spans " + short_text(seen->raw_span);
+    account_.note_odd_times(frame.sensor, quote(seen->field) + " spans " + short_text(seen->raw_span));
     return {};
   }
   for (double& time : seen->times) time += frame.time;
@@ -288,11 +247,7 @@ std::vector<Frame> BagFrames::parts_in_time(const RosPointCloud& cloud, const Fr
     const Eigen::Vector3d place = point.cast<double>();
     farthest = std::max(farthest, (last_from_first * place - place).norm());
   }
-  if (farthest > options_.resolution) {
-    Motion& motion = moved_[frame.sensor];
-    if (motion.count++ == 0) motion.field = seen->field;
-    motion.farthest = std::max(motion.farthest, farthest);
-  }
+  if (farthest > options_.resolution) account_.note_motion(frame.sensor, seen->field, farthest);
   if (!options_.bag.point_times || farthest <= 0.25 * options_.resolution) return {};
   return frames_of_timed_cloud(points, seen->times, frame.sensor, 0.25 * options_.resolution, pose_at);
 }
@@ -358,7 +313,7 @@ void BagFrames::place(CloudFrame& cloud, const std::string& topic, const RosHead
   const auto [known, is_new] = are_driven_in_.try_emplace(header.frame, false);
   if (is_new) known->second = is_driven_in(transforms_, bag.fixed_frame, header.frame);
   cloud.is_origin_known = !known->second || is_placed(topic, "points");
-  if (!cloud.is_origin_known && unseen_[topic].count++ == 0) unseen_[topic].frame = header.frame;
+  if (!cloud.is_origin_known) account_.note_unseen(topic, header.frame);
 }
 
 bool BagFrames::is_placed(const std::string& topic, const char* kind) const {
@@ -379,57 +334,17 @@ std::string BagFrames::why_unknown(const std::string& frame) const {
   const std::vector<std::string> frames = transforms_.frames();
   for (const std::string& name : {options_.bag.fixed_frame, frame})
     if (!holds(frames, name))
-      return ": no transform has " + quote(name) + "; frames of the bag: " + list_of(frames);
+      return ": no transform has " + quote(name) + "; frames of the bag: " + list_of_frames(frames);
   return " at its time";
 }
 
-std::string BagFrames::damage() const {
-  std::string clause;
-  for (const auto& [topic, missing] : cut_)
-    clause += (clause.empty() ? "" : "; ") + unusable(missing.count, topic, missing.first);
-  return clause;
-}
-
 std::vector<std::string> BagFrames::left_out() const {
-  std::vector<std::string> clauses;
-  for (const auto& [topic, missing] : left_out_)
-    clauses.push_back(unusable(missing.count, topic, missing.first));
-  for (const auto& [topic, jumped] : jumped_)
-    clauses.push_back("holds " + std::to_string(jumped.count) + " message" + (jumped.count == 1 ? "" : "s") +
-                      " in topic " + quote(topic) +
-                      " at times at which a pose jumps, which were left out; of the first, " + jumped.first);
-  for (const auto& [topic, stamps] : stamped_)
-    if (stamps.missing > 0)
-      clauses.push_back("holds " + std::to_string(stamps.missing) + " of " + std::to_string(stamps.messages) +
-                        " messages of " + quote(topic) +
-                        " without a stamp; the times of recording are taken, so that they may be placed by "
-                        "poses of a later moment");
-  for (const auto& [topic, unseen] : unseen_)
-    clauses.push_back("holds " + std::to_string(unseen.count) + " clouds in topic " + quote(topic) +
-                      " in frame " + quote(unseen.frame) +
-                      ", in which others drive: they mark what is occupied and free nothing, as nothing says "
-                      "where the sensor was; `source: {bag: {sensor_frame: …}}` of the setup lets their rays "
-                      "begin at that frame; frames of the bag: " +
-                      list_of(transforms_.frames()));
-  for (const auto& [topic, motion] : moved_)
-    clauses.push_back("holds " + std::to_string(motion.count) + " clouds in topic " + quote(topic) +
-                      " during which the sensor moved, what it saw by up to " + short_text(motion.farthest) +
-                      " m; " +
-                      (options_.bag.point_times
-                           ? "each point is placed at its own time, by the field " + quote(motion.field) +
-                                 "; `point_times: false` in `source: {bag: …}` of the setup takes a cloud as "
-                                 "seen at its stamp, as where another program did so before"
-                           : "each is placed by one pose, at its stamp"));
-  for (const auto& [topic, odd] : odd_times_)
-    clauses.push_back("holds " + std::to_string(odd.count) + " clouds in topic " + quote(topic) +
-                      " whose points' times make no sense in s, ms, us or ns since the stamp or 1970 (of the "
-                      "first, " +
-                      odd.first + "); each is placed by one pose, at its stamp");
+  std::vector<std::string> clauses = account_.clauses(transforms_.frames(), options_.bag.point_times);
   if (options_.bag.fixed_frame.empty() && !transforms_.frames().empty())
     clauses.push_back(
         "has transforms, but its sensors are taken to stand still: the setup names no "
         "'source: bag: fixed_frame'; frames of the bag: " +
-        list_of(transforms_.frames()));
+        list_of_frames(transforms_.frames()));
   if (!options_.bag.fixed_frame.empty())
     for (const std::string& clause :
          tell_contradictions(transforms_, options_.bag.fixed_frame, sensor_frames_))

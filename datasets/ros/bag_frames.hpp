@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "datasets/ros/left_out.hpp"
 #include "datasets/ros/message_bag.hpp"
 #include "datasets/ros/ros_camera.hpp"
 #include "datasets/ros/transform_tree.hpp"
@@ -29,13 +30,9 @@ class BagFrames {
   /// After visit: one clause for each kind of thing that was left out.
   std::vector<std::string> left_out() const;
   /// After visit: one clause about messages that end early; empty: there is none.
-  std::string damage() const;
+  std::string damage() const { return account_.damage(); }
 
  private:
-  struct Missing {
-    std::size_t count = 0;
-    std::string first;
-  };
   /// Times of the messages of a sensor, or of one frame's transforms.
   struct Stream {
     std::vector<double> stamps;                         ///< s
@@ -45,11 +42,8 @@ class BagFrames {
   /// Of the transforms beyond the part that is wanted, those within a gap's reach of what sensors saw, if
   /// they came as late as that did: others are of another run of the clock.
   void add_beyond();
-  /// Notes a sensor's message without a stamp. @throws ContradictoryBag for one before 1970
-  void note_stamp(const std::string& topic, double stamp);
   bool is_sensor(const BagTopic& topic) const;
   void learn();
-  void leave_out(const BagTopic& topic, const std::runtime_error& error);
   void learn_camera(const std::string& topic, const RosCameraInfo& info);
   /// What a sensor saw: one frame, or the parts of a sweep.
   std::vector<Frame> frames_in(const BagMessage& message);
@@ -79,25 +73,8 @@ class BagFrames {
   TransformTree transforms_;
   std::optional<RosCamera> camera_, depth_camera_;  ///< where images or depth have one
   std::vector<Eigen::Vector2d> depth_rays_;         ///< of the depth camera
-  struct Motion {
-    std::size_t count = 0;
-    double farthest = 0.0;  ///< m, of a point
-    std::string field;      ///< of the points' times
-  };
-  struct Unseen {
-    std::size_t count = 0;
-    std::string frame;  ///< of the first
-  };
-  std::map<std::string, Unseen> unseen_;       ///< of the topic: clouds of which the sensor is not known
-  std::map<std::string, bool> are_driven_in_;  ///< of a cloud's frame: is_driven_in
-  struct Stamps {
-    std::size_t messages = 0, missing = 0;
-  };
-  std::map<std::string, Stamps> stamped_;  ///< of a sensor's topic
-  std::map<std::string, Missing> left_out_, cut_, jumped_,
-      odd_times_;                        ///< of the topic: that cannot be used; that end early; where a pose
-                                         ///< jumps; whose points' times make no sense
-  std::map<std::string, Motion> moved_;  ///< of the topic: clouds that are measured while the sensor moves
+  std::map<std::string, bool> are_driven_in_;       ///< of a cloud's frame: is_driven_in
+  LeftOut account_;
 };
 
 /// The frames that the transforms of a bag join; leaves out damaged ones.

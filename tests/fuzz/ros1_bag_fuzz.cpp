@@ -1,6 +1,6 @@
 // libFuzzer on ROS 1 bags, as users open them: rosbag_storage works in a child process, whose crash, exit or
 // want of memory has to become one sentence, too.
-#include "datasets/ros/bag_source.hpp"
+#include "datasets/bags/bag_source.hpp"
 #include "tests/fuzz/fuzzed_input.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

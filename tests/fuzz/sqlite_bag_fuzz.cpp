@@ -1,6 +1,6 @@
 // libFuzzer on ROS 2 bags in SQLite, as users open them: SQLite works in a child process, whose crash, exit
 // or want of memory has to become one sentence, too.
-#include "datasets/ros/bag_source.hpp"
+#include "datasets/bags/bag_source.hpp"
 #include "tests/fuzz/fuzzed_input.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

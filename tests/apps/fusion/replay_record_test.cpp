@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-#include "datasets/ros/bag_source.hpp"
+#include "datasets/bags/bag_source.hpp"
 #include "datasets/ros/ros_camera.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/temporary_folder.hpp"

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "datasets/ros/mcap_writer.hpp"
+#include "datasets/bags/mcap_writer.hpp"
 #include "datasets/sources/recording.hpp"
 #include "tests/apps/run_command.hpp"
 

@@ -9,7 +9,7 @@
 #include <random>
 
 #include "datasets/bags/bag_metadata.hpp"
-#include "datasets/ros/bag_source.hpp"
+#include "datasets/bags/bag_source.hpp"
 #include "datasets/sources/frame_bytes.hpp"
 #include "tests/datasets/complaint.hpp"
 #include "tests/worlds/bag_topics.hpp"

@@ -6,8 +6,8 @@
 #include <cstring>
 #include <random>
 
-#include "datasets/ros/bag_source.hpp"
-#include "datasets/ros/mcap_writer.hpp"
+#include "datasets/bags/bag_source.hpp"
+#include "datasets/bags/mcap_writer.hpp"
 #include "datasets/ros/sensor_frames.hpp"
 #include "datasets/ros/wire_writer.hpp"
 #include "tests/datasets/complaint.hpp"

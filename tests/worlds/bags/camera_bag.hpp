@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/ros/mcap_writer.hpp"
+#include "datasets/bags/mcap_writer.hpp"
 #include "tests/worlds/bags/ros1_bag_writer.hpp"
 
 namespace clearway::worlds {

@@ -5,7 +5,7 @@
 #include <rosbag/bag.h>
 #include <unistd.h>
 
-#include "datasets/ros/mcap_writer.hpp"
+#include "datasets/bags/mcap_writer.hpp"
 #include "datasets/ros/message_bag.hpp"
 #include "tests/worlds/bags/sqlite_bag_writer.hpp"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/ros/mcap_writer.hpp"
+#include "datasets/bags/mcap_writer.hpp"
 #include "tests/worlds/bags/camera_bag.hpp"
 #include "tests/worlds/bags/ros1_bag_writer.hpp"
 

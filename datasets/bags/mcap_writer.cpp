@@ -1,4 +1,4 @@
-#include "datasets/ros/mcap_writer.hpp"
+#include "datasets/bags/mcap_writer.hpp"
 
 #include <zlib.h>
 #include <zstd.h>
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "datasets/ros/mcap_format.hpp"
+#include "datasets/bags/mcap_format.hpp"
 
 namespace clearway {
 namespace {

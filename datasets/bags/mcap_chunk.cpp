@@ -1,4 +1,4 @@
-#include "datasets/ros/mcap_chunk.hpp"
+#include "datasets/bags/mcap_chunk.hpp"
 
 #include <lz4frame.h>
 #include <zlib.h>

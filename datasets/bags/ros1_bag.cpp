@@ -15,7 +15,7 @@
 #include <string_view>
 #include <utility>
 
-#include "datasets/ros/mcap_chunk.hpp"
+#include "datasets/bags/mcap_chunk.hpp"
 #include "datasets/ros/message_bag.hpp"
 #include "mapping/system/input_file.hpp"
 

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <opencv2/calib3d.hpp>
 
-#include "datasets/ros/bag_source.hpp"
+#include "datasets/bags/bag_source.hpp"
 #include "datasets/ros/transform_tree.hpp"
 #include "tests/datasets/complaint.hpp"
 #include "tests/worlds/bag_topics.hpp"

@@ -10,8 +10,8 @@
 #include <queue>
 #include <stdexcept>
 
-#include "datasets/ros/mcap_chunk.hpp"
-#include "datasets/ros/mcap_format.hpp"
+#include "datasets/bags/mcap_chunk.hpp"
+#include "datasets/bags/mcap_format.hpp"
 #include "datasets/ros/message_bag.hpp"
 #include "datasets/ros/ros_messages.hpp"
 

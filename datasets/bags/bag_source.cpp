@@ -1,0 +1,251 @@
+#include "datasets/bags/bag_source.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <stdexcept>
+
+#include "datasets/bags/bag_files.hpp"
+#include "datasets/bags/bag_topics.hpp"
+#include "datasets/ros/bag_frames.hpp"
+#include "datasets/ros/cut_bag.hpp"
+#include "datasets/ros/transform_faults.hpp"
+#include "datasets/ros/wire_writer.hpp"
+#include "datasets/sources/clock_restart.hpp"
+#include "datasets/sources/decoding_child.hpp"
+#include "datasets/sources/frame_bytes.hpp"
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+/// Libraries below take memory for a chunk (its messages unpacked) and a message's frame.
+constexpr std::uint64_t bag_memory = std::uint64_t{3} << 30U;
+
+DecodingLimits limits_of(std::uint64_t bytes) {
+  const DecodingLimits limits = DecodingLimits::of_file(bytes);
+  return {.memory = std::min(bag_memory, limits.memory), .seconds = limits.seconds};
+}
+
+class BagSource final : public FrameSource {
+ public:
+  BagSource(const std::filesystem::path& file, const SourceOptions& options)
+      : file_(file),
+        input_(file),
+        missing_(input_.missing(options.bag.parts)),
+        cameras_(taken_cameras(options.bag)),
+        child_(limits_of(input_.size()), input_.descriptor(),
+               [this, options](const ChildReport& report, int descriptor) {
+                 work(input_, options, report, descriptor);
+               }) {}
+
+  std::optional<Frame> next() override {
+    while (!finished_) {
+      ChildMessage message = child_.receive();
+      offset_ = std::max(offset_, message.offset);
+      if (message.kind == ChildMessage::frame) {
+        try {
+          return frame_from_bytes(message.text).frame;
+        } catch (const std::runtime_error& error) {
+          end(error.what());
+        }
+      } else if (message.kind == ChildMessage::skipped) {
+        warnings_.push_back(bag_sentence(file_, message.text) + ".");
+      } else if (message.kind == ChildMessage::lost) {
+        finished_ = true;
+        damage_ = bag_sentence(file_, message.text) + ".";
+      } else {
+        end(message.kind == ChildMessage::end ? "" : message.text);
+      }
+    }
+    return std::nullopt;
+  }
+  std::optional<std::string> damage() const override { return damage_; }
+  std::vector<std::string> warnings() const override { return warnings_; }
+  std::vector<TakenCamera> cameras() const override { return cameras_; }
+  double progress() const override {
+    return finished_ ? 1.0 : static_cast<double>(offset_) / static_cast<double>(input_.size());
+  }
+
+ private:
+  static void work(const BagFiles& files, const SourceOptions& options, const ChildReport& report,
+                   int descriptor) {
+    std::unique_ptr<MessageBag> bag;
+    try {
+      bag = cut_bag(files.open(descriptor), options.bag);
+      BagFrames frames(*bag, options);
+      frames.visit([&](const Frame& frame) {
+        report.send(ChildMessage::frame, bag->offset(), frame_to_bytes({frame, true}));
+      });
+      for (const std::string& what : frames.left_out())
+        report.send(ChildMessage::skipped, bag->offset(), what);
+      const std::string cut = frames.damage();
+      const std::string damage = bag->damage() + (bag->damage().empty() || cut.empty() ? "" : "; ") +
+                                 (cut.empty() ? "" : "it " + cut);
+      if (damage.empty()) return report.send(ChildMessage::end, files.size(), "");
+      report.send(ChildMessage::damage, bag->offset(), damage);
+    } catch (const ContradictoryBag& error) {
+      report.send(ChildMessage::lost, 0, error.what());
+    } catch (const std::bad_alloc&) {
+      report.send(ChildMessage::damage, 0, "it asks for more memory than it may take");
+    } catch (const std::exception& error) {
+      report.send(ChildMessage::damage, 0, error.what());
+    }
+  }
+
+  void end(const std::string& reason) {
+    finished_ = true;
+    const std::string all = missing_ + (missing_.empty() || reason.empty() ? "" : "; ") + reason;
+    if (!all.empty()) damage_ = bag_sentence(file_, "is damaged: " + all) + ".";
+  }
+
+  std::filesystem::path file_;
+  BagFiles input_;
+  std::string missing_;
+  std::vector<TakenCamera> cameras_;
+  DecodingChild child_;
+  std::vector<std::string> warnings_;
+  std::optional<std::string> damage_;
+  std::uint64_t offset_ = 0;
+  bool finished_ = false;
+};
+
+/// What the child says of one topic or frame.
+struct Line {
+  char mark = '0';
+  std::string first, second;
+  std::uint64_t number = 0;
+};
+/// Takes a mark, a text, a line break and a text.
+using Tell = std::function<void(std::uint64_t number, const std::string& line)>;
+
+/// What `work` tells of a bag, which it reads in a child process with limits.
+std::vector<Line> ask(const std::filesystem::path& file,
+                      const std::function<void(MessageBag& bag, const Tell& tell)>& work) {
+  const BagFiles input(file);
+  DecodingChild child(
+      limits_of(input.size()), input.descriptor(), [&](const ChildReport& report, int descriptor) {
+        try {
+          const std::unique_ptr<MessageBag> bag = input.open(descriptor);
+          work(*bag, [&](std::uint64_t number, const std::string& line) {
+            report.send(ChildMessage::skipped, number, line);
+          });
+          report.send(ChildMessage::end, 0, "");
+        } catch (const std::bad_alloc&) {
+          report.send(ChildMessage::damage, 0, "asks for more memory than it may take");
+        } catch (const std::exception& error) {
+          report.send(ChildMessage::damage, 0, std::string("cannot be read: ") + error.what());
+        }
+      });
+  std::vector<Line> lines;
+  for (;;) {
+    const ChildMessage message = child.receive();
+    const std::size_t end = message.text.find('\n');
+    if (message.kind == ChildMessage::end) return lines;
+    if (message.kind != ChildMessage::skipped || end == std::string::npos || end == 0)
+      throw std::invalid_argument(
+          bag_sentence(file, message.kind == ChildMessage::damage ? message.text : "cannot be read"));
+    lines.push_back(
+        {message.text[0], message.text.substr(1, end - 1), message.text.substr(end + 1), message.offset});
+  }
+}
+
+}  // namespace
+
+std::optional<std::string> missing_parts(const std::filesystem::path& folder,
+                                         const std::vector<std::string>& parts) {
+  const std::string missing = BagFiles(folder).missing(parts);
+  if (missing.empty()) return std::nullopt;
+  return bag_sentence(folder, "is damaged: " + missing) + ".";
+}
+
+std::optional<std::string> bag_damage(const std::filesystem::path& file) {
+  const auto lines = ask(file, [](MessageBag& bag, const Tell& tell) {
+    bag.visit(std::vector<bool>(bag.topics().size(), true), [](const BagMessage&) { return true; });
+    if (!bag.damage().empty()) tell(0, "0" + bag.damage() + '\n');
+  });
+  if (lines.empty()) return std::nullopt;
+  return bag_sentence(file, "is damaged: " + lines.front().first) + ".";
+}
+
+std::vector<BagTopic> list_bag(const std::filesystem::path& file) {
+  const auto lines = ask(file, [](MessageBag& bag, const Tell& tell) {
+    for (const BagTopic& topic : bag.topics()) {
+      const char wire = topic.wire == RosWire::ros1 ? '1' : topic.wire == RosWire::cdr ? '2' : '0';
+      tell(topic.count, wire + topic.type + '\n' + topic.name);
+    }
+  });
+  std::vector<BagTopic> topics;
+  for (const Line& line : lines) {
+    topics.push_back({line.second, line.first, std::nullopt, line.number});
+    if (line.mark == '1') topics.back().wire = RosWire::ros1;
+    if (line.mark == '2') topics.back().wire = RosWire::cdr;
+  }
+  std::sort(topics.begin(), topics.end(),
+            [](const BagTopic& a, const BagTopic& b) { return a.name < b.name; });
+  return topics;
+}
+
+std::vector<BagFrame> list_frames(const std::filesystem::path& file) {
+  const auto lines = ask(file, [](MessageBag& bag, const Tell& tell) {
+    for (const BagFrame& frame : frames_of(bag))
+      tell(0, (frame.is_fixed ? '1' : '0') + frame.parent + '\n' + frame.name);
+  });
+  std::vector<BagFrame> frames;
+  for (const Line& line : lines) frames.push_back({line.second, line.first, line.mark == '1'});
+  return frames;
+}
+
+std::unique_ptr<FrameSource> open_bag(const std::filesystem::path& file, const SourceOptions& options) {
+  require_topics(file, list_bag(file), options);
+  return std::make_unique<BagSource>(file, options);
+}
+
+JointStream read_joints(const std::filesystem::path& file, const std::string& topic, double max_gap,
+                        const BagTopics& part) {
+  require_topic(file, list_bag(file), topic, "robot: joint_topic", {"sensor_msgs/JointState"});
+  const BagFiles input(file);
+  DecodingChild child(limits_of(input.size()), input.descriptor(),
+                      [&](const ChildReport& report, int descriptor) {
+                        try {
+                          const auto bag = cut_bag(input.open(descriptor), part);
+                          visit_joints(*bag, topic, [&](double time, const RosJointState& state) {
+                            WireWriter out;
+                            out.number(time);
+                            out.length(state.names.size());
+                            for (const std::string& name : state.names) out.text(name);
+                            out.numbers(state.positions);
+                            report.send(ChildMessage::skipped, 0, out.message());
+                          });
+                          report.send(ChildMessage::end, 0, "");
+                        } catch (const std::exception&) {
+                          report.send(ChildMessage::damage, 0, "");
+                        }
+                      });
+  JointStream stream(max_gap);
+  std::vector<double> times;
+  for (;;) {
+    const ChildMessage message = child.receive();
+    if (message.kind != ChildMessage::skipped) break;  // what came before damage is used
+    try {
+      WireReader in({reinterpret_cast<const std::uint8_t*>(message.text.data()), message.text.size()},
+                    RosWire::cdr);
+      const auto time = in.number<double>();
+      std::vector<std::string> names(in.length(4));
+      for (std::string& name : names) name = in.text();
+      stream.add(time, names, in.numbers<double>());
+      times.push_back(time);
+    } catch (const std::exception&) {  // not finite, or of another number than names
+    }
+  }
+  if (stream.empty())
+    throw std::invalid_argument(
+        bag_sentence(file, "has no joint positions that can be used in topic " + quote(topic)));
+  if (find_restart(times))
+    throw std::invalid_argument(bag_sentence(
+        file, "holds more than one run of its clock: the stamps of topic " + quote(topic) +
+                  " jump back and pass the same times again; expected one run: `from` or `to` in "
+                  "`source: {bag: …}` of the setup takes a part of it"));
+  return stream;
+}
+
+}  // namespace clearway

@@ -1,0 +1,155 @@
+// Where the scans of bags were taken: transforms that contradict each other, are fixed or missing.
+
+#include "datasets/ros/bag_frames.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/datasets/ros/bag_frames_world.hpp"
+
+namespace clearway {
+namespace bag_frames_poses_test {
+
+using namespace bag_frames_world;
+
+TEST_F(BagFramesTest, TwoPublishersOfOneFrameAreRefusedWhereTheyAlternate) {
+  for (const char* name : {"two.mcap", "two.bag"}) {
+    ScanBag bag(folder_ / name);
+    add_run(bag, 0);
+    for (double time = 10.02; time < 13; time += 0.05) bag.transform(time, "map", "base", elsewhere_at(time));
+    bag.sort();
+    const Reading reading = read(bag, name);
+    EXPECT_TRUE(reading.frames.empty());
+    EXPECT_NE(reading.damage.find("poses of frame 'base' are up to 1"), std::string::npos) << reading.damage;
+  }
+}
+
+/// A second parent of the base, which says that it is elsewhere.
+void add_second_parent(ScanBag& bag, bool in_map, bool is_first) {
+  if (is_first) bag.transform(9.8, "vodom", "base", elsewhere_at(10));
+  for (double time = 10.02; time < 13; time += 0.05) bag.transform(time, "vodom", "base", elsewhere_at(time));
+  if (in_map) bag.transform(9.9, "map", "vodom", Eigen::Isometry3d::Identity(), true);
+  bag.sort();
+}
+
+TEST_F(BagFramesTest, AFrameOfWhichTwoParentsLeadToTheMapIsRefused) {
+  for (const bool is_first : {false, true}) {
+    ScanBag bag(folder_ / "two.mcap");
+    add_run(bag, 0);
+    add_second_parent(bag, true, is_first);
+    const Reading reading = read(bag, "two.mcap");
+    EXPECT_TRUE(reading.frames.empty());
+    EXPECT_NE(reading.damage.find(is_first ? "gives frame 'base' two parents, 'vodom' (61 transforms) and "
+                                             "'map' (61 transforms), and both lead to 'map'"
+                                           : "gives frame 'base' two parents, 'map' (61 transforms) and "
+                                             "'vodom' (60 transforms), and both lead to 'map'"),
+              std::string::npos)
+        << reading.damage;
+  }
+}
+
+TEST_F(BagFramesTest, OfTwoParentsTheOneThatLeadsToTheMapCounts) {
+  for (const bool is_first : {false, true}) {
+    ScanBag bag(folder_ / "two.mcap");
+    add_run(bag, 0);
+    add_second_parent(bag, false, is_first);
+    const Reading reading = read(bag, "two.mcap");
+    ASSERT_EQ(reading.frames.size(), 4U) << reading.damage;
+    for (const Frame& frame : reading.frames) expect_pose(frame, base_at(frame.time) * mount());
+    EXPECT_NE(reading.warnings.find("gives frame 'base' two parents, 'map' (61 transforms) and 'vodom'"),
+              std::string::npos)
+        << reading.warnings;
+  }
+}
+
+TEST_F(BagFramesTest, AFrameBesideTheWayMayHaveTwoParents) {
+  ScanBag bag(folder_ / "two.mcap");
+  add_run(bag, 0);
+  bag.transform(10, "map", "cup", mount());
+  bag.transform(11, "base", "cup", mount());
+  bag.transform(9, "earth", "map", mount(), true);  // above the frame in which sensors are placed
+  bag.transform(9, "utm", "map", mount(), true);
+  bag.sort();
+  const Reading reading = read(bag, "two.mcap");
+  ASSERT_EQ(reading.frames.size(), 4U) << reading.damage;
+  for (const Frame& frame : reading.frames) expect_pose(frame, base_at(frame.time) * mount());
+  EXPECT_NE(reading.warnings.find("frame 'cup' two parents, 'map' (1 transforms) and 'base' (1 transforms)"),
+            std::string::npos)
+      << reading.warnings;
+}
+
+TEST_F(BagFramesTest, TransformsInALoopAreRefused) {
+  for (const bool is_last : {false, true}) {  // whichever of the two a bag holds first
+    ScanBag bag(folder_ / "loop.mcap");
+    const auto back = [&] { bag.transform(9, "base", "map", base_at(10), true); };
+    if (!is_last) back();
+    add_run(bag, 0);
+    if (is_last) back();
+    bag.sort();
+    const Reading reading = read(bag, "loop.mcap");
+    EXPECT_TRUE(reading.frames.empty());
+    EXPECT_NE(reading.damage.find("transforms in a loop: 'base' in 'map' in 'base', as of two publishers"),
+              std::string::npos)
+        << reading.damage;
+  }
+}
+
+TEST_F(BagFramesTest, SinglePosesThatContradictOthersOfTheirTimeAreReported) {
+  ScanBag bag(folder_ / "a.mcap");
+  add_run(bag, 0);
+  for (const double time : {10.4, 10.9}) {
+    bag.transform(time, "map", "base", elsewhere_at(time));
+    bag.transform({time + 0.01, time}, "map", "base", base_at(time));
+    bag.transform({time + 0.01, time}, "map", "base", base_at(time));  // the same again
+  }
+  bag.sort();
+  const Reading reading = read(bag, "a.mcap");
+  ASSERT_EQ(reading.frames.size(), 4U);
+  expect_pose(reading.frames[0], base_at(10.53) * mount());
+  EXPECT_NE(
+      reading.warnings.find("poses of frame 'base' that contradict others of the same time, by up to 1 m"),
+      std::string::npos)
+      << reading.warnings;
+}
+
+TEST_F(BagFramesTest, AFixedFrameThatIsMovedIsInItsNewPlaceFromThenOn) {
+  const Eigen::Isometry3d moved = mount() * Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ());
+  for (const char* name : {"moved.mcap", "moved.bag"}) {
+    ScanBag bag(folder_ / name);
+    add_run(bag, 0);
+    bag.transform(11.2, "base", "sensor", mount(), true);  // said again
+    bag.transform(11.5, "base", "sensor", moved, true);
+    bag.sort();
+    const Reading reading = read(bag, name);
+    ASSERT_EQ(reading.frames.size(), 4U);
+    for (const Frame& frame : reading.frames)
+      expect_pose(frame, base_at(frame.time) * (frame.time < 11.5 ? mount() : moved));
+    EXPECT_NE(
+        reading.warnings.find("moves the fixed frame 'sensor' 1 time in /tf_static; each pose holds from "
+                              "its recording on"),
+        std::string::npos)
+        << reading.warnings;
+  }
+}
+
+TEST_F(BagFramesTest, AFixedFrameThatIsRecordedLateHoldsBeforeToo) {
+  ScanBag bag(folder_ / "a.mcap");
+  add_run(bag, 0);
+  bag.transform(12.9, "sensor", "tip", mount(), true);
+  bag.cloud("/points", 12.2, "tip", {{1, 2, 3}});
+  bag.sort();
+  const Reading reading = read(bag, "a.mcap");
+  EXPECT_EQ(reading.damage + reading.warnings, "");
+  ASSERT_EQ(reading.frames.size(), 5U);
+  expect_pose(reading.frames[3], base_at(12.2) * mount() * mount());
+}
+
+TEST_F(BagFramesTest, AFrameThatLeadsToNoSensorMayAlternate) {
+  ScanBag bag(folder_ / "a.mcap");
+  add_run(bag, 0);
+  for (int i = 0; i < 50; ++i)
+    bag.transform(10 + 0.05 * i, "map", "goal", Eigen::Isometry3d(Eigen::Translation3d(0, i % 2, 0)));
+  EXPECT_EQ(read(bag, "a.mcap").frames.size(), 4U);
+}
+
+}  // namespace bag_frames_poses_test
+}  // namespace clearway
