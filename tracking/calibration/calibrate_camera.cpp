@@ -104,6 +104,15 @@ bool leave_out(Bundle& bundle, const BundleFit& fit, std::size_t& may, std::vect
   return found;
 }
 
+/// Takes views out that one which contradicts has pushed to where the lens sees nothing.
+void leave_out_unseen(Bundle& bundle, std::vector<RefusedView>& refused) {
+  std::erase_if(bundle.views, [&](const BoardView& view) {
+    if (has_sight(bundle, view)) return false;
+    refused.push_back({view.name, "no pose of the board that the lens sees meets its corners"});
+    return true;
+  });
+}
+
 /// Bundle adjustment that leaves out what contradicts. The board given stays what priors are about.
 BundleFit fit_all(Bundle& bundle, const BundlePriors& priors, const CameraCalibrationOptions& options,
                   std::size_t may, std::vector<RefusedView>& refused) {
@@ -113,7 +122,9 @@ BundleFit fit_all(Bundle& bundle, const BundlePriors& priors, const CameraCalibr
     if (!fit.is_converged) return fit;
     Bundle less = again;
     less.board = bundle.board;
-    if (round == 4 || !leave_out(less, fit, may, refused) || less.views.size() < options.least_views) {
+    const bool is_last = round == 4 || !leave_out(less, fit, may, refused);
+    leave_out_unseen(less, refused);
+    if (is_last || less.views.size() < options.least_views) {
       bundle = again;
       return fit;
     }

@@ -157,8 +157,8 @@ TEST(PoseStream, LinesWithoutAPoseAreLeftOutAndCountedWhereThatIsAskedFor) {
   }
   std::size_t left_out = 0;
   for (const std::string& text :
-       {"2 1 0 0\n" + first, first + "nan 1 0 0 0 0 0 1\n" + last, first + "2 1 0 0 0 0 0 9\n",
-        std::string("2 nan nan nan nan nan nan nan\n")})
+       {"2 1 0 0\n" + first, first + "2 1 0 0\n" + last, first + "nan 1 0 0 0 0 0 1\n" + last,
+        first + "2 1 0 0 0 0 0 9\n", std::string("2 nan nan nan nan nan nan nan\n")})
     EXPECT_THROW(parse_tum_poses(text, "p", 5.0, &left_out), std::invalid_argument) << text;
 }
 

@@ -107,6 +107,20 @@ TEST(CalibrateCamera, stated_errors_cover_how_the_image_moves) {
   EXPECT_LE(moves.outside, moves.asked / 100);
 }
 
+/// One view of this draw begins at a wrong pose and pushes others beyond what the lens sees.
+TEST(CalibrateCamera, a_fisheye_is_found_though_a_view_of_it_is_lost) {
+  const DrawnViews drawn = scene::draw_wide_views(scene::drawn_fisheye, 28, 20);
+  CameraCalibrationOptions options;
+  options.folds = 2;
+  options.lens = LensDistortion::Model::fisheye;
+  const CameraCalibration found =
+      calibrate_camera(drawn.camera.width, drawn.camera.height, drawn.stated_board, drawn.views, options);
+  ASSERT_EQ(found.refusal, "");
+  EXPECT_EQ(found.views + found.refused.size(), drawn.views.size());
+  const double off = std::log(found.camera.fx * found.camera.fy / (drawn.camera.fx * drawn.camera.fy)) / 2.0;
+  EXPECT_LT(std::abs(off), 4.0 * found.camera.errors.focal);
+}
+
 TEST(CalibrateCamera, sigmas_cover_the_true_errors_of_drawn_fisheyes) {
   const int drawn_cameras = trials(8, 50);
   double joint = 0.0;
