@@ -31,8 +31,8 @@ void print_difference(const Json& json, std::ostream& out) {
       {"the maps", json["differ"].get<bool>() ? "differ" : "are equal"}};
   const Json& resolution = json["resolution"];
   if (resolution["differs"].get<bool>()) {
-    rows.emplace_back("resolution", millimetres(resolution["here"]) + " here, " +
-                                        millimetres(resolution["there"]) + " there: voxels not compared");
+    rows.emplace_back("resolution", length_text(resolution["here"]) + " here, " +
+                                        length_text(resolution["there"]) + " there: voxels not compared");
   }
   if (json["threshold_differs"].get<bool>())
     rows.emplace_back("threshold", "occupied from another probability on");

@@ -5,10 +5,13 @@
 #include "apps/inspect/hand_shapes.hpp"
 #include "apps/inspect/inspect_parts.hpp"
 #include "apps/inspect/map_folder.hpp"
+#include "mapping/files/map_digest.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/files/painted_csv.hpp"
 #include "mapping/maps/map_edit.hpp"
+#include "mapping/system/atomic_file.hpp"
 #include "mapping/system/input_file.hpp"
+#include "planning/files/query_record.hpp"
 
 namespace clearway {
 
@@ -72,6 +75,10 @@ void print_hand_edit(const nlohmann::ordered_json& json, std::ostream& out) {
 void save_edited(const InspectOptions& options, const Snapshot& map) {
   AtomicFolder folder(options.save, is_in_map_folder);
   save_map(map, folder.path());
+  if (auto record = load_query_record(options.map); record && record->map_sha256 == map_sha256(options.map)) {
+    record->map_sha256 = map_sha256(map);
+    save_file(folder.path() / "queries.json", to_json(*record));
+  }
   publish_map_folder(folder, map);
 }
 

@@ -30,7 +30,10 @@ std::string join(const Json& names) {
   return text.empty() ? "-" : text;
 }
 
-std::string millimetres(const Json& metres) { return significant(metres.get<double>() * 1000.0, 4) + " mm"; }
+std::string length_text(const Json& metres) {
+  const double length = metres.get<double>();
+  return std::abs(length) < 10.0 ? significant(length * 1000.0, 4) + " mm" : significant(length, 5) + " m";
+}
 
 std::string name_of_map(const std::filesystem::path& map) {
   const std::filesystem::path normal = std::filesystem::absolute(map).lexically_normal();
@@ -101,7 +104,7 @@ std::string look_times(const Json& seen) {
 
 void print_map(const Json& json, std::ostream& out) {
   std::vector<std::pair<std::string, std::string>> rows{{"map", json["map"].get<std::string>()},
-                                                        {"resolution", millimetres(json["resolution"])},
+                                                        {"resolution", length_text(json["resolution"])},
                                                         {"integration", integration_text(json)}};
   if (json.contains("bounds")) {
     const Json& box = json["bounds"];

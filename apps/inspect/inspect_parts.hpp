@@ -68,7 +68,8 @@ std::string hand_edit_remark(const InspectOptions& options, const HandEditTally&
 nlohmann::ordered_json describe_hand_edit(const HandEditTally& tally);
 void print_hand_edit(const nlohmann::ordered_json& json, std::ostream& out);
 
-/// Writes the map to --save. @throws std::invalid_argument when that would replace a map that was read.
+/// Writes the map to --save, with the queries that MAP has a record of. @throws std::invalid_argument when
+/// that would replace a map that was read.
 void save_edited(const InspectOptions& options, const Snapshot& map);
 
 /// A point or direction as [x, y, z].
@@ -81,6 +82,6 @@ std::string point_text(const nlohmann::ordered_json& point);
 std::string join(const nlohmann::ordered_json& names);
 
 /// A length as "12.34 mm".
-std::string millimetres(const nlohmann::ordered_json& metres);
+std::string length_text(const nlohmann::ordered_json& metres);
 
 }  // namespace clearway

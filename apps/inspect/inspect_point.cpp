@@ -73,7 +73,7 @@ void print_point(const Json& json, std::ostream& out) {
     for (auto& row : provenance_rows(json["provenance"])) rows.push_back(std::move(row));
   }
   for (const auto& [policy, metres] : json["clearance_m"].items()) {
-    rows.emplace_back("clearance, " + policy, ">= " + millimetres(metres));
+    rows.emplace_back("clearance, " + policy, ">= " + length_text(metres));
   }
   out << '\n';
   print_rows(out, rows);

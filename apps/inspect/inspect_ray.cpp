@@ -41,10 +41,10 @@ void print_ray(const Json& json, std::ostream& out) {
                                                         {"direction", point_text(json["direction"])}};
   for (const auto& run : json["runs"]) {
     rows.emplace_back(run["state"].get<std::string>(),
-                      millimetres(run["from_m"]) + " to " + millimetres(run["to_m"]));
+                      length_text(run["from_m"]) + " to " + length_text(run["to_m"]));
   }
   if (json["blocked"].get<bool>()) {
-    rows.emplace_back("blocked at", millimetres(json["distance_m"]) + ": " +
+    rows.emplace_back("blocked at", length_text(json["distance_m"]) + ": " +
                                         json["state"].get<std::string>() + ", voxel at " +
                                         point_text(json["voxel_center"]));
   } else {

@@ -95,16 +95,16 @@ void add_exact(const Json& volume, std::vector<std::pair<std::string, std::strin
 }
 
 void add_spacing(const Json& spacing, std::vector<std::pair<std::string, std::string>>& rows) {
-  rows.emplace_back("between balls", "median " + millimetres(spacing["median_m"]) + " (" +
+  rows.emplace_back("between balls", "median " + length_text(spacing["median_m"]) + " (" +
                                          significant(number(spacing, "median_over_radius"), 2) +
-                                         " r0), largest " + millimetres(spacing["largest_m"]) + " (" +
+                                         " r0), largest " + length_text(spacing["largest_m"]) + " (" +
                                          significant(number(spacing, "largest_over_radius"), 2) + " r0)");
   rows.emplace_back("thin overlaps", grouped(spacing["thin"].size()));
   for (std::size_t i = 0; i < std::min(most_rows, spacing["thin"].size()); ++i) {
     const Json& thin = spacing["thin"][i];
     rows.emplace_back("  before ball " + std::to_string(thin["ball"].get<std::size_t>()),
-                      "at " + point_text(thin["position"]) + ", " + millimetres(thin["distance_m"]) +
-                          " apart, circle of radius " + millimetres(thin["circle_radius_m"]));
+                      "at " + point_text(thin["position"]) + ", " + length_text(thin["distance_m"]) +
+                          " apart, circle of radius " + length_text(thin["circle_radius_m"]));
   }
 }
 
@@ -129,9 +129,9 @@ void add_necks(const Json& volume, std::vector<std::pair<std::string, std::strin
     const Json& neck = volume["necks"][i];
     rows.emplace_back("  neck " + std::to_string(i + 1),
                       "at " + point_text(neck["position"]) + ", ball of radius " +
-                          millimetres(neck["radius_m"]) + " between parts of " +
-                          millimetres(neck["smaller_part_radius_m"]) + " and " +
-                          millimetres(neck["larger_part_radius_m"]));
+                          length_text(neck["radius_m"]) + " between parts of " +
+                          length_text(neck["smaller_part_radius_m"]) + " and " +
+                          length_text(neck["larger_part_radius_m"]));
   }
 }
 

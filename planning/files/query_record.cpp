@@ -168,9 +168,11 @@ std::string to_json(const QueryRecord& record) {
 }
 
 std::optional<QueryRecord> load_query_record(const std::filesystem::path& map) {
-  const std::filesystem::path file = map / "queries.json";
   std::error_code error;
-  if (!std::filesystem::is_directory(map, error) || !std::filesystem::exists(file, error)) return {};
+  const bool is_folder = std::filesystem::is_directory(map, error);
+  if (!is_folder && map.filename() != "map.ot") return {};
+  const std::filesystem::path file = (is_folder ? map : map.parent_path()) / "queries.json";
+  if (!std::filesystem::exists(file, error)) return {};
   const std::string text = read_input(file, "queries", most_bytes);
   require_whole(text, file.string());
   const Json json = Json::parse(text);

@@ -58,7 +58,7 @@ double largest_difference(const Configuration& a, const Configuration& b);
 /// The text of queries.json: the queries, the digest of their map and a checksum over both.
 std::string to_json(const QueryRecord& record);
 
-/// The record of a map folder; nothing when `map` is no folder or holds none.
+/// The record of a map folder, or of the folder whose map.ot `map` is; nothing when it holds none.
 /// @throws DamagedFile when the checksum does not match, std::invalid_argument naming the field that is
 /// wrong.
 std::optional<QueryRecord> load_query_record(const std::filesystem::path& map);

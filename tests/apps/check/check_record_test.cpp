@@ -117,6 +117,25 @@ TEST_F(CheckRecorded, a_plan_of_another_query_is_held_to_the_loosest_of_the_maps
   EXPECT_EQ(refused_terms(check(plan, {"--json"})), Terms{"base"});
 }
 
+TEST_F(CheckRecorded, it_counts_for_the_file_in_the_folder_and_for_maps_made_of_it) {
+  Json plan = plan_;
+  plan["policy"]["base"] = "not_occupied";
+  plan["base"][0][3] = 0.01;
+  const std::string file = folder_.write("edited.json", plan.dump()), saved = folder_.file("saved");
+  const auto on = [&](const std::string& map) {
+    return run_command({"check", "--map", map, "--robot", "point", file, "--json"});
+  };
+  EXPECT_EQ(refused_terms(on(folder_.file("map/map.ot"))), (Terms{"base", "policy"}));
+  ASSERT_EQ(
+      run_command({"inspect", folder_.file("map"), "--occupy", "sphere:0,0.9,0,0.1", "--save", saved}).status,
+      exit_done);
+  EXPECT_EQ(refused_terms(on(saved)), (Terms{"base", "policy", "map"}));
+  record(std::string(64, '0'));  // of another map: nothing to keep
+  ASSERT_EQ(run_command({"inspect", folder_.file("map"), "--coarsen", "0.1", "--save", saved}).status,
+            exit_done);
+  EXPECT_FALSE(std::filesystem::exists(saved + "/queries.json"));
+}
+
 TEST_F(CheckRecorded, a_record_of_another_map_or_robot_does_not_count_and_a_damaged_one_is_reported) {
   record(std::string(64, '0'));
   EXPECT_EQ(Json::parse(check(plan_, {"--json"}).out)["contract"]["goals"]["source"], "plan");
