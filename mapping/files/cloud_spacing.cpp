@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <iterator>
@@ -41,9 +42,21 @@ class CellNumber {
 class PointCells {
  public:
   PointCells(const Points& points, const Indices& held, double edge) : points_(points), edge_(edge) {
-    rows_.reserve(held.size());
-    for (const std::size_t i : held) rows_.push_back({CellNumber(points[i], edge)(), i});
-    std::sort(rows_.begin(), rows_.end());
+    std::vector<std::pair<std::uint64_t, std::size_t>> rows;
+    rows.reserve(held.size());
+    for (const std::size_t i : held) rows.push_back({CellNumber(points[i], edge)(), i});
+    std::sort(rows.begin(), rows.end());
+    held_.reserve(rows.size());
+    std::vector<Column> columns;
+    for (const auto& [cell, i] : rows) {
+      const auto at = static_cast<std::uint32_t>(held_.size());
+      if (columns.empty() || columns.back().number != column_of(cell))
+        columns.push_back({column_of(cell), at, at});
+      held_.push_back({cell, static_cast<std::uint32_t>(i), points[i]});
+      ++columns.back().end;
+    }
+    columns_.resize(std::bit_ceil(columns.size() + columns.size() / 4 + 1));
+    for (const Column& column : columns) columns_[slot_of(column.number)] = column;
   }
 
   /// Visits the held points other than `i` that are within the cells' edge of it, with their distance, until
@@ -52,11 +65,15 @@ class PointCells {
   void visit_near(std::size_t i, const Visit& visit) const {
     const CellNumber cell(points_[i], edge_);
     for (const int k : {4, 1, 3, 5, 7, 0, 2, 6, 8}) {  // its own row of cells first
-      const std::uint64_t last = cell(k % 3 - 1, k / 3 - 1, 1);
-      auto row = std::lower_bound(rows_.begin(), rows_.end(), Row{cell(k % 3 - 1, k / 3 - 1, -1), 0});
-      for (; row != rows_.end() && row->first <= last; ++row) {
-        const double apart = (points_[i] - points_[row->second]).cast<double>().norm();
-        if (row->second != i && apart <= edge_ && !visit(row->second, apart)) return;
+      const std::uint64_t first = cell(k % 3 - 1, k / 3 - 1, -1), last = cell(k % 3 - 1, k / 3 - 1, 1);
+      const Column& column = columns_[slot_of(column_of(first))];
+      const auto end = held_.begin() + static_cast<std::ptrdiff_t>(column.end);
+      auto at = std::lower_bound(held_.begin() + static_cast<std::ptrdiff_t>(column.begin), end, first,
+                                 [](const Held& held, std::uint64_t number) { return held.cell < number; });
+      for (; at != end && at->cell <= last; ++at) {
+        const Eigen::Vector3f way = points_[i] - at->point;
+        const double apart = way.cast<double>().norm();
+        if (at->index != i && apart <= edge_ && !visit(at->index, apart)) return;
       }
     }
   }
@@ -81,10 +98,30 @@ class PointCells {
   }
 
  private:
-  using Row = std::pair<std::uint64_t, std::size_t>;
+  struct Held {
+    std::uint64_t cell;
+    std::uint32_t index;
+    Eigen::Vector3f point;
+  };
+  /// The held points of the cells above one another; without any where `begin` is `end`.
+  struct Column {
+    std::uint64_t number = 0;
+    std::uint32_t begin = 0, end = 0;
+  };
+  static std::uint64_t column_of(std::uint64_t cell) { return cell >> 21; }
+  /// Where a column stands, or would.
+  std::size_t slot_of(std::uint64_t column) const {
+    const std::size_t last = columns_.size() - 1;
+    std::size_t slot = (column * 0x9e3779b97f4a7c15U) >> 20U & last;
+    while (columns_[slot].begin != columns_[slot].end && columns_[slot].number != column)
+      slot = (slot + 1) & last;
+    return slot;
+  }
+
   const Points& points_;
   double edge_;
-  std::vector<Row> rows_;
+  std::vector<Held> held_;       ///< in the order of cells
+  std::vector<Column> columns_;  ///< a hash table with empty places
 };
 
 /// Of each sample the distance of its `rank`-th nearest other point, in rising order. Infinite where fewer

@@ -11,7 +11,8 @@ std::string damage_caveat(const Snapshot& map) {
   const auto records = map.tree().records_before_damage();
   if (!records) return {};
   return "the map was made from a damaged recording: " + std::to_string(*records) +
-         (*records == 1 ? " record of it was" : " records of it were") + " read, what came after is missing";
+         (*records == 1 ? " record of it was" : " records of it were") +
+         " read, what is damaged or came after it is missing";
 }
 
 std::string contradiction_caveat(const Snapshot& map) {
@@ -20,7 +21,8 @@ std::string contradiction_caveat(const Snapshot& map) {
   const ScanAgreement& agreement = map.tree().agreement();
   if (agreement.looked_up < fewest_looks || agreement.share_called_free() <= most_called_free) return {};
   return short_text(100.0 * agreement.share_called_free(), 2) +
-         " % of what its scans hit others had seen free, as where poses, times or calibration are wrong";
+         " % of what its scans hit others had seen free, as where poses, times or calibration are wrong, "
+         "or rays meet surfaces at a slant and far apart";
 }
 
 std::string map_caveat(const Snapshot& map) {
