@@ -223,18 +223,22 @@ Table judge_wide(const BenchOptions& options, BenchResult& result) {
 }
 
 Table ghost_table(const ordered_json& ghosts) {
-  Table table{"Stray returns that block free space, ten looks from one place, the assumed sigma:",
-              {"voxels", "per million rays", "looks until free, median", "at most", "left at the end"},
+  Table table{"Stray returns that block free space, ten looks from one place:",
+              {"noise of the scene", "voxels", "per million rays", "looks until free, median", "at most",
+               "left at the end"},
               {}};
-  for (const char* where : {"all", "in_the_open"}) {
-    const ordered_json& reported = ghosts[where];
-    const ordered_json& looks = reported["looks_until_free"];
-    const auto look = [&](const char* key) {
-      return looks.is_null() ? std::string("–") : count_text(looks[key].get<double>());
-    };
-    table.rows.push_back({where == std::string("all") ? "all" : "farther than two bands from solids",
-                          count_text(reported["per_million_rays"].get<double>()), look("median"),
-                          look("most"), count_text(reported["left_at_the_end"].get<double>())});
+  for (const ordered_json& of_law : ghosts) {
+    for (const char* where : {"all", "in_the_open"}) {
+      const ordered_json& reported = of_law[where];
+      const ordered_json& looks = reported["looks_until_free"];
+      const auto look = [&](const char* key) {
+        return looks.is_null() ? std::string("–") : count_text(looks[key].get<double>());
+      };
+      table.rows.push_back({of_law["noise"].get<std::string>(),
+                            where == std::string("all") ? "all" : "farther than two bands from solids",
+                            count_text(reported["per_million_rays"].get<double>()), look("median"),
+                            look("most"), count_text(reported["left_at_the_end"].get<double>())});
+    }
   }
   return table;
 }
@@ -260,7 +264,7 @@ BenchResult bench_erosion(const BenchOptions& options) {
   const Table wide = judge_wide(options, result);
   options.say("stray returns");
   const double resolution = options.resolution > 0.0 ? options.resolution : 0.02;
-  result.detail["ghosts"] = watch_ghosts(laws.front().errors, resolution);
+  for (const NoiseLaw& law : laws) result.detail["ghosts"].push_back(watch_ghosts(law, resolution));
   result.compared =
       "Depth frames of the generated room, every other one held out, with errors of the poses (6 mm and 0.2° "
       "per axis): "

@@ -12,7 +12,7 @@
 namespace clearway::mutation {
 namespace {
 
-/// Without ".cpp"; a star at the end stands for any rest.
+/// Sources without ".cpp", headers with ".hpp"; a star at the end stands for any rest.
 constexpr const char* deciding[] = {"mapping/voxels/voxel_state",
                                     "mapping/voxels/fused_node",
                                     "mapping/voxels/fused_tree_update",
@@ -21,6 +21,11 @@ constexpr const char* deciding[] = {"mapping/voxels/voxel_state",
                                     "mapping/field/blocked_search",
                                     "mapping/scans/scan_rays",
                                     "mapping/scans/safe_scan",
+                                    "mapping/scans/contested_cells",
+                                    "mapping/stamps/seen_stamps",
+                                    "mapping/stamps/seen_stamps_edit",
+                                    "mapping/stamps/seen_tile",
+                                    "mapping/voxels/occupancy_update.hpp",
                                     "mapping/voxels/paint_sphere",
                                     "mapping/volumes/union_contains",
                                     "mapping/volumes/painted_body",
@@ -38,6 +43,9 @@ constexpr const char* deciding[] = {"mapping/voxels/voxel_state",
                                     "planning/robot/reach",
                                     "planning/robot/kinematics",
                                     "planning/check/*",
+                                    "planning/survey/path_poses",
+                                    "planning/survey/path_survey",
+                                    "planning/survey/swept_voxels",
                                     "planning/space/proximity",
                                     "planning/space/verdict",
                                     "planning/space/part_policies",
@@ -51,6 +59,10 @@ constexpr const char* deciding[] = {"mapping/voxels/voxel_state",
                                     "tracking/tag_pose",
                                     "tracking/uncertain_pose",
                                     "datasets/sources/pose_stream",
+                                    "apps/check/check_contract",
+                                    "apps/check/check_deviations",
+                                    "apps/check/recorded_terms",
+                                    "apps/check/robot_terms",
                                     "apps/results/compare_summary",
                                     "apps/compare/team_result"};
 
@@ -84,8 +96,13 @@ std::vector<std::string> deciding_files(const std::filesystem::path& repository)
   std::vector<std::string> files;
   for (const std::string entry : deciding) {
     const std::filesystem::path folder = std::filesystem::path(entry).parent_path();
-    const bool is_open = entry.ends_with('*');
+    const bool is_open = entry.ends_with('*'), is_header = entry.ends_with(".hpp");
     const std::string stem = std::filesystem::path(entry.substr(0, entry.size() - is_open)).filename();
+    if (is_header) {
+      read_whole(repository / entry);  // throws when it is not there
+      files.push_back(entry);
+      continue;
+    }
     const std::size_t before = files.size();
     for (const auto& found : std::filesystem::directory_iterator(repository / folder)) {
       const std::string name = found.path().stem();

@@ -179,9 +179,30 @@ double TestProgram::usual_time(const std::string& filter, const fs::path& folder
   return usual;
 }
 
+/// A header of code that decides is compiled with the one source that includes it.
+std::string TestProgram::source_of(const std::string& file) const {
+  if (!file.ends_with(".hpp")) return file;
+  std::vector<std::string> sources;
+  for (const auto& [source, unit] : units_)
+    if (read_whole(repository_ / source).find("#include \"" + file + "\"") != std::string::npos)
+      sources.push_back(source);
+  if (sources.size() != 1)
+    throw std::runtime_error(file + " is included by " + std::to_string(sources.size()) +
+                             " sources, expected one: faults in it would not be in all of its code");
+  return sources.front();
+}
+
 fs::path TestProgram::write_faulty(const Candidate& candidate, const fs::path& folder) const {
   const fs::path faulty = folder / fs::path(candidate.file).filename();
   std::string text = candidate.fault.applied_to(read_whole(repository_ / candidate.file));
+  if (candidate.file.ends_with(".hpp")) {
+    const std::string source = source_of(candidate.file);
+    std::ofstream(faulty) << text;
+    const fs::path including = folder / fs::path(source).filename();
+    std::ofstream(including) << replaced(read_whole(repository_ / source),
+                                         "#include \"" + candidate.file + "\"", quoted_include(faulty));
+    return including;
+  }
   // Code for several instruction sets includes itself (Highway): the fault must be in each of them.
   const std::string itself = "#define HWY_TARGET_INCLUDE ";
   if (const std::string original = itself + "\"" + candidate.file + "\"";
@@ -232,8 +253,9 @@ Outcome TestProgram::tested(const std::vector<std::string>& stages, const fs::pa
 Outcome TestProgram::tried(const Candidate& candidate, const fs::path& folder) {
   fs::create_directories(folder);
   // What is compiled is a copy, which includes by the same paths.
-  const fs::path faulty = write_faulty(candidate, folder), original = repository_ / candidate.file;
-  const Unit& unit = units_.at(candidate.file);
+  const std::string compiled = source_of(candidate.file);
+  const fs::path faulty = write_faulty(candidate, folder), original = repository_ / compiled;
+  const Unit& unit = units_.at(compiled);
   const std::vector<std::string> stages = stages_for(repository_, candidate.file);
   fs::path source = faulty;
   if (unit.source != original) {

@@ -57,7 +57,9 @@ class TestProgram {
   };
   /// What becomes of the library's own object: the new one stands for all of it, or only comes before it.
   enum class Link { in_its_place, beside_its_batch };
-  /// The candidate's file with the fault, in `folder`.
+  /// The source that is compiled for a fault in this file.
+  std::string source_of(const std::string& file) const;
+  /// The candidate's file with the fault, in `folder`; of a header, the source that includes it.
   std::filesystem::path write_faulty(const Candidate& candidate, const std::filesystem::path& folder) const;
   /// The program in `folder`, with this source. @throws std::runtime_error when it does not link in place
   Ended build(const Unit& unit, const std::filesystem::path& source, const std::filesystem::path& folder,

@@ -86,7 +86,8 @@ std::set<Cell> hit_voxels(const Scan& scan, double max_range, double resolution,
 
 }  // namespace
 
-Json watch_ghosts(const RoomErrors& errors, double resolution) {
+Json watch_ghosts(const NoiseLaw& law, double resolution) {
+  const RoomErrors& errors = law.errors;
   constexpr unsigned looks = 10;
   constexpr std::size_t walk = 8;  // frames of a round, of which the first is seen each time
   FreeSpaceMap map({.resolution = resolution, .discretize = true});
@@ -96,7 +97,9 @@ Json watch_ghosts(const RoomErrors& errors, double resolution) {
   for (unsigned look = 0; look < looks; ++look) {
     const FurnishedRoom room(walk, 100 + look, errors);
     const double max_range = room.camera().max_range;
-    const Scan scan = scan_of(room.frame(0));
+    CloudFrame frame = room.frame(0);
+    disturb(law, look, frame);
+    const Scan scan = scan_of(frame);
     const Snapshot before = map.snapshot();
     map.insert(scan, {.max_range = max_range});
     const Snapshot after = map.snapshot();
@@ -110,7 +113,8 @@ Json watch_ghosts(const RoomErrors& errors, double resolution) {
       open.met(center, distance);
     }
   }
-  return {{"resolution", resolution},
+  return {{"noise", law.name},
+          {"resolution", resolution},
           {"pose_shift", errors.sequence.pose_shift},
           {"pose_turn", errors.sequence.pose_turn},
           {"looks", looks},

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "datasets/simulation/room.hpp"
+#include "apps/bench/worlds/noise_laws.hpp"
 
 namespace clearway::bench {
 
@@ -12,6 +12,6 @@ namespace clearway::bench {
 /// @return how many ghosts a million rays make, for how many later looks each lasts (a look is a scan that
 ///         lowers the voxel's log-odds), and how many are there at the end; all of them, and those in the
 ///         open, farther than two bands from every solid
-nlohmann::ordered_json watch_ghosts(const RoomErrors& errors, double resolution);
+nlohmann::ordered_json watch_ghosts(const NoiseLaw& law, double resolution);
 
 }  // namespace clearway::bench
