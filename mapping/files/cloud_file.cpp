@@ -212,6 +212,37 @@ ViewedCloud read_viewed_cloud(const std::filesystem::path& file) {
 
 float left_log_odds(const FusedTree& tree) { return std::nextafter(tree.getClampingThresMaxLog(), 0.0F); }
 
+namespace {
+
+/// Each cell once, those of a block of 16 along each axis one after the other: the way down the tree to the
+/// next one is short then.
+void sort_by_blocks(std::vector<Eigen::Vector3i>& cells) {
+  constexpr int least = 32768;
+  std::vector<std::uint64_t> numbers;
+  numbers.reserve(cells.size());
+  for (const Eigen::Vector3i& cell : cells) {
+    std::uint64_t of_block = 0, in_block = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto at = static_cast<std::uint64_t>(cell[axis] + least);
+      of_block = of_block << 12U | at >> 4U;
+      in_block = in_block << 4U | (at & 15U);
+    }
+    numbers.push_back(of_block << 12U | in_block);
+  }
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  cells.clear();
+  for (const std::uint64_t number : numbers) {
+    const auto at = [&](unsigned axis) {  // from the last one on
+      return static_cast<int>((number >> (12U + 12U * axis) & 0xfffU) << 4U | (number >> 4U * axis & 15U)) -
+             least;
+    };
+    cells.emplace_back(at(2), at(1), at(0));
+  }
+}
+
+}  // namespace
+
 std::shared_ptr<const FusedTree> tree_of_cloud(const std::vector<Eigen::Vector3f>& points,
                                                const CloudVoxels& voxels, const std::filesystem::path& file) {
   const double resolution = voxels.edge;
@@ -246,13 +277,18 @@ std::shared_ptr<const FusedTree> tree_of_cloud(const std::vector<Eigen::Vector3f
     }
   }
   std::vector<Eigen::Vector3i> cells;
+  cells.reserve(points.size());
   for (const Eigen::Vector3f& point : points) cells.push_back(cell_of(point.cast<double>()));
   if (voxels.joins_near)
     for (const Eigen::Vector3i& cell : cells_between(points, cells, resolution))
       occupy(cell, tree->getClampingThresMaxLog());
+  sort_by_blocks(cells);
   for (const Eigen::Vector3i& cell : cells) occupy(cell, tree->getClampingThresMaxLog());
+  cells.clear();
   for (const ThinnedPart& part : voxels.left)
-    for (const std::size_t i : part.points) occupy(cell_of(points[i].cast<double>()), left_log_odds(*tree));
+    for (const std::size_t i : part.points) cells.push_back(cell_of(points[i].cast<double>()));
+  sort_by_blocks(cells);
+  for (const Eigen::Vector3i& cell : cells) occupy(cell, left_log_odds(*tree));
   tree->finish();
   return tree;
 }

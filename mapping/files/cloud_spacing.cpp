@@ -59,6 +59,8 @@ class PointCells {
     for (const Column& column : columns) columns_[slot_of(column.number)] = column;
   }
 
+  double edge() const { return edge_; }
+
   /// Visits the held points other than `i` that are within the cells' edge of it, with their distance, until
   /// `visit` returns false.
   template <typename Visit>
@@ -78,6 +80,12 @@ class PointCells {
     }
   }
 
+  /// Visits the held points in the order of their cells, in which looking at what is near them is fastest.
+  template <typename Visit>
+  void visit_held(const Visit& visit) const {
+    for (const Held& held : held_) visit(held.index);
+  }
+
   /// The distance of the `rank`-th nearest other point; infinite where fewer are within the edge.
   double nearest(std::size_t i, std::size_t rank) const {
     std::vector<double> near;
@@ -95,6 +103,15 @@ class PointCells {
   bool has_near(std::size_t i, std::size_t count) const {
     visit_near(i, [&](std::size_t, double) { return --count > 0; });
     return count == 0;
+  }
+
+  /// Those of these held points that have fewer near them.
+  Indices without_near(const Indices& held, std::size_t count) const {
+    std::vector<bool> has(points_.size());
+    visit_held([&](std::size_t i) { has[i] = has_near(i, count); });
+    Indices found;
+    std::copy_if(held.begin(), held.end(), std::back_inserter(found), [&](std::size_t i) { return !has[i]; });
+    return found;
   }
 
  private:
@@ -125,10 +142,8 @@ class PointCells {
 };
 
 /// Of each sample the distance of its `rank`-th nearest other point, in rising order. Infinite where fewer
-/// are within `reach`.
-std::vector<double> nearest(const Points& points, const Indices& held, const Indices& samples, double reach,
-                            std::size_t rank) {
-  const PointCells cells(points, held, reach);
+/// are within the cells' edge.
+std::vector<double> nearest(const PointCells& cells, const Indices& samples, std::size_t rank) {
   std::vector<double> found;
   for (const std::size_t i : samples) found.push_back(cells.nearest(i, rank));
   std::sort(found.begin(), found.end());
@@ -178,8 +193,10 @@ std::optional<double> even_spacing(const Points& points, const Indices& held, do
   constexpr double widest_spread = 1.7;
   if (held.size() < fewest_points) return std::nullopt;
   const Indices samples = spread(held, most_samples);
+  std::optional<PointCells> cells;
   const auto nearest_of = [&](double reach, std::size_t rank) {
-    return nearest(points, held, samples, reach, rank);
+    if (!cells || cells->edge() != reach) cells.emplace(points, held, reach);
+    return nearest(*cells, samples, rank);
   };
   const bool is_fine = at_part(nearest_of(1.05 * fine, 1), 0.5) <= 1.05 * fine;
   if (is_fine && is_lattice(points, samples, fine)) return std::nullopt;
@@ -204,7 +221,10 @@ std::vector<double> grid_steps(const Points& points, const Indices& held, double
   double reach = 1.05 * fine;
   for (int k = 0; k <= doublings && !open.empty(); ++k, reach *= 2.0) {
     const PointCells cells(points, held, reach);
-    std::erase_if(open, [&](std::size_t i) { return (steps[i] = cells.nearest(i, of_grid)) < infinite; });
+    cells.visit_held([&](std::size_t i) {
+      if (steps[i] == infinite) steps[i] = cells.nearest(i, of_grid);
+    });
+    std::erase_if(open, [&](std::size_t i) { return steps[i] < infinite; });
   }
   return steps;
 }
@@ -271,7 +291,7 @@ bool is_surface_of_its_own(const Points& points, const Indices& group, CellsOfRe
                            AlikeGroups& groups) {
   constexpr double of_line = 0.55, of_mixed = 0.3;
   const Indices samples = spread(group, 400);
-  if (!(at_part(nearest(points, group, samples, apart, 2), 0.5) > of_line * apart)) return false;
+  if (!(at_part(nearest(PointCells(points, group, apart), samples, 2), 0.5) > of_line * apart)) return false;
   const PointCells& cells = all.of(apart);
   std::size_t mixed = 0;
   for (const std::size_t i : samples) {
@@ -294,10 +314,7 @@ std::optional<double> thinned_spacing(const Points& points, double fine) {
 std::vector<ThinnedPart> thinned_parts(const Points& points, double fine) {
   constexpr std::size_t beside_in_a_row = 2;
   const Indices distinct = apart_by_cells(points, 0.25 * fine);
-  const PointCells all(points, distinct, 1.05 * fine);
-  Indices sparse;
-  std::copy_if(distinct.begin(), distinct.end(), std::back_inserter(sparse),
-               [&](std::size_t i) { return !all.has_near(i, beside_in_a_row); });
+  const Indices sparse = PointCells(points, distinct, 1.05 * fine).without_near(distinct, beside_in_a_row);
   CellsOfReach reaches(points, distinct, 1.05 * fine);
   AlikeGroups groups(points, sparse, fine);
   std::map<std::size_t, Indices> members;
@@ -318,18 +335,15 @@ std::optional<ThinnedPart> strewn_part(const Points& points, double fine) {
   const auto strewn =
       std::count_if(few.begin(), few.end(), [&](std::size_t i) { return !near.has_near(i, of_grid); });
   if (static_cast<double>(strewn) < 0.8 * least_share * static_cast<double>(few.size())) return std::nullopt;
-  Indices open;
-  std::copy_if(distinct.begin(), distinct.end(), std::back_inserter(open),
-               [&](std::size_t i) { return !near.has_near(i, of_grid); });
+  Indices open = near.without_near(distinct, of_grid);
   const PointCells wide(points, distinct, to * fine);
   std::erase_if(open, [&](std::size_t i) { return !wide.has_near(i, of_grid); });
   if (open.size() < fewest_points ||
       static_cast<double>(open.size()) < least_share * static_cast<double>(distinct.size()))
     return std::nullopt;
   const Indices samples = spread(open, 400);
-  const double apart = at_part(nearest(points, distinct, samples, to * fine, of_grid), 0.5);
-  if (at_part(nearest(points, distinct, samples, to * fine, 2), 0.05) >= least_apart * apart)
-    return std::nullopt;
+  const double apart = at_part(nearest(wide, samples, of_grid), 0.5);
+  if (at_part(nearest(wide, samples, 2), 0.05) >= least_apart * apart) return std::nullopt;
   return ThinnedPart{apart, std::move(open)};
 }
 
