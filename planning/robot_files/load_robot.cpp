@@ -4,6 +4,7 @@
 #include <link.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <optional>
 #include <set>
@@ -289,8 +290,35 @@ std::vector<std::pair<std::string, std::string>> available_robots() {
   return robots;
 }
 
+namespace {
+
+/// Numbers that are in other units, as they are not URDF's.
+std::vector<std::string> unit_notes(const Robot& robot) {
+  constexpr double most_turned = 50.0, largest_body = 20.0;  // rad, m
+  std::vector<std::string> notes;
+  for (const Joint& joint : robot.joints) {
+    const double turned = joint.upper - joint.lower;
+    if (joint.kind == JointKind::revolute && std::isfinite(turned) && turned > most_turned)
+      notes.push_back("joint " + quote(joint.name) + " turns by " + short_text(turned, 3) +
+                      " rad: are its limits in degrees? URDF has radians");
+  }
+  const auto larger = [](const Body& a, const Body& b) {
+    return a.shape.bounding_radius() < b.shape.bounding_radius();
+  };
+  const auto largest = std::max_element(robot.bodies.begin(), robot.bodies.end(), larger);
+  const double size =
+      largest == robot.bodies.end() ? 0.0 : 2.0 * largest->shape.bounding_radius() / robot.scale;
+  if (size > largest_body)
+    notes.push_back("part " + quote(largest->part) + " has a body " + short_text(size, 3) +
+                    " m across: is its mesh in millimetres? scale=\"0.001 0.001 0.001\" makes it metres");
+  return notes;
+}
+
+}  // namespace
+
 std::vector<std::string> robot_notes(const Robot& robot, const PackageFolders& packages) {
   std::vector<std::string> notes = srdf_notes(robot);
+  for (const std::string& note : unit_notes(robot)) notes.push_back(note);
   if (robot.xacro.empty() || robot.source.empty()) return notes;
   const std::vector<std::string> more = xacro_notes(urdf_of_robot(robot), robot.xacro, packages);
   notes.insert(notes.end(), more.begin(), more.end());

@@ -46,7 +46,8 @@ Robot load_robot(const RobotRequest& request);
 /// @throws DamagedFile when a mesh file is not whole or has no usable geometry.
 Robot load_robot(const std::string& name_or_path);
 
-/// What makes one doubt that its files are meant so: srdf_notes, and xacro_notes. @throws as these
+/// What makes one doubt that its files are meant so: srdf_notes, xacro_notes, and sizes and limits as they
+/// are of millimetres and degrees. @throws as these
 std::vector<std::string> robot_notes(const Robot& robot, const PackageFolders& packages = {});
 
 /// Names in datasets/robots with one line of description each, sorted.

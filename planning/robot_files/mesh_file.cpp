@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cstdlib>
 #include <cstring>
 #include <sstream>
@@ -214,8 +215,23 @@ MeshTriangles read_mesh_triangles(const ScaledMesh& mesh) {
   return triangles;
 }
 
-std::filesystem::path find_mesh(const std::string& name, const std::filesystem::path& folder,
-                                const PackageFolders& packages) {
+namespace {
+
+/// A URI's %20 and the like as the characters that they stand for.
+std::string decoded(const std::string& uri) {
+  std::string text;
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    unsigned value = 0;
+    const char* const from = uri.data() + i + 1;
+    const bool is_code = uri[i] == '%' && i + 2 < uri.size() &&
+                         std::from_chars(from, from + 2, value, 16).ptr == from + 2 && value != 0;
+    text += is_code ? static_cast<char>(value) : uri[i];
+    if (is_code) i += 2;
+  }
+  return text;
+}
+
+fs::path find_named(const std::string& name, const fs::path& folder, const PackageFolders& packages) {
   const std::string file = "file://";
   if (name.starts_with(file)) return folder / name.substr(file.size());
   const std::array<std::string, 2> searched{"package://", "model://"};
@@ -241,6 +257,20 @@ std::filesystem::path find_mesh(const std::string& name, const std::filesystem::
                               quote_path(whole.string()) +
                               ", nor in ROS_PACKAGE_PATH or AMENT_PREFIX_PATH: --package " +
                               shortened(package) + "=DIR names its folder");
+}
+
+}  // namespace
+
+std::filesystem::path find_mesh(const std::string& name, const std::filesystem::path& folder,
+                                const PackageFolders& packages) {
+  const std::string other = name.find("://") == std::string::npos ? name : decoded(name);
+  if (other == name) return find_named(name, folder, packages);
+  try {
+    const fs::path as_it_stands = find_named(name, folder, packages);
+    if (is_input_there(as_it_stands)) return as_it_stands;
+  } catch (const std::invalid_argument&) {  // no package has such a file
+  }
+  return find_named(other, folder, packages);
 }
 
 }  // namespace clearway

@@ -157,12 +157,35 @@ void blank_late_declaration(std::string& text) {
     if (text[at] != '\n') text[at] = ' ';
 }
 
+/// Line ends and tabs in attributes are blanks to a reader of XML (3.3.3 of the standard), but not to
+/// tinyxml2; urdfdom parts numbers at blanks alone.
+void blank_within_attributes(std::string& text) {
+  char closing = '\0';  // the quotation mark of the attribute that `at` is in
+  bool is_tag = false;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const char c = text[at];
+    if (closing != '\0') {
+      if (c == closing) closing = '\0';
+      if (c == '\t' || c == '\n' || c == '\r') text[at] = ' ';
+    } else if (!is_tag && text.compare(at, 4, "<!--") == 0) {
+      at = std::min(text.find("-->", at + 4), text.size() - 1);
+    } else if (!is_tag && text.compare(at, 9, "<![CDATA[") == 0) {
+      at = std::min(text.find("]]>", at), text.size() - 1);
+    } else if (is_tag && (c == '"' || c == '\'')) {
+      closing = c;
+    } else if (c == '<' || c == '>') {
+      is_tag = c == '<';
+    }
+  }
+}
+
 }  // namespace
 
 std::string read_text(const std::filesystem::path& file, const XacroArguments& arguments) {
   std::string text = read_input(file, "robot file", most_bytes_of_robot);
   if (extension_of(file) == ".xacro") text = expanded_xacro(file, most_bytes_of_robot, arguments);
   blank_late_declaration(text);
+  blank_within_attributes(text);
   return text;
 }
 

@@ -288,6 +288,47 @@ TEST_F(RobotFile, MeshesBecomeTheirHullsAndPackagesAreSearchedUpwards) {
   EXPECT_LT((robot.bodies[0].shape.edges() - Eigen::Vector3d(0.2, 0.4, 0.6)).norm(), 1e-6);
 }
 
+TEST_F(RobotFile, LimitsInDegreesAndMeshesInMillimetresAreTold) {
+  const auto notes = [&](double turn, double size) {
+    const std::string limit = std::to_string(turn), side = std::to_string(size);
+    std::ofstream(folder_ / "r.urdf")
+        << "<robot name='r'><link name='base'/><link name='arm'><collision><geometry><box size='" << side
+        << " 0.1 0.1'/></geometry></collision></link><joint name='j' type='revolute'>"
+        << "<parent link='base'/><child link='arm'/><axis xyz='0 0 1'/><limit lower='-" << limit
+        << "' upper='" << limit << "' effort='1' velocity='1'/></joint></robot>";
+    return robot_notes(load_robot((folder_ / "r.urdf").string()));
+  };
+  EXPECT_TRUE(notes(12.6, 15.0).empty());
+  const auto told = notes(170.0, 240.0);
+  ASSERT_EQ(told.size(), 2U);
+  EXPECT_EQ(told[0], "joint 'j' turns by 340 rad: are its limits in degrees? URDF has radians");
+  EXPECT_NE(told[1].find("part 'arm' has a body 240 m across"), std::string::npos) << told[1];
+}
+
+TEST_F(RobotFile, LineEndsAndTabsInAttributesAreBlanksAndUrisAreDecoded) {
+  std::filesystem::create_directories(folder_ / "my_robot/meshes");
+  std::ofstream(folder_ / "my_robot/meshes/a box.obj")
+      << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n";
+  std::ofstream(folder_ / "my_robot/meshes/100%25.obj")
+      << "v 0 0 0\nv 2 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n";
+  const auto loaded = [&](const std::string& geometry) {
+    std::ofstream(folder_ / "my_robot/r.urdf")
+        << "<robot name='r'><!-- it's -->\n<link name='base'/><link name='arm'><collision><origin\n "
+           "xyz='0.1\t0.2\n  0.3'/>"
+           "<geometry>"
+        << geometry << "</geometry></collision></link>" << turning << "</robot>";
+    return load_robot((folder_ / "my_robot/r.urdf").string()).bodies.at(0);
+  };
+  const Body box = loaded("<box size='0.2\r\n0.4\t0.6'/>");
+  EXPECT_LT((box.shape.edges() - Eigen::Vector3d(0.2, 0.4, 0.6)).norm(), 1e-12);
+  EXPECT_LT((box.link_from_shape.translation() - Eigen::Vector3d(0.1, 0.2, 0.3)).norm(), 1e-12);
+  EXPECT_EQ(loaded("<mesh filename='package://my_robot/meshes/a%20box.obj'/>").shape.vertices().size(), 4U);
+  // A file of that very name comes first.
+  const Body odd = loaded("<mesh filename='package://my_robot/meshes/100%25.obj'/>");
+  EXPECT_NEAR(odd.shape.bounds(Eigen::Isometry3d::Identity()).sizes().x(), 2.0, 1e-6);
+  EXPECT_THROW(loaded("<mesh filename='package://my_robot/meshes/a%2box.obj'/>"), std::invalid_argument);
+}
+
 TEST_F(RobotFile, SrdfPairsNeighboursAndDesignOverlapsAreExemptAndNothingElse) {
   // Four links in a row along x; b and d overlap always (d reaches back over c), a and d never.
   const auto link = [](const std::string& name, const std::string& x, const std::string& size) {

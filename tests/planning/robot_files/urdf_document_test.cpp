@@ -106,8 +106,8 @@ TEST_F(UrdfDocumentFile, OnlyWholeDecimalNumbersCountWhateverTheLocale) {
   }
   EXPECT_EQ(with_shape("<box size='0.1 0.2.3'/>"),
             "r.urdf: link 'arm': <box> needs size with 3 finite numbers, got '0.1 0.2.3'");
-  EXPECT_EQ(with_shape("<box size='0.1\t0.2 3'/>"),  // urdfdom would drop the body
-            "r.urdf: link 'arm': <box> needs size with 3 finite numbers, got '0.1\\t0.2 3'");
+  EXPECT_EQ(with_shape("<box size='0.1,0.2 3'/>"),  // urdfdom would drop the body
+            "r.urdf: link 'arm': <box> needs size with 3 finite numbers, got '0.1,0.2 3'");
   EXPECT_EQ(with_shape("<box size=' +.1  2e-1 3. '/>"), "accepted");
   EXPECT_EQ(load_robot((folder_.path() / "r.urdf").string()).bodies[0].shape.edges(),
             Eigen::Vector3d(0.1, 0.2, 3.0));
