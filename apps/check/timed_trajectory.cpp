@@ -179,6 +179,7 @@ std::optional<TimedTrajectory> timed_trajectory(const ForeignTrajectory& traject
   if (trajectory.times.empty()) return std::nullopt;
   require_still(trajectory, robot, file);
   TimedTrajectory timed;
+  timed.field = trajectory.field;
   for (std::size_t i = 0; i < trajectory.points.size(); ++i)
     timed.points.push_back({trajectory.times[i], picked(trajectory, robot, trajectory.points[i]),
                             picked(trajectory, robot, trajectory.velocities[i]),

@@ -20,6 +20,7 @@ struct TimedTrajectory {
   std::string fault{};               ///< why no controller can run it, one sentence; else empty
   std::vector<std::string> notes{};  ///< what is not judged, one sentence each
   bool has_start = false;  ///< the first of `points` is where the robot rests before the file's first
+  std::string field{};     ///< of the trajectory
 };
 
 /// The trajectory with its times; none of one without. From where the file says that the robot is before, at

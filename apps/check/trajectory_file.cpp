@@ -5,6 +5,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "apps/check/trajectory_entries.hpp"
 #include "apps/console/parse.hpp"
 #include "apps/problem_sets/scene_fields.hpp"
 #include "datasets/descriptions/yaml_fields.hpp"
@@ -28,22 +29,26 @@ YamlFields unwrapped(const YamlFields& root) {
   return root;
 }
 
-/// The map that holds `joint_names`.
-std::optional<YamlFields> innermost(const YamlFields& root) {
+/// The maps that hold `joint_names`.
+std::vector<YamlFields> innermost(const YamlFields& root) {
   if (root.has("joint_names") && root.has("joint_trajectory"))
     root.fail("joint_trajectory", "expected it or 'joint_names', got both");
-  if (root.has("joint_names")) return root;
+  if (root.has("joint_names")) return {root};
   if (root.has("multi_dof_joint_trajectory") &&
       !root.map("multi_dof_joint_trajectory").list_of_maps("points").empty())
     root.fail("multi_dof_joint_trajectory", "expected no points: the robot's base stands still");
-  if (root.has("joint_trajectory")) return root.map("joint_trajectory");
+  if (root.has("joint_trajectory")) return {root.map("joint_trajectory")};
   for (const char* key : {"planned_trajectory", "trajectory"})
     if (root.is_map(key)) return innermost(root.map(key));
-  if (!root.has("trajectory")) return std::nullopt;
-  const std::vector<YamlFields> list = root.list_of_maps("trajectory");
-  if (list.size() != 1)
-    root.fail("trajectory", "expected one trajectory, got " + std::to_string(list.size()));
-  return innermost(list.front());
+  std::vector<YamlFields> found;
+  if (!root.has("trajectory")) return found;
+  for (const YamlFields& entry : root.list_of_maps("trajectory")) {
+    const std::vector<YamlFields> inner = innermost(entry);
+    if (inner.size() != 1) entry.fail("joint_trajectory", "expected the one trajectory of this entry");
+    found.push_back(inner.front());
+  }
+  if (found.empty()) root.fail("trajectory", "expected at least one");
+  return found;
 }
 
 /// Where the robot's base is before the trajectory, and stays, if the file says it: the pose of the virtual
@@ -174,40 +179,46 @@ ForeignTrajectory own_export(const YamlFields& root) {
   return trajectory;
 }
 
+ForeignTrajectory trajectory_of(const YamlFields& found) {
+  ForeignTrajectory trajectory;
+  trajectory.joints = found.texts("joint_names");
+  if (trajectory.joints.empty()) found.fail("joint_names", "expected at least one");
+  if (std::set<std::string>(trajectory.joints.begin(), trajectory.joints.end()).size() !=
+      trajectory.joints.size())
+    found.fail("joint_names", "expected each name once");
+  const std::vector<YamlFields> points = found.list_of_maps("points");
+  for (const YamlFields& point : points)
+    trajectory.points.push_back(point.numbers("positions", any_value, trajectory.joints.size()));
+  if (trajectory.points.empty()) found.fail("points", "expected at least one");
+  read_times(points, trajectory);
+  return trajectory;
+}
+
 }  // namespace
 
-std::optional<ForeignTrajectory> read_trajectory(const std::filesystem::path& file) {
+std::vector<ForeignTrajectory> read_trajectories(const std::filesystem::path& file) {
   const std::string kind = extension_of(file);
   if (kind == ".csv")
     throw std::invalid_argument(file.string() +
                                 ": a trajectory as CSV is for spreadsheets, expected a plan's JSON, or a "
                                 "trajectory as --export ros, ros-json or json writes it");
   const bool is_yaml = kind == ".yaml" || kind == ".yml";
-  if (!is_yaml && kind != ".json") return std::nullopt;
+  if (!is_yaml && kind != ".json") return {};
   const std::string text = read_input(file, "plan file", 64U << 20U);
   const bool is_own = !is_yaml && text.find("\"times_s\"") != std::string::npos &&
                       text.find("\"joints\"") != std::string::npos &&
                       text.find("\"legs\"") == std::string::npos;
-  if (!is_yaml && !is_own && text.find("\"joint_names\"") == std::string::npos) return std::nullopt;
+  if (!is_yaml && !is_own && text.find("\"joint_names\"") == std::string::npos) return {};
   const YamlFields whole(text, "trajectory " + quote_path(file.string()));
-  if (is_own) return own_export(whole);
+  if (is_own) return {own_export(whole)};
   const YamlFields root = unwrapped(whole);
-  const std::optional<YamlFields> found = innermost(root);
-  if (!found) root.fail("joint_names", "expected the names of a JointTrajectory");
-  ForeignTrajectory trajectory;
-  trajectory.start = start_of(root);
-  trajectory.map_from_base = base_of(root);
-  trajectory.joints = found->texts("joint_names");
-  if (trajectory.joints.empty()) found->fail("joint_names", "expected at least one");
-  if (std::set<std::string>(trajectory.joints.begin(), trajectory.joints.end()).size() !=
-      trajectory.joints.size())
-    found->fail("joint_names", "expected each name once");
-  const std::vector<YamlFields> points = found->list_of_maps("points");
-  for (const YamlFields& point : points)
-    trajectory.points.push_back(point.numbers("positions", any_value, trajectory.joints.size()));
-  if (trajectory.points.empty()) found->fail("points", "expected at least one");
-  read_times(points, trajectory);
-  return trajectory;
+  std::vector<ForeignTrajectory> entries;
+  for (const YamlFields& found : innermost(root)) entries.push_back(trajectory_of(found));
+  if (entries.empty()) root.fail("joint_names", "expected the names of a JointTrajectory");
+  entries.front().start = start_of(root);
+  entries.front().map_from_base = base_of(root);
+  join_entries(entries, file);
+  return entries;
 }
 
 }  // namespace clearway

@@ -10,7 +10,7 @@
 namespace clearway {
 
 /// A path of another program: a trajectory_msgs/JointTrajectory, or what holds one as `joint_trajectory`
-/// (moveit_msgs/RobotTrajectory) or as the only one in `trajectory` (DisplayTrajectory), goals of
+/// (moveit_msgs/RobotTrajectory) or in the list `trajectory` (DisplayTrajectory), goals of
 /// FollowJointTrajectory and ExecuteTrajectory, responses and results of MoveIt, as JSON or YAML.
 struct ForeignTrajectory {
   std::vector<std::string> joints;
@@ -22,12 +22,14 @@ struct ForeignTrajectory {
   /// all are 0.
   std::vector<double> times{};
   std::vector<std::vector<double>> velocities{}, accelerations{};  ///< of each point with a time; empty: none
+  std::string field{};  ///< "trajectory[1]" of one of several, by which messages name it; else empty
 };
 
-/// Nothing of a file that is something else: a plan.
+/// The trajectories of the file, of which each but the first begins where the one before ends
+/// (join_entries); none of a file that is something else: a plan.
 /// @throws std::invalid_argument naming file, field and what was expected: names given twice, a point with
 /// another number of positions, velocities or accelerations, times that are missing or do not rise,
 /// accelerations without velocities, no point.
-std::optional<ForeignTrajectory> read_trajectory(const std::filesystem::path& file);
+std::vector<ForeignTrajectory> read_trajectories(const std::filesystem::path& file);
 
 }  // namespace clearway

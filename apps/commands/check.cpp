@@ -5,7 +5,7 @@
 
 #include "apps/check/check_contract.hpp"
 #include "apps/check/check_report.hpp"
-#include "apps/check/timed_trajectory.hpp"
+#include "apps/check/trajectory_entries.hpp"
 #include "apps/check/trajectory_plan.hpp"
 #include "apps/console/commands.hpp"
 #include "apps/console/parse.hpp"
@@ -91,21 +91,22 @@ void note_missing_masses(const Robot& robot, CheckReport& report) {
     report.torque_caveat = missing + ", so torques are of the masses that are known";
 }
 
-/// A trajectory with times, as a controller runs it; its chords stand for the plan's waypoints in the survey.
-void check_timed_of(const TimedTrajectory& trajectory, const Snapshot& map, std::vector<LegsToCheck>& legs,
-                    CheckReport& report) {
+/// Trajectories with times, as a controller runs them; their chords stand for the plan's waypoints in the
+/// survey.
+void check_timed_of(const std::vector<TimedTrajectory>& entries, const Snapshot& map,
+                    std::vector<LegsToCheck>& legs, CheckReport& report) {
   Contract& contract = report.contract;
-  report.splines = check_timed(trajectory, legs.front().robot, map, policies_of(contract),
+  report.splines = check_timed(entries, legs.front().robot, map, policies_of(contract),
                                contract.padding.value, contract.seen_within.value);
   report.path = report.splines->path;
-  report.motion_duration = trajectory.points.back().time;
+  report.motion_duration = duration_of(entries);
   legs.front().waypoints = report.splines->chords;
   const Robot& robot = legs.front().robot;
   if (report.splines->is_valid()) {
-    report.torques = torques_of(trajectory, robot, joint_load_of(contract), *report.splines);
+    report.torques = torques_of(entries, robot, joint_load_of(contract), *report.splines);
     note_missing_masses(robot, report);
   }
-  for (std::string& note : notes_of(trajectory, *report.splines, robot))
+  for (std::string& note : notes_of(entries, *report.splines, robot))
     contract.notes.push_back(std::move(note));
 }
 
@@ -138,20 +139,22 @@ void take_start(const CheckOptions& options, const Robot& robot, ForeignTrajecto
 }  // namespace
 
 int run_check(const CheckOptions& options, Console& console) {
-  std::optional<ForeignTrajectory> trajectory = read_trajectory(options.plan);
-  Plan plan = trajectory ? Plan{} : load_plan(options.plan);
+  std::vector<ForeignTrajectory> entries = read_trajectories(options.plan);
+  const bool is_trajectory = !entries.empty();
+  Plan plan = is_trajectory ? Plan{} : load_plan(options.plan);
   const Robot robot = robot_to_check(options, plan);
-  if (trajectory && !options.pick.empty())
+  if (is_trajectory && !options.pick.empty())
     throw std::invalid_argument("--pick: " + quote_path(options.plan.string()) +
                                 " is a trajectory, which does not say where its legs end; expected the "
                                 "plan's JSON, which holds the motion, too (plan --out --motion)");
   std::vector<std::string> unnamed;
-  if (trajectory) {
-    unnamed = hold_unnamed_joints(*trajectory, robot);
-    take_start(options, robot, *trajectory);
+  for (ForeignTrajectory& entry : entries) {
+    const std::vector<std::string> held = hold_unnamed_joints(entry, robot);
+    if (&entry == &entries.front()) unnamed = held;
   }
-  plan =
-      trajectory ? plan_of_trajectory(*trajectory, robot, options.plan) : in_order_of(robot, std::move(plan));
+  if (is_trajectory) take_start(options, robot, entries.front());
+  plan = is_trajectory ? plan_of_trajectories(entries, robot, options.plan)
+                       : in_order_of(robot, std::move(plan));
   const Snapshot map = load_map(options.map, options.cloud_resolution);
   for (const std::string& note : robot_notes(robot, robot_request(options.robot).packages))
     console.warn("note: " + note);
@@ -160,17 +163,16 @@ int run_check(const CheckOptions& options, Console& console) {
   const std::string cloud = cloud_remark(options.map, map, options.cloud_resolution.has_value());
   if (const std::string caveat = damage_caveat(map); !caveat.empty()) console.warn("warning: " + caveat);
   CheckReport report;
-  const std::optional<TimedTrajectory> timed =
-      trajectory ? timed_trajectory(*trajectory, robot, options.plan) : std::nullopt;
+  const std::vector<TimedTrajectory> timed = timed_trajectories(entries, robot, options.plan);
   report.contract = state_contract(options, plan, robot, map, map_sha256(options.map),
-                                   load_query_record(options.map), plan.motion || timed);
-  if (trajectory) {
-    adopt_terms(report.contract, plan, timed.has_value());
-    require_base(*trajectory, report.contract.map_from_base.value, options.plan);
+                                   load_query_record(options.map), plan.motion || !timed.empty());
+  if (is_trajectory) {
+    adopt_terms(report.contract, plan, !timed.empty());
+    require_base(entries.front(), report.contract.map_from_base.value, options.plan);
     if (!unnamed.empty())
-      report.contract.notes.push_back("the trajectory does not name " + listed(unnamed) +
-                                      ": judged where trajectory_start has " +
-                                      (unnamed.size() == 1 ? "it" : "them"));
+      report.contract.notes.push_back(
+          "the trajectory does not name " + listed(unnamed) + ": judged where trajectory_start" +
+          (entries.size() > 1 ? ", or a later one," : "") + " has " + (unnamed.size() == 1 ? "it" : "them"));
   }
   report.deviations = deviations(report.contract, plan, robot, options.accepted);
   adopt_accepted(report.deviations, plan, robot, report.contract);
@@ -179,8 +181,8 @@ int run_check(const CheckOptions& options, Console& console) {
     for (const std::string& note : hold_notes(robot, carried_under(report.contract)))
       report.contract.notes.push_back(note);
   std::vector<LegsToCheck> legs = legs_under(report.contract, robot, map, plan);
-  if (timed && !report.contract.pick.value)
-    check_timed_of(*timed, map, legs, report);
+  if (!timed.empty() && !report.contract.pick.value)
+    check_timed_of(timed, map, legs, report);
   else
     report.path = check_waypoints(report.contract, robot, map, plan);
   check_motion_of(plan, robot, map, report);
