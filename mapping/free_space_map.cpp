@@ -85,8 +85,13 @@ FreeSpaceMap::~FreeSpaceMap() = default;
 FreeSpaceMap::FreeSpaceMap(FreeSpaceMap&&) noexcept = default;
 FreeSpaceMap& FreeSpaceMap::operator=(FreeSpaceMap&&) noexcept = default;
 
+FreeSpaceMap::State& FreeSpaceMap::state() const {
+  if (!state_) throw std::logic_error("the map was moved elsewhere, expected one that was not moved from");
+  return *state_;
+}
+
 int FreeSpaceMap::add_volume(const std::string& label, const std::vector<std::string>& critical_parts) {
-  const auto& volumes = state_->paint.volumes();
+  const auto& volumes = state().paint.volumes();
   const bool known =
       std::any_of(volumes.begin(), volumes.end(), [&](const auto& v) { return v.label == label; });
   if (known)
@@ -100,22 +105,22 @@ int FreeSpaceMap::add_volume(const std::string& label, const std::vector<std::st
     throw std::invalid_argument("painted volume " + quote(label) +
                                 ": expected a label and part names without control characters");
   }
-  return state_->paint.add_volume(label, critical_parts);
+  return state().paint.add_volume(label, critical_parts);
 }
 
 PaintCounts FreeSpaceMap::paint(int volume, const Sphere& sphere, double time) {
-  state_->check_sphere(volume, sphere, time);
-  const PaintTally tally = state_->tree.paint(volume, sphere);
-  state_->paint.paint(volume, sphere, time);
-  state_->conflicts.painted(sphere, state_->options.resolution, tally.new_conflicts, time,
-                            state_->paint.open_stroke(), volume);
+  state().check_sphere(volume, sphere, time);
+  const PaintTally tally = state().tree.paint(volume, sphere);
+  state().paint.paint(volume, sphere, time);
+  state().conflicts.painted(sphere, state().options.resolution, tally.new_conflicts, time,
+                            state().paint.open_stroke(), volume);
   return {tally.painted, tally.newly, tally.conflicts};
 }
 
 EraseCounts FreeSpaceMap::erase(int volume, const Sphere& eraser, double time) {
-  state_->check_sphere(volume, eraser, time);
-  const PaintLog::Change change = state_->paint.erase(volume, eraser, time);
-  const std::size_t unpainted = state_->repaint(change).unpainted;
+  state().check_sphere(volume, eraser, time);
+  const PaintLog::Change change = state().paint.erase(volume, eraser, time);
+  const std::size_t unpainted = state().repaint(change).unpainted;
   return {change.shrunk, change.removed, unpainted};
 }
 
@@ -123,71 +128,71 @@ int FreeSpaceMap::begin_stroke(const std::string& label, const std::string& sour
   if (!is_storable_name(label) || !is_storable_name(source)) {
     throw std::invalid_argument("stroke " + quote(label) + ": expected names without control characters");
   }
-  return state_->paint.begin_stroke(label, source);
+  return state().paint.begin_stroke(label, source);
 }
 
-void FreeSpaceMap::end_stroke() { state_->paint.end_stroke(); }
+void FreeSpaceMap::end_stroke() { state().paint.end_stroke(); }
 
 int FreeSpaceMap::undo_stroke() {
-  const int last = state_->paint.last_stroke();
+  const int last = state().paint.last_stroke();
   return last < 0 ? -1 : undo_stroke(last);
 }
 
 int FreeSpaceMap::undo_stroke(int stroke) {
-  const std::size_t strokes = state_->paint.strokes().size();
+  const std::size_t strokes = state().paint.strokes().size();
   if (stroke < 0 || static_cast<std::size_t>(stroke) >= strokes) {
     throw std::invalid_argument("stroke " + std::to_string(stroke) + " does not exist, " +
                                 std::to_string(strokes) + " were begun");
   }
-  for (const PaintLog::Change& change : state_->paint.undo(stroke)) state_->repaint(change);
+  for (const PaintLog::Change& change : state().paint.undo(stroke)) state().repaint(change);
   return stroke;
 }
 
 ScanCounts FreeSpaceMap::insert(const Scan& scan, const ScanFilter& filter) {
-  const MapOptions& options = state_->options;
+  const MapOptions& options = state().options;
   ScanInsertion insertion{.discretize = options.discretize, .threads = options.threads};
   insertion.integration = options.integration;
   insertion.margins = options.margins;
   const ScanCounts counts =
-      insert_scan(state_->tree, scan, filter, insertion, state_->workspace, &state_->contested);
-  const int number = state_->scans_inserted++;
+      insert_scan(state().tree, scan, filter, insertion, state().workspace, &state().contested);
+  const int number = state().scans_inserted++;
   if (counts.origin_invalid) return counts;
-  state_->seen.see(state_->workspace.grid, scan.time, options.threads);
-  state_->seen_shared = nullptr;
-  state_->conflicts.inserted(state_->tree, state_->workspace.grid, scan.time, number);
-  if (state_->scans) state_->scans->add(number, scan.sensor, scan.time, state_->workspace.grid);
+  state().seen.see(state().workspace.grid, scan.time, options.threads);
+  state().seen_shared = nullptr;
+  state().conflicts.inserted(state().tree, state().workspace.grid, scan.time, number);
+  if (state().scans) state().scans->add(number, scan.sensor, scan.time, state().workspace.grid);
   return counts;
 }
 
 void FreeSpaceMap::note_damaged_recording(std::size_t records) {
-  state_->tree.set_records_before_damage(records);
+  state().tree.set_records_before_damage(records);
 }
 
-void FreeSpaceMap::keep_scans(std::size_t budget) { state_->scans.emplace(budget); }
+void FreeSpaceMap::keep_scans(std::size_t budget) { state().scans.emplace(budget); }
 
-const ConflictLog& FreeSpaceMap::conflicts() const { return state_->conflicts.log(); }
+const ConflictLog& FreeSpaceMap::conflicts() const { return state().conflicts.log(); }
 
 Provenance FreeSpaceMap::provenance() const {
   Provenance result;
-  result.resolution = state_->options.resolution;
+  result.resolution = state().options.resolution;
   for (const PaintedVolume& volume : volumes()) result.volumes.push_back(volume.label);
-  result.strokes = state_->paint.strokes();
-  result.events = state_->paint.events();
+  result.strokes = state().paint.strokes();
+  result.events = state().paint.events();
   result.conflicts = conflicts();
-  if (state_->scans) result.scans = *state_->scans;
+  if (state().scans) result.scans = *state().scans;
   return result;
 }
 
-const MapOptions& FreeSpaceMap::options() const { return state_->options; }
-const std::vector<PaintedVolume>& FreeSpaceMap::volumes() const { return state_->paint.volumes(); }
+const MapOptions& FreeSpaceMap::options() const { return state().options; }
+const std::vector<PaintedVolume>& FreeSpaceMap::volumes() const { return state().paint.volumes(); }
 
 Snapshot FreeSpaceMap::snapshot() const {
-  auto tree = std::make_shared<const FusedTree>(state_->tree);
-  if (!state_->seen_shared) state_->seen_shared = std::make_shared<const SeenStamps>(state_->seen);
-  const auto& seen = state_->seen_shared;
-  state_->last = state_->last ? Snapshot(std::move(tree), state_->paint.volumes(), *state_->last, seen)
-                              : Snapshot(std::move(tree), state_->paint.volumes(), seen);
-  return *state_->last;
+  auto tree = std::make_shared<const FusedTree>(state().tree);
+  if (!state().seen_shared) state().seen_shared = std::make_shared<const SeenStamps>(state().seen);
+  const auto& seen = state().seen_shared;
+  state().last = state().last ? Snapshot(std::move(tree), state().paint.volumes(), *state().last, seen)
+                              : Snapshot(std::move(tree), state().paint.volumes(), seen);
+  return *state().last;
 }
 
 }  // namespace clearway

@@ -49,6 +49,7 @@ class FreeSpaceMap {
   /// @throws std::invalid_argument naming the option that is out of range.
   explicit FreeSpaceMap(const MapOptions& options = {});
   ~FreeSpaceMap();
+  /// What was moved from can be assigned to and destroyed; all else throws std::logic_error.
   FreeSpaceMap(FreeSpaceMap&&) noexcept;
   FreeSpaceMap& operator=(FreeSpaceMap&&) noexcept;
 
@@ -106,6 +107,7 @@ class FreeSpaceMap {
 
  private:
   struct State;
+  State& state() const;
   std::unique_ptr<State> state_;
 };
 

@@ -47,6 +47,10 @@ class Snapshot {
   /// them again, not built anew.
   Snapshot(std::shared_ptr<const FusedTree> tree, std::vector<PaintedVolume> volumes,
            const Snapshot& previous, std::shared_ptr<const SeenStamps> seen = nullptr);
+  /// Moving copies, too: what was moved from is still the same map.
+  Snapshot(const Snapshot&) = default;
+  Snapshot& operator=(const Snapshot&) = default;
+  ~Snapshot() = default;
 
   double resolution() const;                          ///< metres
   const std::vector<PaintedVolume>& volumes() const;  ///< exact spheres; empty for a bare tree
@@ -80,7 +84,7 @@ class Snapshot {
   /// @param max_distance where the field is truncated, metres, > 0.
   /// @throws std::invalid_argument when the region is empty or its field would exceed the memory limit (the
   ///         sentence says which size would fit), or when `requirement` asks for times that the map does not
-  ///         know.
+  ///         know, or under another policy than known_free.
   std::shared_ptr<const BlockedSpace> blocked_space(const Requirement& requirement,
                                                     const Eigen::AlignedBox3d& region,
                                                     double max_distance) const;

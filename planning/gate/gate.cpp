@@ -126,6 +126,8 @@ Gate::Gate(GateOptions options) : options_(std::move(options)) {
           "gate: tolerance is " + short_text(options_.tolerance) + ", expected a finite number not below 0");
   require(options_.max_age > 0.0,
           "gate: max_age is " + short_text(options_.max_age) + ", expected seconds above 0");
+  require_limits(options_.limits);
+  require(!options_.start || options_.start->allFinite(), "gate: start has a value that is not finite");
   restart(options_.start);
 }
 

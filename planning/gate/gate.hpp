@@ -98,7 +98,7 @@ struct GateVerdict {
 class Gate {
  public:
   /// @throws std::invalid_argument for a tolerance below 0, a max_age that is not above 0, limits out of
-  /// range
+  /// range, or a start that is not finite
   explicit Gate(GateOptions options = {});
   ~Gate();
   Gate(const Gate&) = delete;

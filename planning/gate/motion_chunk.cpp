@@ -102,17 +102,19 @@ ChunkFault velocity_fault(const MotionChunk& chunk, const Robot& robot, const Jo
 }
 
 /// One value for each joint.
+void require_above_zero(const std::vector<double>& list, const char* name) {
+  for (const double value : list)
+    require(std::isfinite(value) && value > 0.0,
+            std::string("gate: ") + name + " is " + short_text(value) + ", expected a finite number above 0");
+}
+
 Eigen::VectorXd for_each_joint(const std::vector<double>& list, const Robot& robot, const char* name) {
   require(list.size() == 1 || list.size() == robot.dof(),
           std::string("gate: ") + name + " has " + std::to_string(list.size()) + " values, expected 1 or " +
               std::to_string(robot.dof()) + ", one for each joint of " + robot.name);
   Eigen::VectorXd values(static_cast<Eigen::Index>(robot.dof()));
-  for (std::size_t j = 0; j < robot.dof(); ++j) {
-    const double value = list[list.size() == 1 ? 0 : j];
-    require(std::isfinite(value) && value > 0.0,
-            std::string("gate: ") + name + " is " + short_text(value) + ", expected a finite number above 0");
-    values[static_cast<Eigen::Index>(j)] = value;
-  }
+  for (std::size_t j = 0; j < robot.dof(); ++j)
+    values[static_cast<Eigen::Index>(j)] = list[list.size() == 1 ? 0 : j];
   return values;
 }
 
@@ -160,16 +162,24 @@ std::string_view to_string(GateReason reason) {
   return "";
 }
 
+void require_limits(const MotionLimits& limits) {
+  require_above_zero(limits.max_velocity, "max_velocity");
+  require_above_zero(limits.deceleration, "deceleration");
+  require(!limits.deceleration.empty(), "gate: deceleration has no value, expected 1, or one for each joint");
+  require(
+      std::isfinite(limits.reaction) && limits.reaction >= 0.0,
+      "gate: reaction is " + short_text(limits.reaction) + ", expected a finite time not below 0, seconds");
+  require(std::isfinite(limits.max_duration) && limits.max_duration > 0.0,
+          "gate: max_duration is " + short_text(limits.max_duration) +
+              ", expected a finite time above 0, seconds");
+}
+
 JointLimits joint_limits(const Robot& robot, const MotionLimits& limits) {
+  require_limits(limits);
   JointLimits all{.max_velocity = Eigen::VectorXd(static_cast<Eigen::Index>(robot.dof())),
                   .deceleration = for_each_joint(limits.deceleration, robot, "deceleration"),
                   .reaction = limits.reaction,
                   .max_duration = limits.max_duration};
-  require(std::isfinite(all.reaction) && all.reaction >= 0.0,
-          "gate: reaction is " + short_text(all.reaction) + ", expected a finite time not below 0, seconds");
-  require(
-      std::isfinite(all.max_duration) && all.max_duration > 0.0,
-      "gate: max_duration is " + short_text(all.max_duration) + ", expected a finite time above 0, seconds");
   for (std::size_t j = 0; j < robot.dof(); ++j)
     all.max_velocity[static_cast<Eigen::Index>(j)] = velocity_limit(robot, j);
   if (limits.max_velocity.empty()) return all;

@@ -23,7 +23,7 @@ struct MotionChunk {
 /// all joints, or one for each.
 struct MotionLimits {
   /// At most these, and at most the robot's own. Empty: the robot's own, and 1.0 where it has none.
-  std::vector<double> max_velocity = {};
+  std::vector<double> max_velocity = {};     ///< each > 0
   std::vector<double> deceleration = {5.0};  ///< with which the joints brake, > 0
   double reaction = 0.0;                     ///< seconds at the last velocity before they begin to, >= 0
   double max_duration = 60.0;                ///< of a chunk, seconds, > 0
@@ -63,6 +63,9 @@ struct JointLimits {
   Eigen::VectorXd max_velocity, deceleration;
   double reaction = 0.0, max_duration = 60.0;
 };
+
+/// Refuses limits that are out of range for every robot. @throws std::invalid_argument
+void require_limits(const MotionLimits& limits);
 
 /// @throws std::invalid_argument for limits out of range, or lists that do not fit the robot.
 JointLimits joint_limits(const Robot& robot, const MotionLimits& limits);

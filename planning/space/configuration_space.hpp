@@ -154,6 +154,7 @@ class ConfigurationSpace {
   const CollisionModel& collision_model() const { return *model_; }
 
   /// Bound on how far any point of any body moves when the joints move by |dq|, metres.
+  /// @throws std::invalid_argument when there is not one value for each joint
   double motion_bound(const Eigen::VectorXd& abs_dq) const;
 
  private:

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <numeric>
+#include <stdexcept>
+#include <string>
 
 #include "planning/space/collision_model.hpp"
 
@@ -342,6 +344,11 @@ bool CollisionModel::is_edge_free(const Configuration& from, const Configuration
 }
 
 double ConfigurationSpace::motion_bound(const Eigen::VectorXd& abs_dq) const {
+  const auto dof = static_cast<Eigen::Index>(model_->robot.dof());
+  if (abs_dq.size() != dof)
+    throw std::invalid_argument("motion bound: expected " + std::to_string(dof) +
+                                " values, one for each joint of " + model_->robot.name + ", got " +
+                                std::to_string(abs_dq.size()));
   double largest = 0.0;
   for (const Eigen::VectorXd& levers : model_->levers) largest = std::max(largest, levers.dot(abs_dq));
   return largest;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 
 #include "tests/worlds/random_map.hpp"
 
@@ -73,6 +74,27 @@ TEST(FreeSpaceMap, ASnapshotStaysAsItWasWhileTheMapGoesOn) {
   EXPECT_EQ(before.counts().painted, counts.painted);
   EXPECT_EQ(before.counts().seen_free, counts.seen_free);
   EXPECT_GT(map.snapshot().counts().painted, counts.painted);
+}
+
+TEST(FreeSpaceMap, WhatWasMovedFromSaysSoAndMayBeAssignedTo) {
+  FreeSpaceMap map = worlds::random_map(2);
+  const FreeSpaceMap moved = std::move(map);
+  for (const std::function<void()>& call : std::vector<std::function<void()>>{
+           [&] { map.add_volume("v", {}); },
+           [&] {
+             map.paint(0, {{0, 0, 0}, 1});
+           },
+           [&] {
+             map.erase(0, {{0, 0, 0}, 1});
+           },
+           [&] { map.begin_stroke("s"); }, [&] { map.end_stroke(); }, [&] { map.undo_stroke(); },
+           [&] { map.undo_stroke(0); }, [&] { map.keep_scans(); }, [&] { map.conflicts(); },
+           [&] { map.provenance(); }, [&] { map.note_damaged_recording(1); }, [&] { map.insert({}); },
+           [&] { map.options(); }, [&] { map.volumes(); }, [&] { map.snapshot(); }})
+    EXPECT_THROW(call(), std::logic_error);
+  EXPECT_GT(moved.snapshot().counts().painted, 0U);
+  map = FreeSpaceMap({.resolution = 0.25});
+  EXPECT_EQ(map.snapshot().resolution(), 0.25);
 }
 
 TEST(FreeSpaceMap, AHigherThresholdCallsTheSameEvidenceFreeUnlessWhatIsHitIsBlockedAtOnce) {

@@ -182,6 +182,18 @@ TEST(Snapshot, BlockedSpacesOfALaterSnapshotAreThoseOfItsOwnTree) {
   EXPECT_GT(compared, 10000U);
 }
 
+TEST(Snapshot, WhatWasMovedFromIsStillTheMap) {
+  Snapshot snapshot = worlds::random_map(4).snapshot();
+  const std::size_t painted = snapshot.counts().painted;
+  const Snapshot moved = std::move(snapshot);
+  EXPECT_GT(painted, 0U);
+  EXPECT_EQ(snapshot.counts().painted, painted);
+  EXPECT_EQ(&snapshot.tree(), &moved.tree());
+  Snapshot assigned;
+  assigned = std::move(snapshot);
+  EXPECT_EQ(&snapshot.tree(), &assigned.tree());
+}
+
 TEST(Snapshot, IsReadFromManyThreadsWhileTheMapIsWritten) {
   FreeSpaceMap map = worlds::random_map(4);
   const Snapshot snapshot = map.snapshot();

@@ -50,6 +50,17 @@ void expect_says(const std::string& sentence, const std::vector<std::string>& pa
 }
 
 TEST(GateLimits, OptionsBeginWhereTheirWordsSay) {
+  for (const double bad : {-1.0, 0.0, infinity, std::nan("")}) {
+    EXPECT_THROW(Gate({.limits = {.max_velocity = {1.0, bad}}}), std::invalid_argument) << bad;
+    EXPECT_THROW(Gate({.limits = {.deceleration = {bad}}}), std::invalid_argument) << bad;
+    EXPECT_THROW(Gate({.limits = {.max_duration = bad}}), std::invalid_argument) << bad;
+  }
+  for (const double bad : {-1.0, infinity, std::nan("")})
+    EXPECT_THROW(Gate({.limits = {.reaction = bad}}), std::invalid_argument) << bad;
+  for (const double bad : {infinity, std::nan("")})
+    EXPECT_THROW(Gate({.start = Configuration(Configuration::Constant(2, bad))}), std::invalid_argument)
+        << bad;
+  EXPECT_THROW(Gate({.limits = {.deceleration = {}}}), std::invalid_argument);
   for (const double good : {0.0, 0.5, 1e-9}) EXPECT_NO_THROW(Gate({.tolerance = good})) << good;
   for (const double bad : {-1e-9, infinity, -infinity, std::nan("")}) {
     try {

@@ -257,6 +257,21 @@ TEST(ConfigurationSpace, NoPointOfTheRobotMovesFartherThanTheMotionBound) {
   }
 }
 
+TEST(ConfigurationSpace, AMotionBoundOfOtherNumbersOfJointsIsRefused) {
+  const ConfigurationSpace space(load_robot("planar2"), Snapshot(), not_occupied());
+  for (const Eigen::Index count : {0, 1, 3, 40}) {
+    try {
+      space.motion_bound(Eigen::VectorXd::Ones(count));
+      ADD_FAILURE() << count;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_EQ(
+          std::string(error.what()),
+          "motion bound: expected 2 values, one for each joint of planar2, got " + std::to_string(count));
+    }
+  }
+  EXPECT_GT(space.motion_bound(Eigen::Vector2d(1.0, 1.0)), 0.0);
+}
+
 TEST(ConfigurationSpace, ASlideWithoutLimitsBelowATurningJointIsRefused) {
   // How far the turning joint moves it has no bound: no edge could be judged by bounds.
   Robot robot = load_robot("planar2");
