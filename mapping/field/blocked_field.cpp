@@ -83,7 +83,7 @@ BlockedField::BlockedField(const FusedTree& tree, const Requirement& requirement
       box_((cells.first.cast<double>() * cells.resolution).eval(),
            ((cells.first + cells.size).cast<double>() * cells.resolution).eval()),
       bytes_(std::make_shared<Bytes>()) {
-  require_seen_within(requirement.seen_within, seen);
+  require_seen_within(requirement, seen);
   if (requirement.seen_within > 0.0) {
     tiles_ = std::make_shared<const DistanceTiles>(
         blocked_cells(tree, seen, requirement, cells.first, cells.size), cap_of(cells));

@@ -27,11 +27,20 @@ void require_seen_within(double seen_within, const SeenStamps* seen) {
   throw std::invalid_argument(text.str());
 }
 
+void require_seen_within(const Requirement& requirement, const SeenStamps* seen) {
+  if (requirement.seen_within > 0.0 && requirement.policy != Policy::known_free)
+    throw std::invalid_argument(
+        "seen within: only the policy known_free asks when a voxel was seen, expected "
+        "it or no age, got the policy " +
+        std::string(to_string(requirement.policy)));
+  require_seen_within(requirement.seen_within, seen);
+}
+
 BlockedCells blocked_cells(const FusedTree& tree, const SeenStamps* seen, const Requirement& requirement,
                            const Eigen::Vector3i& first, const Eigen::Vector3i& size, int threads) {
-  require_seen_within(requirement.seen_within, seen);
+  require_seen_within(requirement, seen);
   BlockedCells cells = blocked_cells(tree, requirement, first, size, threads);
-  if (requirement.seen_within == 0.0 || requirement.policy != Policy::known_free) return cells;
+  if (requirement.seen_within == 0.0) return cells;
   const BlockedCells not_painted = blocked_cells(tree, {Policy::painted, 0xffff}, first, size, threads);
   BlockedCells not_seen(size, true);
   const Eigen::Vector3i last = first + size - Eigen::Vector3i::Ones();

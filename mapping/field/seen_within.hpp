@@ -12,4 +12,8 @@ class SeenStamps;
 ///         times or only longer periods.
 void require_seen_within(double seen_within, const SeenStamps* seen);
 
+/// The same, and an age under another policy than known_free: only that asks when a voxel was seen.
+/// @throws std::invalid_argument
+void require_seen_within(const Requirement& requirement, const SeenStamps* seen);
+
 }  // namespace clearway

@@ -21,7 +21,8 @@ struct Requirement {
   Policy policy = Policy::not_occupied;
   std::uint16_t volumes = 0xffff;
   /// Seconds before the map's newest look: under `known_free` a voxel that is free only because it was seen
-  /// counts as unknown when it was not seen since. Paint does not age, nor does what blocks. 0: ever.
+  /// counts as unknown when it was not seen since. Paint does not age, nor does what blocks:
+  /// maps refuse an age under the other policies. 0: ever.
   double seen_within = 0.0;
 
   friend bool operator==(const Requirement&, const Requirement&) = default;

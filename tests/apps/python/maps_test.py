@@ -280,6 +280,10 @@ class Answers(unittest.TestCase):
                     space = loaded.blocked_space(policy, [point - reach, point + reach], reach)
                     self.assertEqual(space.clearance(point), distance)
 
+    def test_paint_has_no_age(self):
+        with self.assertRaisesRegex(ValueError, "only the policy known_free asks when a voxel was seen"):
+            self.map.blocked_space("painted", seen_within=5.0)
+
     def test_a_cloud_file_is_read_as_the_points_that_it_holds(self):
         random = np.random.default_rng(10)  # too far apart for anything to lie between them
         places = np.stack(np.unravel_index(random.choice(343, 50, replace=False), (7, 7, 7)), -1) - 3

@@ -61,7 +61,7 @@ TEST(SeenWithin, BlockedSpacesAgeFromSnapshotToSnapshotVoxelByVoxel) {
     const Snapshot now = map.snapshot();
     for (const Requirement& requirement :
          {Requirement{Policy::known_free, 0xffff, 3.0}, Requirement{Policy::known_free, 0xffff, 10.0},
-          Requirement{Policy::known_free}, Requirement{Policy::painted, 1, 3.0}}) {
+          Requirement{Policy::known_free}, Requirement{Policy::painted, 1}}) {
       const auto space = now.blocked_space(requirement, region, 0.3);
       const auto& field = dynamic_cast<const BlockedField&>(*space);
       std::size_t blocked = 0;
@@ -158,6 +158,30 @@ TEST(SeenWithin, AMapKeepsItsAgesInItsFileAndInItsEdits) {
   EXPECT_EQ(part.seen()->newest(), now.seen()->newest());
   export_map(now, folder / "map.bt");
   EXPECT_EQ(load_map(folder / "map.bt").seen(), nullptr);
+}
+
+TEST(SeenWithin, AnAgeUnderAPolicyThatAsksForNoneIsRefused) {
+  FreeSpaceMap map({.resolution = edge});
+  Dice dice(3);
+  for (const double time : {0.0, 1.0}) {
+    Scan scan = worlds::random_scan(dice, 20);
+    scan.time = time;
+    map.insert(scan);
+  }
+  const Snapshot snapshot = map.snapshot();
+  for (const Policy policy : {Policy::painted, Policy::not_occupied}) {
+    EXPECT_NO_THROW(snapshot.blocked_space({policy, 0xffff, 0.0}, region, 0.3));
+    try {
+      snapshot.blocked_space({policy, 0xffff, 5.0}, region, 0.3);
+      ADD_FAILURE() << to_string(policy);
+    } catch (const std::invalid_argument& error) {
+      EXPECT_EQ(
+          std::string(error.what()),
+          "seen within: only the policy known_free asks when a voxel was seen, expected it or no age, got "
+          "the policy " +
+              std::string(to_string(policy)));
+    }
+  }
 }
 
 TEST(SeenWithin, WhatAMapCannotAnswerIsRefusedByName) {
