@@ -12,6 +12,7 @@
 #include "mapping/system/plain_text.hpp"
 #include "planning/check/path_check_links.hpp"
 #include "planning/check/path_check_model.hpp"
+#include "planning/robot/kinematics.hpp"
 #include "planning/space/part_policies.hpp"
 
 namespace clearway {
@@ -287,7 +288,7 @@ std::string malformed(const Robot& robot, const std::vector<Configuration>& path
       }
       if (std::isfinite(value) && value >= joint.lower && value <= joint.upper) continue;
       text << "joint " << shortened(joint.name) << " is " << value << ", outside its limits " << joint.lower
-           << " to " << joint.upper;
+           << " to " << joint.upper << whose_limit(robot, j, value > joint.upper);
       return text.str();
     }
   }

@@ -29,7 +29,8 @@ std::string limit_sentence(const Robot& robot, const std::string& name, const Co
   const double limit = is_above ? joint.upper : joint.lower;
   return "joint " + name + " is at " + with_unit(joint, value) + ", " +
          with_unit(joint, is_above ? value - limit : limit - value) +
-         (is_above ? " above its upper limit, " : " below its lower limit, ") + with_unit(joint, limit);
+         (is_above ? " above its upper limit, " : " below its lower limit, ") + with_unit(joint, limit) +
+         whose_limit(robot, static_cast<std::size_t>(found - robot.joints.begin()), is_above);
 }
 
 /// Why the joints without limits are too far apart to be proved between; empty when they are not.

@@ -71,6 +71,21 @@ Configuration by_whole_turns(const Robot& robot, Configuration q, const Configur
   return q;
 }
 
+std::string whose_limit(const Robot& robot, std::size_t joint, bool is_upper) {
+  const Joint& master = robot.joints[joint];
+  const std::string& name = is_upper ? master.upper_follower : master.lower_follower;
+  for (const Link& link : robot.links) {
+    if (name.empty() || link.joint_name != name || link.joint != static_cast<int>(joint)) continue;
+    std::ostringstream text;
+    text.imbue(std::locale::classic());
+    text << ", as joint " << quote(name) << " follows " << quote(master.name) << " and ends at "
+         << link.multiplier * (is_upper ? master.upper : master.lower) + link.offset
+         << (master.kind == JointKind::revolute ? " rad" : " m");
+    return text.str();
+  }
+  return {};
+}
+
 std::string limit_violation(const Robot& robot, const Configuration& q) {
   std::ostringstream text;
   text.imbue(std::locale::classic());
@@ -87,10 +102,10 @@ std::string limit_violation(const Robot& robot, const Configuration& q) {
       text << "joint " << shortened(joint.name) << " is " << value << ", expected a finite number";
     } else if (value < joint.lower) {
       text << "joint " << shortened(joint.name) << " is " << value << unit << ", below its lower limit "
-           << joint.lower << unit;
+           << joint.lower << unit << whose_limit(robot, j, false);
     } else if (value > joint.upper) {
       text << "joint " << shortened(joint.name) << " is " << value << unit << ", above its upper limit "
-           << joint.upper << unit;
+           << joint.upper << unit << whose_limit(robot, j, true);
     } else if (std::abs(value) > largest_joint_value) {
       text << "joint " << shortened(joint.name) << " is " << value << unit
            << ", expected at most 1000000 either way of a joint without limits";

@@ -28,6 +28,10 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(const Robot& robot, const Link
 /// sentence naming the joint, the value and the limit.
 std::string limit_violation(const Robot& robot, const Configuration& q);
 
+/// ", as joint 'finger_2' follows 'finger_1' and ends at 0.04 m": of a limit that the joint has from one that
+/// follows it (Joint::lower_follower); else empty.
+std::string whose_limit(const Robot& robot, std::size_t joint, bool is_upper);
+
 /// Whether whole turns of a joint leave every link where it is: it turns, and what follows it makes whole
 /// turns, too. Limits are not asked. @pre joint < robot.dof()
 bool is_same_after_turns(const Robot& robot, std::size_t joint);

@@ -29,6 +29,9 @@ struct Joint {
   double max_jerk = 0.0;                            ///< rad/s^3 or m/s^3; 0 when URDF and settings give none
   double friction = 0.0;                            ///< mu_j of Chong et al. 2008, eq. 8
   double step = 0.0;  ///< epsilon_j, Chong 2008, eq. 4: default perturbation of the beam search
+  /// Of a limit that is narrower than the joint's own, because a joint that follows it (mimic) ends there:
+  /// that one's name; else empty.
+  std::string lower_follower{}, upper_follower{};
 };
 
 /// Values beyond it are refused, of joints without limits, too: there angles lose their digits.
@@ -79,6 +82,9 @@ struct HeldJoint {
 struct NamedState {
   std::string name;
   std::map<std::string, double> values;  ///< by joint
+  /// Of joints that two groups' states of this name have at two values, a sentence each; the planning group's
+  /// own is no such group.
+  std::map<std::string, std::string> doubts{};
 };
 
 /// Of a robot whose settings state none, full size: makers state repeatability, some 0.1 mm, but of the

@@ -97,6 +97,35 @@ TEST(MimicJoints, AFollowerOfAFollowerFollowsTheOneThatMoves) {
   EXPECT_EQ(said.find("is not what its file"), std::string::npos) << said;
 }
 
+/// A finger that slides at most 0.04 and follows the other at its double.
+TEST(MimicJoints, ALimitThatAFollowerSetsNamesTheFollower) {
+  const std::string ball = "<sphere radius='0.01'/>";
+  const auto violation = [&](const std::string& own, const std::string& mimic, double value) {
+    const worlds::UrdfRobot hand(
+        "hand", worlds::urdf_link("palm", "0 0 0", ball) + worlds::urdf_link("a", "0 0 0", ball) +
+                    worlds::urdf_link("b", "0 0 0", ball) +
+                    worlds::urdf_joint("finger_1", "prismatic", "palm", "a", "0 0.1 0", "0 1 0", own) +
+                    worlds::urdf_joint("finger_2", "prismatic", "palm", "b", "0 -0.1 0", "0 1 0",
+                                       worlds::urdf_limit(-0.01, 0.04) + mimic));
+    const Configuration q = Configuration::Constant(1, value);
+    const std::string checked = check_path(hand.robot(), Snapshot(), {}, 0.0, {q}).first_contact;
+    const std::string said = limit_violation(hand.robot(), q),
+                      why = said.substr(std::min(said.find(", as"), said.size()));
+    EXPECT_NE(checked.find("outside its limits"), std::string::npos) << checked;
+    EXPECT_TRUE(checked.ends_with(why)) << checked;
+    EXPECT_EQ(checked.find("follows") == std::string::npos, why.empty()) << checked;
+    return why;
+  };
+  const std::string twice = "<mimic joint='finger_1' multiplier='2'/>",
+                    back = "<mimic joint='finger_1' multiplier='-1'/>";
+  EXPECT_EQ(violation(worlds::urdf_limit(0, 0.1), twice, 0.03),
+            ", as joint 'finger_2' follows 'finger_1' and ends at 0.04 m");
+  EXPECT_EQ(violation(worlds::urdf_limit(0, 0.1), back, 0.03),
+            ", as joint 'finger_2' follows 'finger_1' and ends at -0.01 m");
+  EXPECT_EQ(violation(worlds::urdf_limit(0, 0.1), twice, -0.01), "");
+  EXPECT_EQ(violation(worlds::urdf_limit(0, 0.015), twice, 0.03), "");
+}
+
 TEST(MimicJoints, ItsOwnSpeedIsKept) {
   const auto speed = [](const std::string& own, const std::string& mimic) {
     const auto limit = [](const std::string& velocity) {
