@@ -9,6 +9,7 @@
 #include <string>
 
 #include "apps/console/failure.hpp"
+#include "apps/python/argument_names.hpp"
 #include "apps/python/bindings.hpp"
 #include "apps/python/records.hpp"
 #include "mapping/system/damaged_file.hpp"
@@ -37,7 +38,8 @@ PyObject* class_of(const std::exception_ptr& error) {
   }
 }
 
-/// Our own exceptions carry their sentence; what libraries say becomes one of ours, as in the program.
+/// Our own exceptions carry their sentence; what libraries say becomes one of ours, as in the program,
+/// but that arguments have their names in Python.
 void translate(std::exception_ptr error) {
   if (!error) return;
   try {
@@ -47,7 +49,7 @@ void translate(std::exception_ptr error) {
   } catch (const py::error_already_set&) {
     throw;
   } catch (const std::exception&) {
-    PyErr_SetString(class_of(error), failure_of(error).sentence.c_str());
+    PyErr_SetString(class_of(error), with_argument_names(failure_of(error).sentence).c_str());
   }
 }
 

@@ -151,6 +151,26 @@ class Facts(unittest.TestCase):
             finally:
                 os.environ["PATH"] = before
 
+    def test_mistakes_name_arguments_of_the_module(self):
+        with worlds.folder() as folder:
+            file = f"{folder}/states.srdf"
+            with open(file, "w", encoding="utf-8") as srdf:
+                srdf.write('<robot name="planar2"><group name="arm"><joint name="shoulder"/></group>'
+                           '<group_state name="bent" group="arm"><joint name="shoulder" value="0.1"/></group_state></robot>')
+            robot = cw.load_robot("planar2", srdf=file)
+            names = robot.joint_names
+            for make, words in (
+                (lambda: cw.load_robot("planar2", fixed={names[0]: 99.0}), "^fixed: joint "),
+                (lambda: cw.load_robot("planar2", fixed={name: 0.0 for name in names}), r"that moves \(group\)"),
+                (lambda: cw.load_robot("planar2", group="arm"), "by srdf or beside"),
+                (lambda: robot.configuration("bent"), r"or fixed=\{'JOINT': VALUE\} for that joint"),
+            ):
+                with self.assertRaisesRegex(ValueError, words) as raised:
+                    make()
+                self.assertNotIn("--", str(raised.exception))
+            with self.assertRaisesRegex(ValueError, f"{folder}/--group.urdf"):  # a file's name stays
+                cw.load_robot(f"{folder}/--group.urdf")
+
     def test_mistakes_are_one_sentence(self):
         for make in (
             lambda: cw.load_robot("puma561"),
