@@ -12,6 +12,7 @@ namespace clearway {
 namespace {
 
 constexpr Bounds angles{0.0, 1e3};
+constexpr double exact_within = 0.01;  ///< rad or m: MoveIt takes a robot so far beside a place to be there
 constexpr double any_turn = std::numbers::pi - 1e-6;  ///< rad, a tolerance of more than that allows all
 
 /// Half of the least extent of a region: the radius of the ball about its middle that lies in it.
@@ -44,7 +45,8 @@ class GoalReader {
       : file_(file), frames_(frames), left_out_(left_out) {}
 
   /// Adds a goal, or, where a position may be in any of several regions, one for each.
-  void add(const YamlFields& goal, std::vector<ForeignGoal>& goals) const {
+  /// @param number of the goal in the request
+  void add(const YamlFields& goal, std::size_t number, std::vector<ForeignGoal>& goals) const {
     if (!goal.list_of_maps("visibility_constraints").empty()) leave("visibility_constraints of a goal");
     ForeignGoal read;
     for (const YamlFields& joint : goal.list_of_maps("joint_constraints")) {
@@ -54,6 +56,7 @@ class GoalReader {
                                             joint.number("tolerance_above", not_negative, 0.0)});
       read.joints.by_joint.emplace(band.joint, band.position);
     }
+    tell_of_tolerances(read, number);
     if (goal.list_of_maps("position_constraints").empty() &&
         goal.list_of_maps("orientation_constraints").empty()) {
       if (read.has_joints()) goals.push_back(std::move(read));
@@ -66,6 +69,17 @@ class GoalReader {
   }
 
  private:
+  /// Goals of problems are configurations: a band of values becomes one of them (allowed_values).
+  void tell_of_tolerances(const ForeignGoal& goal, std::size_t number) const {
+    std::vector<std::string> wide;
+    for (const JointBand& band : goal.bands)
+      if (std::max(band.below, band.above) > exact_within &&
+          std::find(wide.begin(), wide.end(), band.joint) == wide.end())
+        wide.push_back(band.joint);
+    if (!wide.empty())
+      leave("tolerance_below and tolerance_above of goal_constraints[" + std::to_string(number) + "] for " +
+            listed(wide) + ": its position alone is the goal, or the nearest that is allowed");
+  }
   void leave(const std::string& what) const { left_out_.push_back(file_.filename().string() + ": " + what); }
 
   /// Where the frame of a constraint stands in the map at the start; none, reported: it is unknown.
@@ -188,7 +202,9 @@ ForeignProblem read_motion_request(const std::string& text, const std::filesyste
     read_hand(state, file, context, frames, problem, left_out);
   }
   const GoalReader reader(file, frames, left_out);
-  for (const YamlFields& goal : request.list_of_maps("goal_constraints")) reader.add(goal, problem.goals);
+  std::size_t number = 0;
+  for (const YamlFields& goal : request.list_of_maps("goal_constraints"))
+    reader.add(goal, number++, problem.goals);
   if (request.has("path_constraints")) {
     const YamlFields path = request.map("path_constraints");
     for (const char* kind : {"joint_constraints", "position_constraints", "orientation_constraints"})

@@ -189,6 +189,13 @@ TEST(MotionRequest, JointsAndAPoseAndAllRegionsOfAPositionAreRead) {
       "{primitives: [{type: sphere, dimensions: [0.1]}, {type: box, dimensions: [1, 0.4, 2]}], "
       "primitive_poses: [{position: [1, 0, 0]}, {position: [0, 2, 0]}]}}]}",
       left_out);
+  EXPECT_EQ(left_out, std::vector<std::string>{
+                          "r.yaml: tolerance_below and tolerance_above of goal_constraints[0] for a: "
+                          "its position alone is the goal, or the nearest that is allowed"});
+  left_out.clear();
+  request_of(
+      "{joint_constraints: [{joint_name: a, position: 1, tolerance_below: 0.001, tolerance_above: 1e-4}]}",
+      left_out);
   EXPECT_TRUE(left_out.empty());
   ASSERT_EQ(problem.goals.size(), 2U);
   for (const ForeignGoal& goal : problem.goals) {
