@@ -13,6 +13,7 @@
 #include "apps/query/query.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/problem/planner.hpp"
+#include "planning/robot/kinematics.hpp"
 #include "planning/space/part_policies.hpp"
 
 namespace clearway {
@@ -27,11 +28,9 @@ RecordQuestion question_of(const CheckOptions& options, const Plan& plan, const 
                           .scale = options.robot.scale.value_or(robot.scale),
                           .start = plan.start,
                           .goals = plan.goals};
-  if (!options.start.empty())
-    question.start = choose_configuration(options.start, "--start", robot, options.degrees);
-  if (!options.goals.empty()) question.goals.clear();
-  for (const std::string& goal : options.goals)
-    question.goals.push_back(choose_configuration(goal, "--goal", robot, options.degrees));
+  const ChosenStops stops = choose_stops(options.start, options.goals, robot, options.degrees, plan.start);
+  question.start = stops.start;
+  if (!options.goals.empty()) question.goals = stops.goals;
   return question;
 }
 
@@ -157,8 +156,13 @@ class Statement {
     return {plan_.seen_within, TermSource::plan};
   }
 
+  /// What the flags say of start and goals.
+  ChosenStops stops(const Configuration& before) const {
+    return choose_stops(options_.start, options_.goals, robot_, options_.degrees, before);
+  }
+
   Term<Configuration> start() const {
-    if (!options_.start.empty()) return {configuration(options_.start, "--start"), TermSource::flag};
+    if (!options_.start.empty()) return {stops({}).start, TermSource::flag};
     if (query_) return {query_->start, TermSource::map};
     return {plan_.start, TermSource::plan};
   }
@@ -186,8 +190,7 @@ class Statement {
     if (poses > 0)
       return {ends_of_legs(poses + (picks ? names_of_legs(false).size() : 0)),
               options_.goal_poses.poses.empty() ? TermSource::map : TermSource::flag};
-    std::vector<Configuration> goals;
-    for (const std::string& goal : options_.goals) goals.push_back(configuration(goal, "--goal"));
+    std::vector<Configuration> goals = stops(start().value).goals;
     if (picks) {
       const TermSource source = goals.empty() ? TermSource::plan : TermSource::flag;
       if (goals.empty() && query_) goals = query_->goals;
@@ -255,10 +258,6 @@ class Statement {
     throw std::invalid_argument(options_.plan.string() + ": field 'policy': " + error.what());
   }
 
-  Configuration configuration(const std::string& text, const char* flag) const {
-    return choose_configuration(text, flag, robot_, options_.degrees);
-  }
-
   const CheckOptions& options_;
   const Plan& plan_;
   const Robot& robot_;
@@ -288,6 +287,24 @@ std::string_view to_string(TermSource source) {
   }
   return "default";
 }
+
+namespace {
+
+/// A start is the same one after whole turns of joints without limits.
+void note_turns(Contract& contract, const Plan& plan, const Robot& robot) {
+  const Configuration& start = contract.start.value;
+  if (start.size() != static_cast<Eigen::Index>(robot.dof()) || plan.start.size() != start.size()) return;
+  const Configuration turned = by_whole_turns(robot, start, plan.start);
+  for (std::size_t j = 0; j < robot.dof(); ++j) {
+    const auto at = static_cast<Eigen::Index>(j);
+    if (turned[at] == start[at]) continue;
+    contract.notes.push_back("the start of joint " + shortened(robot.joints[j].name) + ", " +
+                             significant(start[at]) + " rad, counts as " + significant(turned[at]) +
+                             " rad: the joint has no limits, and whole turns lead to the same pose");
+  }
+}
+
+}  // namespace
 
 Contract state_contract(const CheckOptions& options, const Plan& plan, const Robot& robot,
                         const Snapshot& map, const std::string& map_digest,
@@ -336,6 +353,8 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
   contract.start = statement.start();
   std::tie(contract.goal_poses, contract.tip) = statement.goal_poses();
   contract.goals = statement.goals(contract.pick.value.has_value(), contract.goal_poses.size());
+  for (const std::string& note : statement.stops(contract.start.value).notes) contract.notes.push_back(note);
+  note_turns(contract, plan, robot);
   state_tip(robot, options.goal_poses.tip.empty() ? TermSource::map : TermSource::flag, contract);
   return contract;
 }

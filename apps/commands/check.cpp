@@ -128,7 +128,7 @@ void check_motion_of(const Plan& plan, const Robot& robot, const Snapshot& map, 
 void take_start(const CheckOptions& options, const Robot& robot, ForeignTrajectory& trajectory) {
   const bool has_time = !trajectory.times.empty() && trajectory.times.front() > 0.0;
   if (options.start.empty() || !has_time || !trajectory.start.empty()) return;
-  const Configuration q = choose_configuration(options.start, "--start", robot, options.degrees);
+  const Configuration q = choose_stops(options.start, {}, robot, options.degrees).start;
   if (q.cwiseAbs().maxCoeff() > largest_joint_value)
     throw std::invalid_argument("--start: expected joint values of at most " +
                                 significant(largest_joint_value) + ", beyond which angles lose their digits");

@@ -14,7 +14,8 @@ Command add_check(CLI::App& app, Console& console) {
       console);
   command
       ->add_option("plan", options->plan,
-                   "plan.json, or a JointTrajectory of ROS as .json or .yaml, which is judged as ROS's "
+                   "plan.json, or a JointTrajectory or DisplayTrajectory of ROS as .json or .yaml, which is "
+                   "judged as ROS's "
                    "joint_trajectory_controller runs it if it has times")
       ->required()
       ->type_name("PLAN");

@@ -229,13 +229,11 @@ int run_plan(const PlanOptions& options, Console& console) {
   const Robot robot = options.pick.empty() ? own_tip : with_tip_of(own_tip, options.goal_poses.tip);
   for (const auto& [format, file] : options.trajectories) trajectory_format(format, robot);
   rate_limits(robot, options.scales);
-  const Configuration start = choose_configuration(options.start, "--start", robot, options.degrees);
+  const ChosenStops chosen = choose_stops(options.start, options.goals, robot, options.degrees);
+  const Configuration& start = chosen.start;
   const std::vector<NamedGoalPose> goal_poses =
       choose_goal_poses(options.goal_poses, !options.goals.empty(), !options.pick.empty(), robot);
-  std::vector<Configuration> goals;
-  for (const std::string& goal : options.goals) {
-    goals.push_back(choose_configuration(goal, "--goal", robot, options.degrees));
-  }
+  std::vector<Configuration> goals = chosen.goals;
   const std::vector<LegLoad> loads = choose_loads(options.attach, robot);
   const std::optional<Pick> pick = pick_of(options, robot);
   for (const std::string& note : hold_notes(robot, loads)) console.warn("note: " + note);
@@ -249,6 +247,7 @@ int run_plan(const PlanOptions& options, Console& console) {
       options.map, options.cloud_resolution);  // what is said before may be said again by the whole program
   report_degrees(options, robot, start, goals, console);
   report_turns(robot, start, goals, console);
+  for (const std::string& note : chosen.notes) console.warn("note: " + note);
   for (const std::string& note : robot_notes(robot, robot_request(options.robot).packages))
     console.warn("note: " + note);
   if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())

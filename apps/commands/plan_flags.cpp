@@ -19,12 +19,15 @@ Command add_plan(CLI::App& app, Console& console) {
   add_pick(*command, options->pick, options->place, "; --goal is then an optional configuration to end at");
   command->get_option("--robot")->required(false);
   command
-      ->add_option("--start", options->start,
-                   "start configuration: comma-separated joint values, rad or m, or a state of the SRDF")
+      ->add_option(
+          "--start", options->start,
+          "start configuration: comma-separated joint values, rad or m, or a state of the SRDF (joints "
+          "that it leaves out rest)")
       ->type_name("Q");
   command
-      ->add_option("--goal", options->goals,
-                   "goal configuration, in the same form; several goals are legs of one path")
+      ->add_option(
+          "--goal", options->goals,
+          "goal configuration, in the same form (joints left out stay); several goals are legs of one path")
       ->type_name("Q")
       ->allow_extra_args(false)
       ->take_all();

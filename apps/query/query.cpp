@@ -65,6 +65,51 @@ Configuration resting_configuration(const Robot& robot) {
   return q;
 }
 
+namespace {
+
+/// Where joints rest.
+Configuration default_configuration(const Robot& robot) {
+  const Configuration zero = resting_configuration(robot);
+  return named_configuration(robot, "default", zero).value_or(zero);
+}
+
+/// "--goal: state 'half' does not name joint shoulder (0.2), which stays where the stop before has it"
+std::string open_joints_note(const Robot& robot, const std::string& state, const std::string& flag,
+                             const Configuration& q) {
+  std::vector<std::string> names;
+  for (const std::size_t j : joints_left_open(robot, state))
+    names.push_back(shortened(robot.joints[j].name) + " (" + significant(q[static_cast<Eigen::Index>(j)]) +
+                    ")");
+  if (names.empty()) return "";
+  const bool is_one = names.size() == 1;
+  return flag + ": state " + quote(state) + " does not name joint" + (is_one ? " " : "s ") + listed(names) +
+         (is_one ? ", which stays where " : ", which stay where ") +
+         (flag == "--start" ? "the robot rests"
+                            : "the stop before has " + std::string(is_one ? "it" : "them"));
+}
+
+}  // namespace
+
+ChosenStops choose_stops(const std::string& start, const std::vector<std::string>& goals, const Robot& robot,
+                         bool degrees, const Configuration& before) {
+  ChosenStops stops;
+  const auto choose = [&](const std::string& text, const std::string& flag, const auto& others) {
+    if (joints_left_open(robot, text).empty()) return choose_configuration(text, flag, robot, degrees);
+    const Configuration known = others();
+    if (known.size() != static_cast<Eigen::Index>(robot.dof()))
+      return choose_configuration(text, flag, robot, degrees);
+    const Configuration q = *named_configuration(robot, text, known);
+    stops.notes.push_back(open_joints_note(robot, text, flag, q));
+    return q;
+  };
+  stops.start =
+      start.empty() ? before : choose(start, "--start", [&] { return default_configuration(robot); });
+  for (const std::string& goal : goals)
+    stops.goals.push_back(
+        choose(goal, "--goal", [&] { return stops.goals.empty() ? stops.start : stops.goals.back(); }));
+  return stops;
+}
+
 Configuration choose_configuration(const std::string& text, const std::string& flag, const Robot& robot,
                                    bool degrees) try {
   if (const auto q = named_configuration(robot, text)) return *q;

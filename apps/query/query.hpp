@@ -29,6 +29,20 @@ Configuration resting_configuration(const Robot& robot);
 Configuration choose_configuration(const std::string& text, const std::string& flag, const Robot& robot,
                                    bool degrees);
 
+/// Start and goals of a command line.
+struct ChosenStops {
+  Configuration start;
+  std::vector<Configuration> goals;
+  std::vector<std::string> notes;  ///< a sentence for each state that leaves joints open
+};
+
+/// choose_configuration of --start and of each --goal. Joints that a state of the SRDF leaves open are, at
+/// the start, where they rest (in the state "default", else at 0 or the limit nearest to it), and at a goal
+/// where the stop before has them, as MoveIt leaves them.
+/// @param before where `start` is empty, the start; of no size: not known, so goals name all joints
+ChosenStops choose_stops(const std::string& start, const std::vector<std::string>& goals, const Robot& robot,
+                         bool degrees, const Configuration& before = {});
+
 /// The distance that every body keeps, metres: as chosen, else the robot's position accuracy.
 double choose_padding(const RobotChoice& choice, const Robot& robot);
 

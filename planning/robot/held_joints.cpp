@@ -90,6 +90,12 @@ Robot with_held_joints(const Robot& robot, const std::vector<HeldJoint>& held,
 
 namespace {
 
+const NamedState* state_called(const Robot& robot, const std::string& name) {
+  const auto found = std::find_if(robot.states.begin(), robot.states.end(),
+                                  [&](const NamedState& known) { return known.name == name; });
+  return found == robot.states.end() ? nullptr : &*found;
+}
+
 /// Refuses a state, as that of a subgroup, that leaves joints of the robot's configurations open.
 void require_all_joints(const Robot& robot, const NamedState& state) {
   std::vector<std::string> unsaid;
@@ -107,19 +113,38 @@ void require_all_joints(const Robot& robot, const NamedState& state) {
 }  // namespace
 
 std::optional<Configuration> named_configuration(const Robot& robot, const std::string& state) {
-  const auto found = std::find_if(robot.states.begin(), robot.states.end(),
-                                  [&](const NamedState& known) { return known.name == state; });
-  if (found == robot.states.end()) return std::nullopt;
+  const NamedState* found = state_called(robot, state);
+  if (found == nullptr) return std::nullopt;
   require_all_joints(robot, *found);
-  Configuration q(static_cast<Eigen::Index>(robot.dof()));
+  return named_configuration(robot, state, Configuration::Zero(static_cast<Eigen::Index>(robot.dof())));
+}
+
+std::optional<Configuration> named_configuration(const Robot& robot, const std::string& state,
+                                                 const Configuration& others) {
+  const NamedState* found = state_called(robot, state);
+  if (found == nullptr) return std::nullopt;
+  Configuration q = others;
   for (std::size_t j = 0; j < robot.dof(); ++j) {
     const Joint& joint = robot.joints[j];
+    const auto value = found->values.find(joint.name);
+    if (value == found->values.end()) continue;
+    if (const auto doubt = found->doubts.find(joint.name); doubt != found->doubts.end())
+      throw std::invalid_argument("state " + quote(state) + " of " + robot.srdf.string() + ": " +
+                                  doubt->second);
     const double unit = joint.kind == JointKind::prismatic ? robot.scale : 1.0;
-    q[static_cast<Eigen::Index>(j)] = within_rounded_limits(joint, found->values.at(joint.name) * unit, unit);
+    q[static_cast<Eigen::Index>(j)] = within_rounded_limits(joint, value->second * unit, unit);
   }
   if (const std::string why = limit_violation(robot, q); !why.empty())
     throw std::invalid_argument("state " + quote(state) + " of " + robot.srdf.string() + ": " + why);
   return q;
+}
+
+std::vector<std::size_t> joints_left_open(const Robot& robot, const std::string& state) {
+  std::vector<std::size_t> open;
+  if (const NamedState* found = state_called(robot, state))
+    for (std::size_t j = 0; j < robot.dof(); ++j)
+      if (!found->values.contains(robot.joints[j].name)) open.push_back(j);
+  return open;
 }
 
 }  // namespace clearway

@@ -20,7 +20,14 @@ Robot with_held_joints(const Robot& robot, const std::vector<HeldJoint>& held,
 
 /// The configuration of a named state, at the robot's scale; empty when there is no state of that name. A
 /// value that four digits round beyond a limit is that limit.
-/// @throws std::invalid_argument when the state leaves out a joint, or a value is out of limits.
+/// @param others where joints are that the state leaves out (joints_left_open)
+/// @throws std::invalid_argument when the state leaves out a joint, unless `others` is given, a value is out
+/// of limits, or states of this name of several groups contradict each other.
 std::optional<Configuration> named_configuration(const Robot& robot, const std::string& state);
+std::optional<Configuration> named_configuration(const Robot& robot, const std::string& state,
+                                                 const Configuration& others);
+
+/// Indices of the joints of which a state of that name says nothing; none where there is no such state.
+std::vector<std::size_t> joints_left_open(const Robot& robot, const std::string& state);
 
 }  // namespace clearway

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "mapping/system/nearest_name.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/robot_files/urdf_document.hpp"
 
@@ -302,12 +303,23 @@ std::string link_of_tip(const Robot& robot, const std::string& name) {
 
 std::vector<NamedState> states_of(const Srdf& srdf, const std::string& group) {
   std::map<std::string, NamedState> states;
+  std::map<std::pair<std::string, std::string>, std::string>
+      owners;  // the group that says it, by state, joint
   for (const bool is_own : {true, false}) {
     for (const Srdf::State& state : srdf.states) {
       if ((state.group == group) != is_own) continue;
       NamedState& known = states[state.name];
       known.name = state.name;
-      known.values.insert(state.values.begin(), state.values.end());
+      for (const auto& [joint, value] : state.values) {
+        const auto [said, is_new] = known.values.emplace(joint, value);
+        std::string& owner = owners[{state.name, joint}];
+        if (is_new) owner = state.group;
+        if (said->second != value && owner != group)
+          known.doubts[joint] = "groups " + quote(owner) + " and " + quote(state.group) + " have joint " +
+                                quote(joint) + " at " + short_text(said->second) + " and at " +
+                                short_text(value) + ", expected one of them, or a state of " +
+                                (group.empty() ? "a planning group" : "group " + quote(group));
+      }
     }
   }
   std::vector<NamedState> result;

@@ -69,7 +69,7 @@ std::string tip_of_group(const Srdf& srdf, const std::string& group);
 std::string link_of_tip(const Robot& robot, const std::string& name);
 
 /// One state for each name, sorted. Where several groups have a state of one name, their values add up; of
-/// what both state, the planning group's own counts.
+/// what both state, the planning group's own counts, and of what two others state otherwise there is a doubt.
 std::vector<NamedState> states_of(const Srdf& srdf, const std::string& group);
 
 }  // namespace clearway

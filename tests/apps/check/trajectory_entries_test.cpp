@@ -97,8 +97,10 @@ TEST_F(CheckEntries, WhatDoesNotFollowIsNamedByEntryAndJoint) {
 /// A speed beyond the limit of 1 m/s in the second, though the whole takes long enough.
 TEST_F(CheckEntries, ALimitIsKeptInEach) {
   const Json slow = entry(both, {{{0.0, 0.0}}, {{0.1, 0.0}}}, 9);
-  EXPECT_EQ(run({slow, entry(both, {{{0.1, 0.0}}, {{-0.75, 0.0}}})}).status, exit_done);
-  const CommandRun fast = run({slow, entry(both, {{{0.1, 0.0}, {0, 0}}, {{-0.75, 0.0}, {0, 0}}})});
+  const std::vector<CheckEntries::Point> way{{{0.1, 0.0}, {0, 0}}, {{-0.7, 0.0}, {0, 0}}};
+  const CommandRun kept = run({slow, entry(both, way, 3)});
+  EXPECT_EQ(kept.status, exit_done) << kept.out << kept.log;
+  const CommandRun fast = run({slow, entry(both, way, 1)});
   EXPECT_EQ(fast.status, exit_no);
   EXPECT_NE(Json::parse(fast.out)["motion"]["fault"].get<std::string>().find("trajectory[1]: motion: edge 0"),
             std::string::npos)

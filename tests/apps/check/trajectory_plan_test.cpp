@@ -265,6 +265,35 @@ TEST_F(CheckTrajectory, JointsThatFollowOthersMayBeInItWhereTheseTakeThem) {
   EXPECT_EQ(refusal(trajectory.points[1], 0.05005), "");
 }
 
+/// A whole turn of a joint without limits leads to the same pose; of one with limits it is another place.
+TEST_F(CheckTrajectory, AStartThatIsAWholeTurnOffIsTheSameOfAJointWithoutLimits) {
+  const auto check_turn = [&](const std::string& kind, const std::string& start) {
+    const std::string ball = "<sphere radius='0.05'/>",
+                      urdf = folder_.write(
+                          "turn.urdf", "<robot name='turn'>" + worlds::urdf_link("base", "0 0 0", ball) +
+                                           worlds::urdf_link("arm", "0.3 0 0", ball) +
+                                           worlds::urdf_joint("wheel", kind, "base", "arm", "0 0 0", "0 0 1",
+                                                              worlds::urdf_limit(-9, 9)) +
+                                           "</robot>");
+    const Json points = trajectory({{0.2}, {0.5}}, {"wheel"});
+    return run_command({"check", folder_.write("turn.json", points.dump()), "--map", folder_.file("map"),
+                        "--robot", urdf, "--policy", "not_occupied", "--allow-outside", "all",
+                        "--start=" + start});
+  };
+  const CommandRun turned = check_turn("continuous", "6.4831853071795862");
+  EXPECT_EQ(turned.status, exit_done) << turned.out << turned.log;
+  EXPECT_NE(
+      turned.out.find("the start of joint wheel, 6.483 rad, counts as 0.2 rad: the joint has no limits"),
+      std::string::npos)
+      << turned.out;
+  EXPECT_EQ(check_turn("continuous", "-6.0831853071795867").status, exit_done);
+  const CommandRun same = check_turn("continuous", "0.2");
+  EXPECT_EQ(same.status, exit_done);
+  EXPECT_EQ(same.out.find("the start of joint"), std::string::npos);
+  EXPECT_EQ(check_turn("continuous", "3.3415926535897931").status, exit_no) << "half a turn";
+  EXPECT_EQ(check_turn("revolute", "6.4831853071795862").status, exit_no);
+}
+
 TEST_F(CheckTrajectory, APlanWithItsJointsInAnotherOrderIsTheSamePlan) {
   Json plan = plan_;
   const auto swap = [](Json& q) { std::swap(q[0], q[1]); };

@@ -304,6 +304,38 @@ TEST_F(Group, StatesThatContradictEachOtherFixNothing) {
             std::string::npos);
 }
 
+/// As MoveIt takes them: at the start joints rest, at a goal they stay where they are.
+TEST_F(Group, AStateOfSomeJointsLeavesTheOthersWhereTheyAre) {
+  const auto planned = [&](const Arguments& stops) {
+    Arguments arguments{"--group", "arm"};
+    arguments.insert(arguments.end(), stops.begin(), stops.end());
+    const CommandRun run = plan(arguments);
+    EXPECT_EQ(run.status, exit_done) << run.log;
+    const Json json = Json::parse(read_file(folder_.file("plan.json")));
+    return std::pair(Json{json["start"], json["goals"]}, run.log);
+  };
+  const auto [late, said] = planned({"--start", "home", "--goal", "0.5,0.3", "--goal", "half"});
+  EXPECT_EQ(late, Json::parse("[[0.0, 0.1], [[0.5, 0.3], [0.5, -0.1]]]"));
+  EXPECT_NE(said.find("note: --goal: state 'half' does not name joint shoulder (0.5), which stays where the "
+                      "stop before has it"),
+            std::string::npos)
+      << said;
+  EXPECT_EQ(check({"--group", "arm", "--goal", "0.5,0.3", "--goal", "half"}).status, exit_done);
+  EXPECT_EQ(check({"--group", "arm", "--goal", "half", "--goal", "half"}).status, exit_no)
+      << "from shoulder 0";
+  const auto [early, told] = planned({"--start", "half", "--goal", "ready"});
+  EXPECT_EQ(early, Json::parse("[[0.0, -0.1], [[0.5, -0.1]]]"));
+  EXPECT_NE(told.find("--start: state 'half' does not name joint shoulder (0), which stays where the robot "
+                      "rests"),
+            std::string::npos)
+      << told;
+  const std::string srdf = read_file(folder_.file("arm.srdf"));
+  folder_.write("arm.srdf", srdf.substr(0, srdf.find("</robot>")) +
+                                "<group_state name='default' group='arm'><joint name='shoulder' "
+                                "value='0.4'/></group_state></robot>");
+  EXPECT_EQ(planned({"--start", "half", "--goal", "ready"}).first[0], Json::parse("[0.4, -0.1]"));
+}
+
 TEST_F(Group, WhatCannotBeReadIsReportedInOneSentence) {
   const auto expect_refused = [&](const Arguments& more, const std::string& expected) {
     const CommandRun run = plan(more);
@@ -312,9 +344,6 @@ TEST_F(Group, WhatCannotBeReadIsReportedInOneSentence) {
     EXPECT_NE(run.log.find(expected), std::string::npos) << run.log;
   };
   expect_refused({"--group", "arm", "--start", "hom", "--goal", "ready"}, "half, home, ready");
-  expect_refused({"--group", "arm", "--start", "half", "--goal", "ready"},
-                 "says nothing of joint 'shoulder', expected a state of the whole group 'arm', or --fix "
-                 "JOINT=VALUE for that joint (states of");
   expect_refused({"--fix", "grip", "--start", "home", "--goal", "ready"},
                  "--fix: expected JOINT=VALUE or a state of a SRDF, got 'grip'");
   expect_refused({"--fix", "grip=x", "--start", "home", "--goal", "ready"},

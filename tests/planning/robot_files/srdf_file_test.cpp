@@ -185,7 +185,6 @@ TEST_F(SrdfFile, AStateThatLeavesJointsOpenIsRefusedWithTheRemedy) {
     }
     return std::string("accepted");
   };
-  EXPECT_EQ(refused(robot("all", {{"waist", 0.0}})), "accepted");
   EXPECT_EQ(
       refused(robot("", {{"waist", 0.0}})),
       " says nothing of joint 'fj1', expected a state of all joints, or --fix JOINT=VALUE for that joint");
@@ -196,6 +195,32 @@ TEST_F(SrdfFile, AStateThatLeavesJointsOpenIsRefusedWithTheRemedy) {
   EXPECT_EQ(refused(robot("hand")),
             " says nothing of joint 'fj1', expected a state of the whole group 'hand', or --fix JOINT=VALUE "
             "for that joint");
+}
+
+TEST_F(SrdfFile, StatesOfOneNameThatContradictEachOtherAreTold) {
+  const Robot all = robot("all", {{"waist", 0.0}});
+  try {
+    named_configuration(all, "home");
+    ADD_FAILURE() << "left has lj1 at 0.5, right at 9";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "state 'home' of " + srdf_ +
+                  ": groups 'left' and 'right' have joint 'lj1' at 0.5 and at 9, expected one of them, or a "
+                  "state of group 'all'");
+  }
+  EXPECT_EQ(*named_configuration(robot("left"), "home"), Configuration(Eigen::Vector2d(0.5, -1.0)));
+  EXPECT_EQ(*named_configuration(robot("right"), "home"), Configuration(Eigen::Vector2d(0.1, 0.2)));
+}
+
+TEST_F(SrdfFile, JointsThatAStateLeavesOpenAreTakenFromElsewhere) {
+  const Robot across = robot("across", {{"rj1", 0.3}}), links = robot("links");
+  EXPECT_TRUE(joints_left_open(across, "home").empty());
+  EXPECT_TRUE(joints_left_open(links, "nowhere").empty());
+  const std::vector<std::size_t> open = joints_left_open(links, "home");  // waist, rj2
+  ASSERT_EQ(open, std::vector<std::size_t>{0});
+  EXPECT_EQ(*named_configuration(links, "home", Eigen::Vector2d(0.7, 0.8)),
+            Configuration(Eigen::Vector2d(0.7, 0.2)));
+  EXPECT_THROW(named_configuration(links, "home"), std::invalid_argument);
 }
 
 TEST_F(SrdfFile, ALinkOffByDefaultMeetsOnlyWhatIsEnabledAgain) {
