@@ -420,14 +420,14 @@ std::optional<YamlFields> json_camera(const YamlFields& file, const std::string&
   };
   look(look, file, "");
   if (found.empty()) return std::nullopt;
-  std::string names;
+  std::vector<std::string> names;
   for (const auto& [name, fields] : found) {
     if (found.size() == 1 && (wanted.empty() || name.empty())) return fields;
     if (!wanted.empty() && (name == wanted || name.starts_with(wanted + "."))) return fields;
-    names += (names.empty() ? "" : ", ") + quote(name);
+    names.push_back(quote(name));
   }
-  file.fail("", (wanted.empty() ? "" : "it has no camera " + quote(wanted) + "; ") + "it has " + names +
-                    ": expected `camera: {file: …, name: …}` to name one of them");
+  file.fail("", (wanted.empty() ? "" : "it has no camera " + quote(wanted) + "; ") + "it has " +
+                    listed(names) + ": expected `camera: {file: …, name: …}` to name one of them");
 }
 
 /// A message as it is printed says more of its K than OpenCV's users do.

@@ -254,6 +254,10 @@ TEST(ForeignCameras, OneOfSeveralStreamsIsNamed) {
   EXPECT_EQ(parse_camera_file(both, "c.json", "color"), parse_camera_file(color, "c.json", ""));
   EXPECT_NE(refusal_of(both).find("it has 'depth.intrinsics', 'color': expected"), std::string::npos);
   EXPECT_NE(refusal_of(both, "infrared").find("no camera 'infrared'"), std::string::npos);
+  std::string many = "{";
+  for (int i = 0; i < 40; ++i) many += (i == 0 ? "\"s" : ", \"s") + std::to_string(i) + "\": " + color;
+  EXPECT_NE(refusal_of(many + "}").find("'s19' and 20 more: expected"), std::string::npos)
+      << refusal_of(many + "}");
   const std::string hostile = refusal_of("{\"a\\e[2J\": {\"ppx\": 3}}");
   EXPECT_NE(hostile.find("a\\x1b[2J.image_width"), std::string::npos) << hostile;
 }
