@@ -1,21 +1,7 @@
-// Each reader on files with bytes changed, cut out, doubled or put in, thousands a minute: within a child of
-// this process, so that a crash or a hang is one file's and is counted. It ends soon, in little memory, with
-// what it read or with one sentence. CLEARWAY_MUTATIONS sets how many of each format. mutated_inputs_test
-// runs the whole program on such files.
-#include <fcntl.h>
-#include <gtest/gtest.h>
-#include <sys/mman.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
+// Descriptions, recordings, maps and cameras with bytes changed. mutated_records_test has what people and the
+// program itself write down: sessions, comparisons, trajectories, loads, tables.
+#include "tests/apps/mutated_readers.hpp"
 
-#include <cerrno>
-#include <csignal>
-#include <cstdio>
-#include <cstring>
-#include <functional>
-
-#include "apps/console/failure.hpp"
 #include "apps/fusion/open_frames.hpp"
 #include "apps/problem_sets/planning_scene.hpp"
 #include "datasets/bags/bag_source.hpp"
@@ -44,136 +30,11 @@
 #include "tests/apps/run_command.hpp"
 #include "tests/worlds/bag_topics.hpp"
 #include "tests/worlds/bags/sqlite_bag_writer.hpp"
-#include "tests/worlds/mutated_bytes.hpp"
 #include "tests/worlds/picture_bytes.hpp"
 #include "tests/worlds/small_scene.hpp"
 
 namespace clearway {
 namespace mutated_readers_test {
-
-using Read = std::function<void(const std::filesystem::path&)>;
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr unsigned longest = 60;  // sanitizers take many times the time and the memory
-constexpr long most_kilobytes = 16 * 1024 * 1024;
-#else
-constexpr unsigned longest = 5;  ///< seconds for one file
-constexpr long most_kilobytes = 128 * 1024;
-#endif
-
-/// A line of /proc/self/status that begins with `key`, in kB.
-long status_kilobytes(const char* key) {
-  std::ifstream status("/proc/self/status");
-  for (std::string line; std::getline(status, line);) {
-    if (line.starts_with(key)) return std::atol(line.c_str() + std::string_view(key).size() + 1);
-  }
-  return 0;
-}
-
-/// What a reader threw says something, and nothing that would need to be escaped for a terminal.
-bool is_plain(const std::exception_ptr& error) {
-  try {
-    std::rethrow_exception(error);
-  } catch (const std::exception& caught) {
-    const std::string_view text = caught.what();
-    return !text.empty() && std::all_of(text.begin(), text.end(),
-                                        [](char c) { return static_cast<unsigned char>(c) >= 0x20; });
-  }
-}
-
-/// What the child shares with its parent.
-struct Progress {
-  int at = 0;         ///< the file under way
-  int refused = 0;    ///< of those before it
-  char find[2000]{};  ///< what is wrong with it; "" when it ended the child
-};
-
-class MutatedReaders : public ::testing::Test {
- protected:
-  MutatedReaders()
-      : progress_(static_cast<Progress*>(
-            ::mmap(nullptr, sizeof(Progress), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0))) {}
-  ~MutatedReaders() override { ::munmap(progress_, sizeof(Progress)); }
-
-  /// `read` gets `folder/file`, of which `whole` is the sound content, which it must accept.
-  void expect_read_or_refused(const std::string& file, const std::string& whole, const Read& read) {
-    folder_.write(file, whole);
-    ASSERT_NO_THROW(read(folder_.path() / file)) << file;
-    const int count = mutations(40);
-    *progress_ = {};
-    while (progress_->at < count) {
-      const int status = run_child(file, whole, count, read);
-      if (progress_->at >= count) break;
-      const std::string kept = ::testing::TempDir() + "mutated-" + std::to_string(progress_->at) + "-" +
-                               std::filesystem::path(file).filename().string();
-      std::filesystem::copy_file(folder_.file(file), kept, std::filesystem::copy_options::overwrite_existing);
-      ADD_FAILURE() << kept << ": "
-                    << (progress_->find[0] != '\0'    ? progress_->find
-                        : !WIFSIGNALED(status)        ? "it ended the program"
-                        : WTERMSIG(status) == SIGALRM ? "not read in time"
-                                                      : ::strsignal(WTERMSIG(status)));
-      progress_->find[0] = '\0';
-      ++progress_->at;
-    }
-    EXPECT_GT(progress_->refused, count / 10) << file << ": hardly one was refused";
-    folder_.write(file, whole);
-  }
-
-  TemporaryFolder folder_;
-
- private:
-  int run_child(const std::string& file, const std::string& whole, int count, const Read& read) {
-    const pid_t child = ::fork();
-    if (child == 0) {
-      while (progress_->at < count) {
-        std::mt19937 random(static_cast<unsigned>(progress_->at));
-        const std::string bytes = mutated(whole, random);
-        folder_.write(file, bytes);
-        if (!is_read_or_refused(bytes.size(), read, folder_.path() / file)) ::_exit(1);
-        ++progress_->at;
-      }
-      ::_exit(0);
-    }
-    int status = 0;
-    while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-    }
-    return status;
-  }
-
-  void found(const std::string& what) const {
-    std::snprintf(progress_->find, sizeof(progress_->find), "%s", what.c_str());
-  }
-
-  bool is_read_or_refused(std::size_t size, const Read& read, const std::filesystem::path& file) const {
-    std::ofstream("/proc/self/clear_refs") << "5";  // the peak of memory begins anew
-    const long before = status_kilobytes("VmRSS:");
-    ::alarm(longest);
-    try {
-      read(file);
-    } catch (...) {
-      ++progress_->refused;
-      const Failure failure = failure_of(std::current_exception());
-      if (failure.sentence.starts_with("a library that") || failure.sentence.starts_with("out of memory") ||
-          failure.sentence.size() > 700 || !is_plain(std::current_exception())) {
-        found("not a sentence of ours: " + failure.sentence);
-        return false;
-      }
-    }
-    ::alarm(0);
-    rusage children{};  // of readers that decode in a child of their own
-    ::getrusage(RUSAGE_CHILDREN, &children);
-    const long taken = std::max(status_kilobytes("VmHWM:"), children.ru_maxrss) - before;
-    if (taken <= most_kilobytes + 20 * static_cast<long>(size) / 1024) return true;
-    found("it took " + std::to_string(taken) + " kB");
-    return false;
-  }
-
-  Progress* progress_;
-};
-
-std::string source(const std::string& file) {
-  return read_file(std::filesystem::path(CLEARWAY_SOURCE_DIR) / file);
-}
 
 TEST_F(MutatedReaders, plans_and_records_of_queries) {
   expect_read_or_refused("plan.json", source("tests/fuzz/corpus/plan_file/in_one_go-beam_guided.json"),
