@@ -1,18 +1,9 @@
 #include "apps/results/compare_files.hpp"
 
 #include <algorithm>
-#include <array>
 #include <string_view>
 
-#include "mapping/system/atomic_file.hpp"
-
 namespace clearway {
-namespace {
-
-constexpr std::array result_files = {"results.sqlite", "results.csv", "results.log", "report.html",
-                                     records_name};
-
-}  // namespace
 
 std::string name_as_file(const std::string& name) {
   std::string text = name;
@@ -47,13 +38,6 @@ bool is_of_comparison(const std::filesystem::path& relative) {
   if (folder == "maps") return relative.filename() == "map.ot" || relative.filename() == "painted.csv";
   if (folder == "plans" || folder == "teams") return kind == ".json" || kind == ".html";
   return (folder == "animations" || folder == "worst") && kind == ".html";
-}
-
-void save_results(const CompareResults& results, const std::filesystem::path& folder) {
-  save_database(results, folder / result_files[0]);
-  save_file(folder / result_files[1], to_csv(results));
-  save_file(folder / result_files[2], to_ompl_log(results));
-  save_file(folder / result_files[3], to_html(results));
 }
 
 }  // namespace clearway

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -19,6 +20,10 @@ std::string run_id(const CompareExperiment& experiment, const CompareProblem& pr
 
 /// What every run reported, line by line (compare_records.hpp), in a folder of results.
 constexpr const char* records_name = "runs.jsonl";
+
+/// What save_results writes, and these lines.
+constexpr std::array result_files = {"results.sqlite", "results.csv", "results.log", "report.html",
+                                     records_name};
 
 /// Whether a file of a folder of results is ours, where an older version left no list of them.
 bool is_of_comparison(const std::filesystem::path& relative);
