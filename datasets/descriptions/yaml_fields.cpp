@@ -374,7 +374,7 @@ std::vector<YamlFields> YamlFields::list_of_maps(const std::string& key) const {
   if (!has(key)) return result;
   const YAML::Node node = find(key);
   if (!node.IsSequence()) fail(key, "expected a list, got " + shown_node(node));
-  const std::string path = path_ + (path_.empty() ? "" : ".") + key;
+  const std::string path = path_ + (path_.empty() ? "" : ".") + shortened(key);
   for (const auto& item : node)
     result.push_back(YamlFields(item, name_, path + "[" + std::to_string(result.size()) + "]"));
   return result;

@@ -12,6 +12,7 @@
 #include "datasets/descriptions/camera_file.hpp"
 #include "datasets/descriptions/load_setup.hpp"
 #include "datasets/descriptions/suite.hpp"
+#include "datasets/descriptions/yaml_fields.hpp"
 #include "datasets/pictures/picture_poses.hpp"
 #include "datasets/sources/joint_stream.hpp"
 #include "mapping/files/cloud_file.hpp"
@@ -79,6 +80,17 @@ TEST_F(MutatedReaders, problems_beside_a_suite) {
 TEST_F(MutatedReaders, positions_of_joints) {
   expect_read_or_refused("joints.csv", source("tests/fuzz/corpus/joint_states/two.csv"),
                          [](const auto& file) { load_joint_states(file, 0.5); });
+}
+
+/// A fuzzer's find: the key of a list stood in the sentence as it is.
+TEST_F(MutatedReaders, a_key_of_a_list_is_escaped) {
+  const YamlFields fields("\"a\\e[2J\": [{b: 1}]", "a file");
+  try {
+    fields.list_of_maps("a\x1b[2J").front().text("c");
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_EQ(std::string(error.what()).find('\x1b'), std::string::npos) << error.what();
+  }
 }
 
 TEST_F(MutatedReaders, chunks_for_the_gate) {
