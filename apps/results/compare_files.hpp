@@ -22,8 +22,8 @@ std::string run_id(const CompareExperiment& experiment, const CompareProblem& pr
 constexpr const char* records_name = "runs.jsonl";
 
 /// What save_results writes, and these lines.
-constexpr std::array result_files = {"results.sqlite", "results.csv", "results.log", "report.html",
-                                     records_name};
+inline constexpr std::array result_files = {"results.sqlite", "results.csv", "results.log", "report.html",
+                                            records_name};
 
 /// Whether a file of a folder of results is ours, where an older version left no list of them.
 bool is_of_comparison(const std::filesystem::path& relative);
