@@ -53,7 +53,7 @@ TEST_F(MutatedReaders, trajectories_of_other_programs) {
   for (const char* name : {"ros2.yaml", "moveit_goal.yaml", "result.json", "own.json"})
     expect_read_or_refused(name, source(std::string("tests/fuzz/corpus/check_trajectory/") + name),
                            [](const auto& file) {
-                             if (!read_trajectory(file)) throw std::invalid_argument("it is a plan");
+                             if (read_trajectories(file).empty()) throw std::invalid_argument("it is a plan");
                            });
 }
 

@@ -6,5 +6,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace clearway;
   static const fuzz::InputFile yaml(".yaml"), json(".json");
   const std::string_view text = fuzz::as_text(data, size);
-  return fuzz::read_or_refuse([&] { read_trajectory((text.starts_with('{') ? json : yaml).write(text)); });
+  return fuzz::read_or_refuse([&] { read_trajectories((text.starts_with('{') ? json : yaml).write(text)); });
 }
