@@ -29,7 +29,9 @@ RecordQuestion question_of(const CheckOptions& options, const Plan& plan, const 
                           .start = plan.start,
                           .goals = plan.goals};
   const ChosenStops stops = choose_stops(options.start, options.goals, robot, options.degrees, plan.start);
-  question.start = stops.start;
+  const auto dof = static_cast<Eigen::Index>(robot.dof());
+  const bool may_turn = stops.start.size() == dof && plan.start.size() == dof;
+  question.start = may_turn ? by_whole_turns(robot, stops.start, plan.start) : stops.start;
   if (!options.goals.empty()) question.goals = stops.goals;
   return question;
 }

@@ -76,6 +76,8 @@ RecordedTerms recorded_terms(const std::optional<QueryRecord>& record, const Rec
     notes.push_back("the folder's record of queries is of another map and does not count");
     return terms;
   }
+  if (!record->made_for.empty())
+    notes.push_back("the record of queries was made for the map of which `inspect` made this one");
   if (const QueryTerms* query = query_of(*record, question, notes)) {
     if (is_for(*query, question)) {
       terms.query = *query;

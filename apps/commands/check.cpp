@@ -127,13 +127,15 @@ void check_motion_of(const Plan& plan, const Robot& robot, const Snapshot& map, 
 /// Where the robot is before a trajectory that says nothing of it, and comes to its first point in some time.
 void take_start(const CheckOptions& options, const Robot& robot, ForeignTrajectory& trajectory) {
   const bool has_time = !trajectory.times.empty() && trajectory.times.front() > 0.0;
-  if (options.start.empty() || !has_time || !trajectory.start.empty()) return;
+  const bool is_known = std::all_of(trajectory.joints.begin(), trajectory.joints.end(),
+                                    [&](const std::string& name) { return trajectory.start.contains(name); });
+  if (options.start.empty() || !has_time || is_known) return;
   const Configuration q = choose_stops(options.start, {}, robot, options.degrees).start;
   if (q.cwiseAbs().maxCoeff() > largest_joint_value)
     throw std::invalid_argument("--start: expected joint values of at most " +
                                 significant(largest_joint_value) + ", beyond which angles lose their digits");
   for (std::size_t j = 0; j < robot.dof(); ++j)
-    trajectory.start[robot.joints[j].name] = q[static_cast<Eigen::Index>(j)];
+    trajectory.start.try_emplace(robot.joints[j].name, q[static_cast<Eigen::Index>(j)]);
 }
 
 }  // namespace

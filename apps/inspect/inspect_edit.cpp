@@ -72,10 +72,18 @@ void print_hand_edit(const nlohmann::ordered_json& json, std::ostream& out) {
                                           count("painted") + " to painted"}});
 }
 
-void save_edited(const InspectOptions& options, const Snapshot& map) {
+std::optional<QueryRecord> record_to_keep(const InspectOptions& options) {
+  if (options.save.empty()) return {};
+  std::optional<QueryRecord> record = load_query_record(options.map);
+  if (!record || record->map_sha256 != map_sha256(options.map)) return {};
+  record->made_for = record->map_sha256;
+  return record;
+}
+
+void save_edited(const InspectOptions& options, std::optional<QueryRecord> record, const Snapshot& map) {
   AtomicFolder folder(options.save, is_in_map_folder);
   save_map(map, folder.path());
-  if (auto record = load_query_record(options.map); record && record->map_sha256 == map_sha256(options.map)) {
+  if (record) {
     record->map_sha256 = map_sha256(map);
     save_file(folder.path() / "queries.json", to_json(*record));
   }

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iosfwd>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "mapping/history/provenance.hpp"
 #include "mapping/maps/hand_edit.hpp"
 #include "mapping/snapshot.hpp"
+#include "planning/files/query_record.hpp"
 
 namespace clearway {
 
@@ -68,9 +70,13 @@ std::string hand_edit_remark(const InspectOptions& options, const HandEditTally&
 nlohmann::ordered_json describe_hand_edit(const HandEditTally& tally);
 void print_hand_edit(const nlohmann::ordered_json& json, std::ostream& out);
 
-/// Writes the map to --save, with the queries that MAP has a record of. @throws std::invalid_argument when
-/// that would replace a map that was read.
-void save_edited(const InspectOptions& options, const Snapshot& map);
+/// The queries that MAP has a record of, for the map that --save makes of it; none of them without --save.
+/// @throws as load_query_record
+std::optional<QueryRecord> record_to_keep(const InspectOptions& options);
+
+/// Writes the map to --save, with these queries. @throws std::invalid_argument when that would replace a map
+/// that was read.
+void save_edited(const InspectOptions& options, std::optional<QueryRecord> record, const Snapshot& map);
 
 /// A point or direction as [x, y, z].
 nlohmann::ordered_json to_json(const Eigen::Vector3d& v);

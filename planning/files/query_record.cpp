@@ -158,7 +158,9 @@ const QueryTerms* QueryRecord::find_whole(const Configuration& start, const std:
 }
 
 std::string to_json(const QueryRecord& record) {
-  Json json = {{"format", format}, {"map_sha256", record.map_sha256}, {"queries", Json::array()}};
+  Json json = {{"format", format}, {"map_sha256", record.map_sha256}};
+  if (!record.made_for.empty()) json["made_for_sha256"] = record.made_for;
+  json["queries"] = Json::array();
   for (const QueryTerms& query : record.queries) json["queries"].push_back(terms_json(query));
   json["sha256"] = no_checksum;
   // Bytes that are not UTF-8 (a robot's path) are replaced rather than refused.
@@ -180,6 +182,7 @@ std::optional<QueryRecord> load_query_record(const std::filesystem::path& map) {
   if (root.at("format").text() != format) root.at("format").refuse("'" + std::string(format) + "'");
   QueryRecord record;
   record.map_sha256 = root.at("map_sha256").text();
+  if (root.has("made_for_sha256")) record.made_for = root.at("made_for_sha256").text();
   for (const JsonField& query : root.at("queries").items()) record.queries.push_back(terms_of(query));
   return record;
 }

@@ -37,6 +37,7 @@ struct QueryTerms {
 struct QueryRecord {
   std::string map_sha256;
   std::vector<QueryTerms> queries;
+  std::string made_for = {};  ///< the digest of the map that `inspect` made this one of; empty: none
 
   /// The query of that name, else the one with that start and these goals (each value within `tolerance`, rad
   /// or m); null when there is none.

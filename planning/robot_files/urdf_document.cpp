@@ -185,8 +185,12 @@ std::string read_text(const std::filesystem::path& file, const XacroArguments& a
   std::string text = read_input(file, "robot file", most_bytes_of_robot);
   if (extension_of(file) == ".xacro") text = expanded_xacro(file, most_bytes_of_robot, arguments);
   blank_late_declaration(text);
-  blank_within_attributes(text);
-  return text;
+  // What is not well-formed stays as it is: errors name its lines.
+  std::string blanked = text;
+  blank_within_attributes(blanked);
+  if (blanked == text) return text;
+  tinyxml2::XMLDocument xml;
+  return xml.Parse(text.data(), text.size()) == tinyxml2::XML_SUCCESS ? blanked : text;
 }
 
 UrdfDocument read_urdf_document(const std::filesystem::path& file, const XacroArguments& arguments) {

@@ -122,12 +122,14 @@ BundleFit fit_all(Bundle& bundle, const BundlePriors& priors, const CameraCalibr
     if (!fit.is_converged) return fit;
     Bundle less = again;
     less.board = bundle.board;
-    const bool is_last = round == 4 || !leave_out(less, fit, may, refused);
-    leave_out_unseen(less, refused);
-    if (is_last || less.views.size() < options.least_views) {
+    std::vector<RefusedView> more;
+    const bool is_less = round < 4 && leave_out(less, fit, may, more);
+    if (is_less) leave_out_unseen(less, more);
+    if (!is_less || less.views.size() < options.least_views) {
       bundle = again;
       return fit;
     }
+    refused.insert(refused.end(), more.begin(), more.end());
     bundle = less;
   }
 }

@@ -130,6 +130,13 @@ TEST_F(CheckRecorded, it_counts_for_the_file_in_the_folder_and_for_maps_made_of_
       run_command({"inspect", folder_.file("map"), "--occupy", "sphere:0,0.9,0,0.1", "--save", saved}).status,
       exit_done);
   EXPECT_EQ(refused_terms(on(saved)), (Terms{"base", "policy", "map"}));
+  EXPECT_NE(on(saved).out.find("made for the map of which `inspect` made this one"), std::string::npos);
+  folder_.write("map/queries.json", "{}");  // damaged: nothing is written
+  EXPECT_EQ(run_command({"inspect", folder_.file("map"), "--coarsen", "0.1", "--save", folder_.file("none"),
+                         "--export", folder_.file("none.ply")})
+                .status,
+            exit_damaged);
+  EXPECT_FALSE(std::filesystem::exists(folder_.file("none.ply")));
   record(std::string(64, '0'));  // of another map: nothing to keep
   ASSERT_EQ(run_command({"inspect", folder_.file("map"), "--coarsen", "0.1", "--save", saved}).status,
             exit_done);

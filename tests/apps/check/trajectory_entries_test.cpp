@@ -94,6 +94,27 @@ TEST_F(CheckEntries, WhatDoesNotFollowIsNamedByEntryAndJoint) {
       std::string::npos);
 }
 
+/// MoveIt's timing leaves an acceleration at the end, and writes one point at 0 s where there is no way to
+/// go.
+TEST_F(CheckEntries, AnAccelerationAtAnEndAndASinglePointAreNoFault) {
+  const CheckEntries::Point rest0{{-0.3, 0.0}, {0, 0}}, rest1{{0.2, 0.0}, {0, 0}}, rest2{{0.2, 0.5}, {0, 0}};
+  Json first = entry(both, {rest0, rest1}, 2);
+  for (Json& point : first["joint_trajectory"]["points"]) point["accelerations"] = {0.3, 0.0};
+  const CommandRun two = run({first, entry(both, {rest1}), entry(both, {rest1, rest2}, 2)});
+  EXPECT_EQ(two.status, exit_done) << two.out << two.log;
+}
+
+/// The robot comes from --start to the first point, whatever joints the entries name.
+TEST_F(CheckEntries, AStartBeforeTheFirstPointIsTaken) {
+  Json along = entry({"x"}, {{{0.1}}, {{0.3}}});
+  for (int i : {0, 1}) along["joint_trajectory"]["points"][i]["time_from_start"]["sec"] = i + 1;
+  const Json message{{"trajectory", {along, entry({"y"}, {{{0.0}}, {{0.2}}})}}};
+  const CommandRun taken = run_command({"check", folder_.write("t.json", message.dump()), "--map",
+                                        folder_.file("map"), "--robot", "point", "--start=0,0", "--json"});
+  EXPECT_EQ(taken.status, exit_done) << taken.out << taken.log;
+  EXPECT_TRUE(Json::parse(taken.out)["deviations"].empty()) << taken.out;
+}
+
 /// A speed beyond the limit of 1 m/s in the second, though the whole takes long enough.
 TEST_F(CheckEntries, ALimitIsKeptInEach) {
   const Json slow = entry(both, {{{0.0, 0.0}}, {{0.1, 0.0}}}, 9);

@@ -1,6 +1,8 @@
 // Trajectories of other programs, and plans with their joints in another order, at `clearway check`.
 #include "apps/check/trajectory_plan.hpp"
 
+#include "mapping/files/map_digest.hpp"
+#include "planning/files/query_record.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/apps/check/check_command.hpp"
 #include "tests/worlds/urdf_robots.hpp"
@@ -292,6 +294,21 @@ TEST_F(CheckTrajectory, AStartThatIsAWholeTurnOffIsTheSameOfAJointWithoutLimits)
   EXPECT_EQ(same.out.find("the start of joint"), std::string::npos);
   EXPECT_EQ(check_turn("continuous", "3.3415926535897931").status, exit_no) << "half a turn";
   EXPECT_EQ(check_turn("revolute", "6.4831853071795862").status, exit_no);
+  // Nor does a turn lead past the query's own record to that of another.
+  const auto query = [](const char* name, double start) {
+    return QueryTerms{.name = name,
+                      .robot = "turn",
+                      .scale = 1.0,
+                      .map_from_base = Eigen::Isometry3d::Identity(),
+                      .policies = {{"base", Policy::not_occupied}, {"arm", Policy::not_occupied}},
+                      .padding = 0.001,
+                      .start = Configuration::Constant(1, start),
+                      .goals = {Configuration::Constant(1, 0.5)}};
+  };
+  folder_.write("map/queries.json", to_json(QueryRecord{map_sha256(folder_.path() / "map"),
+                                                        {query("strict", 0.2), query("loose", 1.0)}}));
+  EXPECT_NE(check_turn("continuous", "6.4831853071795862").out.find("'strict'"), std::string::npos)
+      << check_turn("continuous", "6.4831853071795862").out;
 }
 
 TEST_F(CheckTrajectory, APlanWithItsJointsInAnotherOrderIsTheSamePlan) {

@@ -281,6 +281,8 @@ TEST_F(UrdfDocumentFile, WhatOldAndConvertedFilesHoldIsRead) {
             "r.urdf: joint 'j': <limit> has an unknown attribute 'k_velocity', did you mean 'velocity'?");
   EXPECT_EQ(folder_.refusal(text(plain) + "<?xml version=\"1.0\" ?>"),
             "r.urdf: is not well-formed XML, line 1");
+  EXPECT_EQ(folder_.refusal("<robot\n name='\n\nr'>\n<link></robot>"),
+            "r.urdf: is not well-formed XML, line 5");
 }
 
 }  // namespace urdf_document_test
