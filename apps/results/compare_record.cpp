@@ -99,7 +99,9 @@ SuiteExperiment setup_of(const Json& record) {
     record.at(name).get_to(*text);
   record.at("policies").get_to(setup.policies);
   record.at("payload").get_to(setup.payload);
-  setup.gravity = configuration_of(record.at("gravity"));
+  const Configuration gravity = configuration_of(record.at("gravity"));
+  if (gravity.size() != 3) throw std::invalid_argument("gravity has other than three values");
+  setup.gravity = gravity;
   record.at("runs").get_to(setup.runs);
   record.at("plots").get_to(setup.plots);
   if (record.contains("alike")) record.at("alike").get_to(setup.alike);

@@ -116,6 +116,10 @@ TEST(CompareRecords, HalfALastLineIsLeftOutAndAWrongOneNamed) {
   EXPECT_NE(complaint_of(records.text() + "{\"of\":[0,0,7],\"run\":{}}\n").find("wrong.jsonl', line 6"),
             std::string::npos)
       << complaint_of(records.text() + "{\"of\":[0,0,7],\"run\":{}}\n");
+  std::string flat = records.text();  // gravity along two axes alone
+  const std::size_t gravity = flat.find("\"gravity\":[") + 11;
+  flat.erase(gravity, flat.find(',', gravity) + 1 - gravity);
+  EXPECT_NE(complaint_of(flat).find("wrong.jsonl', line"), std::string::npos) << complaint_of(flat);
   EXPECT_NE(complaint_of("nonsense\n").find("line 1"), std::string::npos);
   EXPECT_NE(complaint_of("").find("line 1"), std::string::npos);
 }
