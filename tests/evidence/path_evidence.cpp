@@ -74,7 +74,7 @@ Evidence plan_problems(std::uint64_t seed, std::uint64_t begin, std::uint64_t en
     std::unique_ptr<Planner>& made = planners[planner.name];
     if (!made) made = planner.make(brief(planner.name));
     const PlanResult result =
-        made->plan({*world.space, cost, ends->first, ends->second, i + 1, deadline(1.0)});
+        made->plan({*world.space, cost, ends->first, ends->second, i + 1, deadline(0.3)});
     if (result.status != PlanStatus::solved) continue;
     const PathVerdict verdict = verdict_of(*world.space, result.waypoints);
     count(tally, verdict);
