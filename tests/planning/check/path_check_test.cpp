@@ -251,6 +251,23 @@ TEST(PathCheck, EveryEdgeOfAPathTooWideForOneBlockOfVoxelsIsChecked) {
   }
 }
 
+/// Along x, then along y: each half takes up little, so that the path is cut in the middle.
+TEST(PathCheck, EveryEdgeOfAPathThatIsCutWhereItTurnsIsChecked) {
+  const Robot disc = load_robot("point");
+  std::vector<Configuration> path;
+  for (const auto& [x, y] :
+       {std::pair(-50, -50), {-25, -50}, {0, -50}, {25, -50}, {25, -25}, {25, 0}, {25, 25}})
+    path.push_back(Eigen::Vector2d(x, y));
+  EXPECT_TRUE(check_path(disc, map_of({cell_of({25.4, -50.4, 0.0})}), {}, 0.0, path).valid);
+  for (int blocked = 0; blocked + 1 < static_cast<int>(path.size()); ++blocked) {
+    const auto at = static_cast<std::size_t>(blocked);
+    const Eigen::Vector2d on = 0.37 * path[at] + 0.63 * path[at + 1];
+    const PathVerdict verdict = check_path(disc, map_of({cell_of({on.x(), on.y(), 0.0})}), {}, 0.0, path);
+    EXPECT_FALSE(verdict.valid) << "edge " << blocked;
+    EXPECT_EQ(verdict.edge, blocked) << verdict.first_contact;
+  }
+}
+
 TEST(PathCheck, EveryStateOfAVoxelIsBlockedUnderThePoliciesThatDoNotAllowIt) {
   const Robot disc = load_robot("point");  // its only part: base
   FreeSpaceMap builder({.resolution = edge, .integration = Integration::compatible});
