@@ -29,9 +29,7 @@ RecordQuestion question_of(const CheckOptions& options, const Plan& plan, const 
                           .start = plan.start,
                           .goals = plan.goals};
   const ChosenStops stops = choose_stops(options.start, options.goals, robot, options.degrees, plan.start);
-  const auto dof = static_cast<Eigen::Index>(robot.dof());
-  const bool may_turn = stops.start.size() == dof && plan.start.size() == dof;
-  question.start = may_turn ? by_whole_turns(robot, stops.start, plan.start) : stops.start;
+  question.start = turned_to(plan, robot, stops.start);
   if (!options.goals.empty()) question.goals = stops.goals;
   return question;
 }
@@ -295,8 +293,8 @@ namespace {
 /// A start is the same one after whole turns of joints without limits.
 void note_turns(Contract& contract, const Plan& plan, const Robot& robot) {
   const Configuration& start = contract.start.value;
-  if (start.size() != static_cast<Eigen::Index>(robot.dof()) || plan.start.size() != start.size()) return;
-  const Configuration turned = by_whole_turns(robot, start, plan.start);
+  if (start.size() != static_cast<Eigen::Index>(robot.dof())) return;
+  const Configuration turned = turned_to(plan, robot, start);
   for (std::size_t j = 0; j < robot.dof(); ++j) {
     const auto at = static_cast<Eigen::Index>(j);
     if (turned[at] == start[at]) continue;
@@ -307,6 +305,11 @@ void note_turns(Contract& contract, const Plan& plan, const Robot& robot) {
 }
 
 }  // namespace
+
+Configuration turned_to(const Plan& plan, const Robot& robot, const Configuration& start) {
+  const auto dof = static_cast<Eigen::Index>(robot.dof());
+  return start.size() == dof && plan.start.size() == dof ? by_whole_turns(robot, start, plan.start) : start;
+}
 
 Contract state_contract(const CheckOptions& options, const Plan& plan, const Robot& robot,
                         const Snapshot& map, const std::string& map_digest,

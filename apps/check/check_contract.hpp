@@ -68,6 +68,10 @@ struct Deviation {
 /// does.
 Robot robot_to_check(const CheckOptions& options, const Plan& plan);
 
+/// The start by whole turns of joints without limits as near to the plan's as it comes; as it is where the
+/// two are of other joints.
+Configuration turned_to(const Plan& plan, const Robot& robot, const Configuration& start);
+
 /// States the contract. Each term is taken from the flags; else from the map's record of the plan's query,
 /// or of one that the plan answers in part, when that is of this map and of the robot that --robot names;
 /// else from the plan. Three terms do not follow the plan where it asks for less: the scale is then the

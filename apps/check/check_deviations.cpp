@@ -8,7 +8,6 @@
 #include "apps/query/loads.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/problem/planner.hpp"
-#include "planning/robot/kinematics.hpp"
 
 namespace clearway {
 
@@ -195,8 +194,7 @@ class Comparison {
       add(AcceptedTerm::goals, "start: expected --start, because neither the map nor the plan says it");
       return;
     }
-    const auto dof = static_cast<Eigen::Index>(robot_.dof());
-    if (start.size() == dof && plan_.start.size() == dof) start = by_whole_turns(robot_, start, plan_.start);
+    start = turned_to(plan_, robot_, start);
     if (plan_.start.size() > 0) require_near(start, plan_.start, "start", by(source), "the plan says ");
     const std::vector<Configuration> path = plan_.waypoints();
     if (!path.empty()) require_near(start, path.front(), "start", by(source), "the path begins at ");
