@@ -8,6 +8,7 @@
 #include "mapping/scans/point_batch.hpp"
 #include "mapping/scans/safe_scan.hpp"
 #include "mapping/scans/scan_filter.hpp"
+#include "mapping/scans/surface_gaps.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/parallel.hpp"
 #include "mapping/voxels/rigid_pose.hpp"
@@ -163,6 +164,20 @@ bool keeps_all(const ScanFilter& filter) {
          filter.outlier_neighbours == 0 && std::isfinite(filter.max_range) && filter.max_range >= 0.0;
 }
 
+/// Where the scan's surface goes on between its hits. @param kept null: all points of the scan
+void find_gaps(const FusedTree& tree, const Scan& scan, const FilteredPoints* kept, const ScanFilter& filter,
+               const ScanInsertion& insertion, ScanWorkspace& workspace) {
+  const GapSearch search{scan.map_from_sensor, tree.getResolution(), filter.max_range, insertion.margins};
+  if (kept != nullptr) {
+    const Eigen::Isometry3d sensor_from_map = scan.map_from_sensor.inverse(Eigen::Isometry);
+    workspace.ways.clear();
+    for (const Eigen::Vector3f& point : kept->points)
+      workspace.ways.push_back((sensor_from_map * point.cast<double>()).cast<float>());
+  }
+  workspace.gaps =
+      &workspace.surface.find(kept != nullptr ? workspace.ways : scan.points, scan.clear_to, search);
+}
+
 }  // namespace
 
 ScanRays& choose_rays(const FusedTree& tree, const Scan& scan, const ScanFilter& filter,
@@ -208,11 +223,14 @@ ScanRays& choose_rays(const FusedTree& tree, const Scan& scan, const ScanFilter&
   counts.dropped_filter = kept.dropped_filter;
   std::swap(shares[0].hits, workspace.grid);
   std::swap(shares[0].ends, workspace.chosen.ends);
+  workspace.gaps = nullptr;
   if (scan.has_hits_only) {
     workspace.chosen.ends.clear();
     return workspace.chosen;
   }
   add_clear_rays(tree, scan, filter, insertion, workspace.chosen, counts);
+  if (insertion.integration == Integration::safe)
+    find_gaps(tree, scan, whole ? nullptr : &kept, filter, insertion, workspace);
   return workspace.chosen;
 }
 
@@ -220,7 +238,7 @@ namespace {
 
 /// What of the rays counts, beside what the scan hits and what the map knows.
 void spare_and_weigh(FusedTree& tree, const ScanInsertion& insertion, ContestedCells* contested,
-                     ScanGrid& grid) {
+                     const std::vector<SurfaceGap>* gaps, ScanGrid& grid) {
   const SafeMargins& margins = insertion.margins;
   const double resolution = tree.getResolution();
   const ScanAgreement& agreement = tree.agreement();
@@ -230,6 +248,7 @@ void spare_and_weigh(FusedTree& tree, const ScanInsertion& insertion, ContestedC
   spare_surfaces(grid,
                  {growth_of(margins.band, resolution), clear_growth_of(margins.band, resolution), weighs},
                  insertion.threads);
+  if (gaps != nullptr) spare_gaps(*gaps, grid);
   if (weighs) contested->weigh(tree, grid, insertion.threads);
 }
 
@@ -246,7 +265,8 @@ ScanCounts insert_scan(FusedTree& tree, const Scan& scan, const ScanFilter& filt
   tree.add_agreement(compare_hits(tree, workspace.grid));
   cast_rays(rays, tree.getResolution(), insertion.threads, insertion.instructions, workspace.rays,
             workspace.grid);
-  if (insertion.integration == Integration::safe) spare_and_weigh(tree, insertion, contested, workspace.grid);
+  if (insertion.integration == Integration::safe)
+    spare_and_weigh(tree, insertion, contested, workspace.gaps, workspace.grid);
   tree.update(workspace.grid, insertion.integration, insertion.threads);
   return counts;
 }

@@ -4,6 +4,7 @@
 #include "mapping/scans/ray_cast.hpp"
 #include "mapping/scans/safe_margins.hpp"
 #include "mapping/scans/scan.hpp"
+#include "mapping/scans/surface_gaps.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 #include "mapping/voxels/integration.hpp"
 #include "mapping/voxels/scan_grid.hpp"
@@ -41,7 +42,10 @@ struct ScanWorkspace {
   RayWorkspace rays;
   ScanGrid grid;
   ScanRays chosen;
-  std::vector<ChosenEnds> shares;  ///< one a thread
+  SurfaceGaps surface;
+  std::vector<Eigen::Vector3f> ways;              ///< of filtered points, sensor frame
+  const std::vector<SurfaceGap>* gaps = nullptr;  ///< of the scan's surface; null: not asked for
+  std::vector<ChosenEnds> shares;                 ///< one a thread
 };
 
 /// Carves the rays of one scan into the tree as OctoMap does: within the scan every voxel is updated once,

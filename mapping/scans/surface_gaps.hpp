@@ -1,0 +1,81 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "mapping/scans/safe_margins.hpp"
+#include "mapping/voxels/scan_grid.hpp"
+
+namespace clearway {
+
+/// A straight piece of surface between two neighbouring hits of a scan. Lengths in voxels of the map.
+struct SurfaceGap {
+  Eigen::Vector3d from, to;  ///< the hits, map frame
+  Eigen::Vector3d side;      ///< across the line between them, a unit vector
+  double before, behind;     ///< the surface reaches so far against and along `side`
+};
+
+/// How the rays of a scan lie in the map.
+struct GapSearch {
+  Eigen::Isometry3d map_from_sensor = Eigen::Isometry3d::Identity();
+  double resolution = 0.0;  ///< edge of a voxel, metres
+  double max_range = 0.0;   ///< longer rays hit nothing, metres; 0: no limit
+  SafeMargins margins{};    ///< nothing is looked for within what the trim of the rays spares
+};
+
+/// Where the rays of a scan meet a surface farther apart than a voxel is wide: the rings of a lidar on the
+/// ground, a wall seen at a slant. The surface is taken to be straight from hit to hit, and to go on a little
+/// where the hits of a column end towards the sensor: as far as the last ray stays within a voxel of it.
+///
+/// Neighbours are found in a range image of 2048 columns in a full turn, 0.18 degrees each, the nearest hit
+/// in each pixel: the next hits along its rows and columns. Two hits are no neighbours when a ray that hits
+/// nothing lies between them, when more than 5 degrees do, or when the line from one to the other runs within
+/// 0.8 degrees of a ray: then one is at an edge and the other behind it. Keeps its memory from scan to scan.
+class SurfaceGaps {
+ public:
+  /// @param hits ends of rays that hit something, sensor frame, metres; those that are not finite are left
+  /// out. @param clear ends of rays that hit nothing.
+  /// @return valid until the next call.
+  const std::vector<SurfaceGap>& find(std::span<const Eigen::Vector3f> hits,
+                                      std::span<const Eigen::Vector3f> clear, const GapSearch& search);
+
+ private:
+  static constexpr int none = -1;
+  struct Ray {
+    Eigen::Vector3f way;
+    float squared;              ///< its length, m²
+    std::uint16_t column, row;  ///< of the image
+    bool is_hit;
+  };
+  /// What was found in a column so far.
+  struct Column {
+    int last = none;      ///< ray
+    int gap = none;       ///< that ends at `last`, of gaps_
+    bool begins = false;  ///< `last` has no neighbour before it
+  };
+  void choose_pole(std::span<const Eigen::Vector3f> ways);
+  void add(std::span<const Eigen::Vector3f> ways, float farthest, float apart);
+  void draw();
+  void walk(const GapSearch& search);
+  void add_to(Column& column, int ray, const GapSearch& search, double before, double behind);
+  bool are_neighbours(int a, int b) const;
+  bool add_gap(int a, int b, const GapSearch& search, double before, double behind);
+  void go_on(const SurfaceGap& gap, const Eigen::Vector3d& end, const GapSearch& search);
+
+  std::array<int, 3> axes_{};  ///< of the sensor: where azimuth 0 and a quarter turn point, and the pole
+  std::vector<Ray> rays_;
+  Eigen::AlignedBox2i seen_;  ///< columns and rows of the image that rays fall in
+  std::vector<int> image_;    ///< of that part: the first ray in each pixel
+  std::vector<Column> columns_;
+  std::vector<int> row_;  ///< the rays of a row
+  std::vector<SurfaceGap> gaps_;
+};
+
+/// Takes the cells that these pieces of surface cross out of `grid`'s free and clear cells, and adds them to
+/// the spared ones. Occupied cells stay as they are.
+void spare_gaps(std::span<const SurfaceGap> gaps, ScanGrid& grid);
+
+}  // namespace clearway
