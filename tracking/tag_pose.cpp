@@ -83,7 +83,7 @@ TagPose estimate_tag_pose(const std::array<Eigen::Vector2d, 4>& corners, double 
   }
 
   TagPose pose;
-  for (std::size_t i = 0; i < turns.size() && i < shifts.size(); ++i) {
+  for (std::size_t i = 0; i < turns.size(); ++i) {
     const Eigen::Isometry3d camera_from_tag = to_isometry(turns[i], shifts[i]);
     if (!camera_from_tag.matrix().allFinite() || !faces_camera(camera_from_tag)) continue;
     if (const auto rms = reprojection_rms(corners, size, camera, camera_from_tag))

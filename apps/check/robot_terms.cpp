@@ -107,10 +107,9 @@ Robot robot_to_check(const CheckOptions& options, const Plan& plan) {
     return !is_stated;  // a joint that moves by the user's own word is not held by the plan's
   };
   if (!is_stated) request.group = plan.group;
-  const std::map<std::string, double> asked = request.fixed;
   if (request.group != robot.group) robot = load_robot(request);
   for (const auto& [name, value] : plan.held)
-    if (!asked.contains(name) && is_free_to_stand(name)) request.fixed[name] = value;
+    if (is_free_to_stand(name)) request.fixed[name] = value;
   request.standing = standing;
   return load_robot(request);
 }

@@ -149,6 +149,13 @@ TEST_F(SeenWithin, a_query_may_ask_for_it_and_a_plan_that_forgets_is_refused) {
   EXPECT_EQ(run.status, exit_done) << run.out << run.log;
   Json plan = Json::parse(read_file(folder_->file("asks/plans/before-rrtconnect.json")));
   EXPECT_EQ(plan["seen_within_s"], 11.0);
+  for (const double sooner : {11.0, 0.5}) {
+    plan["seen_within_s"] = sooner;
+    const std::string narrower = folder_->write("sooner.json", plan.dump());
+    const CommandRun kept =
+        run_command({"check", "--map", folder_->file("asks"), "--robot", "point", narrower});
+    EXPECT_EQ(kept.out.find("seen within: expected"), std::string::npos) << kept.out;
+  }
   plan.erase("seen_within_s");
   const std::string file = folder_->write("forgets.json", plan.dump());
   const CommandRun refused = run_command({"check", "--map", folder_->file("asks"), "--robot", "point", file});

@@ -274,6 +274,23 @@ TEST(EdgePieces, OpenPiecesHoldAllThatIsNotDecided) {
   EXPECT_GT(open, 20);
 }
 
+TEST(EdgePieces, AnEdgeKeepsNothingOfTheEdgesBeforeIt) {
+  const Robot robot = load_robot("puma560");
+  const ConfigurationSpace space(robot, worlds::voxels_about(robot, 5), {.critical_by_default = false});
+  EdgePieces used(*space.collision_model().spheres);
+  Random random(13);
+  int open = 0;
+  for (int i = 0; i < 100; ++i) {
+    const Configuration from = random.configuration(robot);
+    const Configuration to = from + 0.2 * (random.configuration(robot) - from);
+    EdgePieces fresh(*space.collision_model().spheres);
+    EXPECT_EQ(used.examine(from, to), fresh.examine(from, to));
+    EXPECT_EQ(used.open_members(), fresh.open_members()) << i;
+    open += !fresh.open_members().empty();
+  }
+  EXPECT_GT(open, 10);
+}
+
 TEST(EdgePieces, AnglesWithoutEndAreLeftToExactShapes) {
   Robot robot = load_robot("planar2");
   for (Joint& joint : robot.joints) {
