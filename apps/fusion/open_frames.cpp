@@ -90,12 +90,14 @@ SourceOptions with_camera_beside(const DepthLayout& layout, SourceOptions option
   return options;
 }
 
-/// Where the setup says nothing of the scale of depth pictures: that of Replica's camera file.
+/// Where the setup says nothing of the scale of depth pictures: that of a camera file that has one.
 SourceOptions with_scale_beside(const DepthLayout& layout, SourceOptions options) {
-  if (options.depth.scale || layout.camera.filename() != "cam_params.json") return options;
+  const fs::path name = layout.camera.filename();
+  const bool has_scale = name == "cam_params.json" || name == "info.txt" || name == "_info.txt";
+  if (options.depth.scale || !has_scale) return options;
   if (const auto scale = depth_scale_of_file(layout.camera)) {
     options.depth.scale = scale;
-    options.notes.push_back("steps of depth are " + short_text(*scale) + " m, by `scale` of " +
+    options.notes.push_back("steps of depth are " + short_text(*scale) + " m, by " +
                             quote_path(layout.camera.string()) +
                             "; `source: {depth: {scale: …}}` states others.");
   }

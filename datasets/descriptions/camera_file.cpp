@@ -9,6 +9,7 @@
 #include "datasets/cameras/matrix_text.hpp"
 #include "datasets/cameras/opencv_xml.hpp"
 #include "datasets/cameras/realsense_lens.hpp"
+#include "datasets/cameras/sensor_info.hpp"
 #include "datasets/descriptions/setup.hpp"
 #include "datasets/descriptions/yaml_fields.hpp"
 #include "datasets/ros/ros_camera.hpp"
@@ -464,6 +465,28 @@ CameraIntrinsics read_any(const YamlFields& file, const std::string& camera, Bes
             "cam_params.json (`fx`, `cx`), or a matrix alone");
 }
 
+void require_size(const CameraIntrinsics& camera, const ImageSize& expected, const std::string& called) {
+  const auto sides = [](const ImageSize& of) {
+    return std::to_string(of.width) + " x " + std::to_string(of.height);
+  };
+  const ImageSize stated{camera.width, camera.height};
+  if (stated != expected)
+    throw std::invalid_argument(called + ": its pictures have " + sides(stated) + " pixels, expected " +
+                                sides(expected) + ", as the pictures have or the setup says");
+}
+
+CameraIntrinsics camera_of_info(const std::string& text, const std::string& called, const std::string& which,
+                                bool is_rectified, std::optional<ImageSize> size) {
+  if (!which.empty() && which != "depth" && which != "color")
+    throw std::invalid_argument(called + ": it has no camera " + quote(which) +
+                                ", expected 'depth' or 'color'");
+  const SensorInfo info = parse_sensor_info(text, called);
+  CameraIntrinsics camera = which == "color" ? info.colour : info.depth;
+  camera.is_rectified = is_rectified;
+  if (size) require_size(camera, *size, called);
+  return camera;
+}
+
 }  // namespace
 
 CameraIntrinsics parse_camera_file(const std::string& text, const std::string& name,
@@ -471,6 +494,7 @@ CameraIntrinsics parse_camera_file(const std::string& text, const std::string& n
                                    std::optional<ImageSize> size, std::optional<LensModel> lens,
                                    std::string* note) {
   const std::string called = "camera file " + quote_path(name);
+  if (is_sensor_info(text)) return camera_of_info(text, called, camera, is_rectified, size);
   if (is_numbers_alone(text)) {
     CameraIntrinsics pinhole = camera_of_matrix_text(text, called, size);
     pinhole.is_rectified = is_rectified;
@@ -491,12 +515,7 @@ CameraIntrinsics parse_camera_file(const std::string& text, const std::string& n
   if (is_other && !is_rectified)
     file.fail("", "its lens is " + lens_name(read.lens) + ", expected " + lens_name(*lens) +
                       ", as `lens` beside `file` says");
-  const auto sides = [](const ImageSize& of) {
-    return std::to_string(of.width) + " x " + std::to_string(of.height);
-  };
-  if (size && *size != ImageSize{read.width, read.height})
-    file.fail("", "its pictures have " + sides({read.width, read.height}) + " pixels, expected " +
-                      sides(*size) + ", as the pictures have or the setup says");
+  if (size) require_size(read, *size, called);
   return read;
 }
 
@@ -508,7 +527,10 @@ CameraIntrinsics load_camera_file(const std::filesystem::path& file, const std::
 }
 
 std::optional<double> depth_scale_of_file(const std::filesystem::path& file) {
-  const YamlFields whole(read_text(file, "camera file"), "camera file " + quote_path(file.string()));
+  const std::string text = read_text(file, "camera file"),
+                    called = "camera file " + quote_path(file.string());
+  if (is_sensor_info(text)) return 1.0 / parse_sensor_info(text, called).steps_per_metre;
+  const YamlFields whole(text, called);
   const YamlFields fields = whole.is_map("camera") ? whole.map("camera") : whole;
   const auto steps = fields.optional_number("scale", {1, 1e7});
   return steps ? std::optional(1.0 / *steps) : std::nullopt;

@@ -75,11 +75,14 @@ DepthLayout layout_by_names(const fs::path& folder) {
     layout.pose_folder = first_there(folder, {"pose", "poses"});
     return layout;
   }
-  for (const fs::path& flat : {folder, folder / "results"}) {
+  for (const fs::path& flat : {folder, folder / "results", folder / "data", folder / "sequence"}) {
     const std::vector<fs::path> pictures = pictures_in(flat);
     layout.depth = called(pictures, {"depth"});
     if (layout.depth.empty()) continue;
-    layout.colour = called(pictures, {"color", "colour", "rgb", "image", "frame"});
+    std::vector<fs::path> others;
+    for (const fs::path& picture : pictures)  // frame-000000.depth.png is none of the frames
+      if (!name_beside(picture, "depth")) others.push_back(picture);
+    layout.colour = called(others, {"color", "colour", "rgb", "image", "frame"});
     layout.pose_folder = first_there(folder, {"pose", "poses"});
     if (layout.pose_folder.empty() && has_pose_files(flat)) layout.pose_folder = flat;
     break;
@@ -126,7 +129,8 @@ std::optional<DepthLayout> depth_layout(const fs::path& folder, const fs::path& 
       first_there(folder, {"intrinsic/intrinsic_depth.txt", "intrinsic_depth.txt", "camera_intrinsic.json",
                            "intrinsic.json", "intrinsics.json", "camera.json", "camera-intrinsics.txt",
                            "camera_intrinsics.txt", "intrinsic.txt", "intrinsics.txt", "camera.yaml",
-                           "camera.yml", "camera.xml", "camera_info.yaml", "cam_params.json"});
+                           "camera.yml", "camera.xml", "camera_info.yaml", "cam_params.json", "info.txt",
+                           "_info.txt", "data/info.txt", "sequence/_info.txt"});
   std::error_code error;
   const fs::path above = fs::weakly_canonical(folder, error).parent_path();
   if (layout.camera.empty())

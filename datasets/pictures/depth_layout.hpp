@@ -20,9 +20,10 @@ struct DepthLayout {
 };
 
 /// The layout of a folder as RGB-D data sets are published: `depth/` beside `rgb/`, `color/` or `image/`
-/// (TUM, ICL-NUIM, ScanNet, Redwood), or in it or its folder `results/` pictures whose names begin or end in
-/// "depth" beside others of "color", "rgb", "image" or "frame" (7-Scenes, Replica); with `groundtruth.txt`,
-/// `poses.txt`, `trajectory.txt`, `trajectory.log`, `traj.txt`, `trajectory.json` (Open3D) or the one file
+/// (TUM, ICL-NUIM, ScanNet, Redwood), or in it or its folders `results/`, `data/` or `sequence/` pictures
+/// whose names begin or end in "depth" beside others of "color", "rgb", "image" or "frame" (7-Scenes,
+/// Replica); with `groundtruth.txt`, `poses.txt`, `trajectory.txt`, `trajectory.log`, `traj.txt`,
+/// `trajectory.json` (Open3D) or the one file
 /// `.log` or `.freiburg`, or a folder `pose/` or `poses/`, or NAME.pose.txt; or the pictures that the
 /// `transforms.json` of nerfstudio or instant-ngp names, or is of; and `intrinsic/intrinsic_depth.txt`
 /// (ScanNet), `camera_intrinsic.json` (Open3D) or another file that is called like a camera's. None when it

@@ -367,7 +367,44 @@ TEST(DepthFolderCameras, OfReplicaSayTheScaleToo) {
     ASSERT_TRUE(frame);
     const Eigen::Vector3f expected(2.0F, -2.0F * 10 / 50, 2.0F * 8 / 52);
     EXPECT_LT((std::get<CloudFrame>(frame->content).points.at(10 * 48 + 34) - expected).norm(), 1e-5F);
-    EXPECT_NE(source->warnings().at(0).find("by `scale` of"), std::string::npos) << source->warnings().at(0);
+    EXPECT_NE(source->warnings().at(0).find("m, by '"), std::string::npos) << source->warnings().at(0);
+  }
+}
+
+TEST(DepthFolderCameras, OfBundleFusionAndThoseThatFollowItAreInAnInfoFile) {
+  const std::string info =
+      "m_versionNumber = 4\nm_sensorName = StructureSensor\nm_colorWidth = 96\nm_colorHeight = 72\n"
+      "m_depthWidth = 48\nm_depthHeight = 36\nm_depthShift = 4000\n"
+      "m_calibrationColorIntrinsic = 100 0 48 0 0 104 36 0 0 0 1 0 0 0 0 1 \n"
+      "m_calibrationDepthIntrinsic = 50 0 24 0 0 52 18 0 0 0 1 0 0 0 0 1 \nm_frames.size = 2\n";
+  const std::string lost =
+      "-inf -inf -inf -inf\n-inf -inf -inf -inf\n-inf -inf -inf -inf\n-inf -inf -inf -inf\n";
+  for (const auto& [place, file] : {std::pair{"", "info.txt"},
+                                    {"data/", "info.txt"},
+                                    {"data/", "data/info.txt"},
+                                    {"sequence/", "sequence/_info.txt"}}) {
+    const TemporaryFolder folder;
+    if (*place != '\0') std::filesystem::create_directories(folder / place);
+    folder.write(file, info);
+    for (const char* number : {"0", "1", "2"}) {
+      const std::string frame = std::string(place) + "frame-00000" + number;
+      folder.write(frame + ".depth.png", picture_bytes(cv::Mat(36, 48, CV_16UC1, cv::Scalar(8000)), ".png"));
+      folder.write(frame + ".pose.txt", *number == '1' ? lost : "1 0 0 5\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+    }
+    const auto source = open_frames(folder.path(), {});
+    const auto frame = source->next();
+    ASSERT_TRUE(frame) << file;
+    const auto& cloud = std::get<CloudFrame>(frame->content);
+    const Eigen::Vector3f expected(2.0F, -2.0F * 10 / 50, 2.0F * 8 / 52);
+    EXPECT_LT((cloud.points.at(10 * 48 + 34) - expected).norm(), 1e-5F) << file;
+    EXPECT_EQ(cloud.world_from_sensor.translation().x(), 5.0);
+    EXPECT_TRUE(source->next());
+    EXPECT_FALSE(source->next());
+    EXPECT_FALSE(source->damage()) << *source->damage();
+    std::string told;
+    for (const std::string& warning : source->warnings()) told += warning + "\n";
+    EXPECT_NE(told.find("steps of depth are 0.00025 m, by "), std::string::npos) << told;
+    EXPECT_NE(told.find("1 of 3 depth pictures have no pose"), std::string::npos) << told;
   }
 }
 

@@ -137,6 +137,35 @@ TEST(ForeignCameras, EurocsSensorAndReplicasCameraAreRead) {
       (CameraIntrinsics{752, 480, 458.6, 457.2, 367.2, 248.3, {}}));
 }
 
+TEST(ForeignCameras, AnInfoFileHasTwoCamerasAndNamesWhatIsWrong) {
+  const std::string info =
+      "m_versionNumber = 4\nm_colorWidth = 1296\nm_colorHeight = 968\nm_depthWidth = 640\nm_depthHeight = "
+      "480\n"
+      "m_depthShift = 1000\nm_calibrationColorIntrinsic = 1170.2 0 647.75 0 0 1170.3 483.75 0 0 0 1 0 0 0 0 "
+      "1 \n"
+      "m_calibrationDepthIntrinsic = 571.6 0 319.5 0 0 571.7 239.5 0 0 0 1 0 0 0 0 1\n";
+  const CameraIntrinsics depth{640, 480, 571.6, 571.7, 319.5, 239.5, {}};
+  EXPECT_EQ(parse_camera_file(info, "info.txt", ""), depth);
+  EXPECT_EQ(parse_camera_file(info, "info.txt", "depth", false, ImageSize{640, 480}), depth);
+  EXPECT_EQ(parse_camera_file(info, "info.txt", "color"),
+            (CameraIntrinsics{1296, 968, 1170.2, 1170.3, 647.75, 483.75, {}}));
+  EXPECT_NE(refusal_of(info, "left").find("no camera 'left', expected 'depth' or 'color'"),
+            std::string::npos);
+  EXPECT_NE(refusal_of(info, "", ImageSize{320, 240}).find("640 x 480 pixels, expected 320 x 240"),
+            std::string::npos);
+  for (const auto& [from, to, words] : std::vector<std::array<std::string, 3>>{
+           {"m_depthWidth = 640", "m_depthWidth = 6e9", "field 'm_depthWidth': expected a number from 1 to"},
+           {"m_depthHeight = 480", "m_depthHeight 480", "field 'm_depthHeight': expected a number after"},
+           {"m_depthShift = 1000", "m_depthShift = 0", "field 'm_depthShift'"},
+           {"571.6 0 319.5 0", "571.6 0 319.5", "field 'm_calibrationDepthIntrinsic': expected 16 numbers"},
+           {"571.6 0", "-571.6 0", "field 'm_calibrationDepthIntrinsic': expected a camera's matrix"},
+           {"571.6 0", "nan 0", "field 'm_calibrationDepthIntrinsic': expected 16 numbers"}}) {
+    std::string text = info;
+    text.replace(text.find(from), from.size(), to);
+    EXPECT_NE(refusal_of(text).find(words), std::string::npos) << refusal_of(text);
+  }
+}
+
 TEST(ForeignCameras, OfAStereoPairOneIsNamedAndASizeIsStatedElsewhere) {
   for (const std::string kind : {".xml", ".yml"}) {
     const std::string text = written_by_opencv(kind, [&](cv::FileStorage& file) {
