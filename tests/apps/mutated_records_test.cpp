@@ -159,6 +159,15 @@ TEST_F(MutatedReaders, cameras_of_other_tools) {
                            load_camera_file(file, "");
                            depth_scale_of_file(file);
                          });
+  expect_read_or_refused(
+      "info.txt",
+      "m_colorWidth = 96\nm_colorHeight = 72\nm_depthWidth = 48\nm_depthHeight = 36\n"
+      "m_depthShift = 1000\nm_calibrationColorIntrinsic = 9 0 4 0 0 9 3 0 0 0 1 0 0 0 0 1\n"
+      "m_calibrationDepthIntrinsic = 5 0 2 0 0 5 1 0 0 0 1 0 0 0 0 1\n",
+      [](const auto& file) {
+        load_camera_file(file, "");
+        depth_scale_of_file(file);
+      });
 }
 
 }  // namespace mutated_records_test
