@@ -68,10 +68,24 @@ std::vector<fs::path> files_in(const fs::path& folder, bool (*is_wanted)(const f
   return files;
 }
 
+/// The camera that TUM's own tools take for its depth pictures, which are registered to the colour pictures.
+SourceOptions with_camera_of_tum(const DepthLayout& layout, SourceOptions options) {
+  DepthOptions& depth = options.depth;
+  constexpr ImageSize size{640, 480};
+  if (png_size(layout.depth.front()) != size || !is_of_tum(depth.poses.empty() ? layout.poses : depth.poses))
+    return options;
+  depth.camera = CameraIntrinsics{size.width, size.height, 525.0, 525.0, 319.5, 239.5, {}};
+  options.notes.push_back(
+      "the depth pictures' camera is taken as TUM's tools take it, fx = fy = 525, cx = 319.5, cy = 239.5; "
+      "`source: {depth: {camera: …}}` states another.");
+  return options;
+}
+
 /// Where the setup says nothing of a camera: that of a file in the folder.
 SourceOptions with_camera_beside(const DepthLayout& layout, SourceOptions options) {
   DepthOptions& depth = options.depth;
-  if (depth.camera || options.camera || layout.camera.empty()) return options;
+  if (depth.camera || options.camera) return options;
+  if (layout.camera.empty()) return with_camera_of_tum(layout, options);
   std::optional<ImageSize> size;
   for (auto file = layout.depth.begin(); !size && file != layout.depth.end(); ++file) size = png_size(*file);
   std::string note;

@@ -44,6 +44,11 @@ bool is_camera_matrix(const std::vector<std::vector<double>>& rows) {
   return rows[0][0] > 0.0 && rows[1][1] > 0.0;
 }
 
+/// Whether it is fx fy cx cy, as in ETH3D's calibration.txt.
+bool is_four_numbers(const std::vector<std::vector<double>>& rows) {
+  return rows.size() == 1 && rows[0].size() == 4 && rows[0][0] > 0.0 && rows[0][1] > 0.0;
+}
+
 }  // namespace
 
 bool is_numbers_alone(const std::string& text) {
@@ -58,15 +63,18 @@ CameraIntrinsics camera_of_matrix_text(const std::string& text, const std::strin
   const auto is_far = [](const std::vector<double>& row) {
     return std::any_of(row.begin(), row.end(), [](double number) { return std::abs(number) > most; });
   };
-  if (!rows || !is_camera_matrix(*rows) || std::any_of(rows->begin(), rows->end(), is_far))
-    throw std::invalid_argument(name +
-                                ": expected a matrix of 3 or 4 rows, [fx 0 cx], [0 fy cy], [0 0 1], each "
-                                "with a 0 at its end where there are 4, and then 0 0 0 1");
+  const bool is_row = rows && is_four_numbers(*rows);
+  if (!rows || !(is_row || is_camera_matrix(*rows)) || std::any_of(rows->begin(), rows->end(), is_far))
+    throw std::invalid_argument(
+        name +
+        ": expected a matrix of 3 or 4 rows, [fx 0 cx], [0 fy cy], [0 0 1], each "
+        "with a 0 at its end where there are 4, and then 0 0 0 1; or one row, fx fy cx cy");
   if (!size)
     throw std::invalid_argument(name +
                                 " has a matrix alone, which does not say how large the pictures are: "
                                 "expected `width` and `height` beside `file`");
   const auto& k = *rows;
+  if (is_row) return {size->width, size->height, k[0][0], k[0][1], k[0][2], k[0][3], {}};
   return {size->width, size->height, k[0][0], k[1][1], k[0][2], k[1][2], {}};
 }
 

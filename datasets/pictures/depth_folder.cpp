@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -132,12 +131,7 @@ SourceOptions with_scale(SourceOptions options, const fs::path& poses) {
   if (options.depth.scale) return options;
   options.depth.scale = usual_scale;
   const fs::path& file = options.depth.poses.empty() ? poses : options.depth.poses;
-  if (file.empty() || !is_input_there(file)) return options;
-  std::istringstream stream(read_input(file, "poses", largest_poses));
-  std::string line;
-  for (int i = 0; i < 3 && std::getline(stream, line); ++i)
-    if (line.starts_with("#") && line.find("rgbd_dataset_") != std::string::npos)
-      options.depth.scale = scale_of_tum;
+  if (is_of_tum(file)) options.depth.scale = scale_of_tum;
   return options;
 }
 

@@ -4,6 +4,7 @@
 #include <iterator>
 #include <optional>
 #include <set>
+#include <sstream>
 
 #include "datasets/pictures/camera_path.hpp"
 #include "datasets/pictures/picture_file.hpp"
@@ -117,6 +118,15 @@ void take_stated_pictures(const CameraPath& path, const fs::path& folder, DepthL
 
 }  // namespace
 
+bool is_of_tum(const fs::path& poses) {
+  if (poses.empty() || !is_input_there(poses)) return false;
+  std::istringstream stream(read_input(poses, "poses", largest_poses));
+  std::string line;
+  for (int i = 0; i < 3 && std::getline(stream, line); ++i)
+    if (line.starts_with("#") && line.find("rgbd_dataset_") != std::string::npos) return true;
+  return false;
+}
+
 std::optional<DepthLayout> depth_layout(const fs::path& folder, const fs::path& stated_poses) {
   DepthLayout layout = layout_by_names(folder);
   fs::path transforms = first_there(folder, {"transforms.json"});
@@ -125,12 +135,26 @@ std::optional<DepthLayout> depth_layout(const fs::path& folder, const fs::path& 
   const auto path = transforms.empty() ? std::nullopt : path_with_depth(transforms, layout);
   if (path) take_stated_pictures(*path, folder, layout);
   if (layout.depth.empty()) return std::nullopt;
-  layout.camera =
-      first_there(folder, {"intrinsic/intrinsic_depth.txt", "intrinsic_depth.txt", "camera_intrinsic.json",
-                           "intrinsic.json", "intrinsics.json", "camera.json", "camera-intrinsics.txt",
-                           "camera_intrinsics.txt", "intrinsic.txt", "intrinsics.txt", "camera.yaml",
-                           "camera.yml", "camera.xml", "camera_info.yaml", "cam_params.json", "info.txt",
-                           "_info.txt", "data/info.txt", "sequence/_info.txt"});
+  layout.camera = first_there(folder, {"intrinsic/intrinsic_depth.txt",
+                                       "intrinsic_depth.txt",
+                                       "camera_intrinsic.json",
+                                       "intrinsic.json",
+                                       "intrinsics.json",
+                                       "camera.json",
+                                       "camera-intrinsics.txt",
+                                       "camera_intrinsics.txt",
+                                       "intrinsic.txt",
+                                       "intrinsics.txt",
+                                       "camera.yaml",
+                                       "camera.yml",
+                                       "camera.xml",
+                                       "camera_info.yaml",
+                                       "cam_params.json",
+                                       "info.txt",
+                                       "_info.txt",
+                                       "data/info.txt",
+                                       "sequence/_info.txt",
+                                       "calibration.txt"});
   std::error_code error;
   const fs::path above = fs::weakly_canonical(folder, error).parent_path();
   if (layout.camera.empty())

@@ -19,6 +19,10 @@ struct DepthLayout {
   std::size_t unnamed = 0;  ///< depth pictures that transforms.json, which names others, does not name
 };
 
+/// Whether the head of a file of poses names one of TUM's recordings (`# file:
+/// 'rgbd_dataset_freiburg1_xyz.bag'`). False for one that is not there.
+bool is_of_tum(const std::filesystem::path& poses);
+
 /// The layout of a folder as RGB-D data sets are published: `depth/` beside `rgb/`, `color/` or `image/`
 /// (TUM, ICL-NUIM, ScanNet, Redwood), or in it or its folders `results/`, `data/` or `sequence/` pictures
 /// whose names begin or end in "depth" beside others of "color", "rgb", "image" or "frame" (7-Scenes,

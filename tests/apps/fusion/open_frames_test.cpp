@@ -371,6 +371,35 @@ TEST(DepthFolderCameras, OfReplicaSayTheScaleToo) {
   }
 }
 
+TEST(DepthFolderCameras, OfTumsRecordingsIsThatOfTumsTools) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "depth");
+  folder.write("depth/1305031102.160407.png",
+               picture_bytes(cv::Mat(480, 640, CV_16UC1, cv::Scalar(10000)), ".png"));
+  const std::string pose = "1305031102.1604 0 0 0 0 0 0 1\n";
+  folder.write("groundtruth.txt", "# timestamp tx ty tz qx qy qz qw\n" + pose);
+  EXPECT_NE(refusal(folder.path()).find("do not hold their camera"), std::string::npos)
+      << refusal(folder.path());
+  folder.write("groundtruth.txt",
+               "# ground truth trajectory\n# file: 'rgbd_dataset_freiburg1_xyz.bag'\n" + pose);
+  const auto source = open_frames(folder.path(), {});
+  const auto frame = source->next();
+  ASSERT_TRUE(frame);
+  const Eigen::Vector3f expected(2.0F, -2.0F * (400 - 319.5F) / 525, -2.0F * (300 - 239.5F) / 525);
+  EXPECT_LT((std::get<CloudFrame>(frame->content).points.at(300 * 640 + 400) - expected).norm(), 1e-5F);
+  std::string told;
+  for (const std::string& warning : source->warnings()) told += warning + "\n";
+  EXPECT_NE(told.find("as TUM's tools take it, fx = fy = 525"), std::string::npos) << told;
+  folder.write("calibration.txt", "726.25 726.25 354.5 186.5\n");  // a camera beside them counts
+  EXPECT_NE(refusal(folder.path()).find("calibration.txt"), std::string::npos);
+  folder.write("depth/1305031102.160407.png",  // of another size: no camera of TUM's
+               picture_bytes(cv::Mat(458, 739, CV_16UC1, cv::Scalar(10000)), ".png"));
+  EXPECT_EQ(refusal(folder.path()), "");
+  std::filesystem::remove(folder / "calibration.txt");
+  EXPECT_NE(refusal(folder.path()).find("do not hold their camera"), std::string::npos)
+      << refusal(folder.path());
+}
+
 TEST(DepthFolderCameras, OfBundleFusionAndThoseThatFollowItAreInAnInfoFile) {
   const std::string info =
       "m_versionNumber = 4\nm_sensorName = StructureSensor\nm_colorWidth = 96\nm_colorHeight = 72\n"

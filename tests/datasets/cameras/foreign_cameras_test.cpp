@@ -320,11 +320,14 @@ TEST(ForeignCameras, AMatrixAloneNeedsASizeFromElsewhere) {
   EXPECT_EQ(
       parse_camera_file("# K\n 5.775e+02\t0\t318.75\n 0,+578.5,242.5\r\n0 0 1\n", "c.txt", "", false, size),
       expected);
+  EXPECT_EQ(parse_camera_file("577.5 578.5 318.75 242.5\n", "calibration.txt", "", false, size), expected);
+  EXPECT_NE(refusal_of("577.5 578.5 318.75 242.5\n").find("expected `width` and"), std::string::npos);
   EXPECT_NE(refusal_of(scannet).find("expected `width` and `height` beside `file`"), std::string::npos);
   for (const char* other :
        {"577.5 0 0\n0 578.5 0\n318.75 242.5 1\n", "577.5 0 318.75\n0 578.5 242.5\n",
         "577.5 2 318.75\n0 578.5 242.5\n0 0 1\n", "-577.5 0 318.75\n0 578.5 242.5\n0 0 1\n",
         "577.5 0 318.75 0 578.5 242.5 0 0 1\n", "5.7e8 0 318.75\n0 578.5 242.5\n0 0 1\n",
+        "577.5 0 318.75 242.5\n", "577.5 578.5 318.75\n",
         "577.5 0 318.75 1\n0 578.5 242.5 0\n0 0 1 0\n0 0 0 1\n", "7\n"}) {
     EXPECT_NE(refusal_of(other, "", size).find("expected a matrix of 3 or 4 rows"), std::string::npos)
         << other;
