@@ -15,6 +15,7 @@
 #include "mapping/voxels/fused_tree.hpp"
 #include "planning/auto_planner.hpp"
 #include "planning/check/path_check.hpp"
+#include "planning/geometry/turn_between.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/sampling/fcl_planners.hpp"
 #include "planning/sampling/rrtconnect.hpp"
@@ -50,8 +51,7 @@ Scan frame_of_ball(const Eigen::Vector3d& eye, const Sphere& ball) {
   constexpr int side = 45;
   Scan scan;
   scan.map_from_sensor = Eigen::Translation3d(eye);
-  const Eigen::Quaterniond turn =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), eye - ball.center);
+  const Eigen::Quaterniond turn = turn_between(Eigen::Vector3d::UnitZ(), eye - ball.center);
   for (int i = 0; i < side * side; ++i) {
     const double away = 0.5 * std::numbers::pi * std::sqrt((i + 0.5) / (side * side));
     const double around = std::numbers::pi * (3.0 - std::sqrt(5.0)) * i;

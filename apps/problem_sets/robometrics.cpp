@@ -6,6 +6,7 @@
 #include "apps/problem_sets/planning_scene.hpp"
 #include "apps/problem_sets/scene_fields.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "planning/geometry/turn_between.hpp"
 
 namespace clearway {
 namespace {
@@ -59,8 +60,7 @@ void read_capsule(const YamlFields& capsule, ForeignSolid& solid) {
   const double radius = capsule.number("radius", lengths), length = (tip - base).norm();
   solid.shape = length > 0.0 ? Shape::capsule(radius, length) : Shape::sphere(radius);
   solid.map_from_shape.translate(0.5 * (base + tip));
-  if (length > 0.0)
-    solid.map_from_shape.rotate(Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), tip - base));
+  if (length > 0.0) solid.map_from_shape.rotate(turn_between(Eigen::Vector3d::UnitZ(), tip - base));
 }
 
 class SetReader {

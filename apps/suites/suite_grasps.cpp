@@ -1,3 +1,4 @@
+#include <cmath>
 #include <stdexcept>
 
 #include "apps/suites/suite_cells.hpp"
@@ -11,6 +12,18 @@ constexpr int most_grasp_draws = 3000;  ///< in a scene, one after the other wit
 constexpr int most_scenes = 10;
 constexpr double widest_lean = 25.0 * degree;
 constexpr double farthest_before = 0.08;  ///< of the arm's reach: the tip from the place
+
+/// The shortest turn of z to a direction; straight down, half a turn about x. (Eigen's FromTwoVectors, bit
+/// for bit, so that suites stay as they are, without its singular value decomposition, which takes the
+/// compiler ten seconds.)
+Eigen::Matrix3d turn_of_z(const Eigen::Vector3d& direction) {
+  const Eigen::Vector3d to = direction.normalized();
+  if (to.z() < -1.0 + Eigen::NumTraits<double>::dummy_precision())
+    return Eigen::Vector3d(1, -1, -1).asDiagonal();
+  const double twice_cosine = std::sqrt(2.0 * (1.0 + to.z()));  // of half the angle
+  const double share = 1.0 / twice_cosine;
+  return Eigen::Quaterniond(0.5 * twice_cosine, -to.y() * share, to.x() * share, 0.0).toRotationMatrix();
+}
 
 /// Draws problems in one scene.
 class GraspDrawer {
@@ -53,8 +66,7 @@ class GraspDrawer {
     const double roll = dice_.between(0.0, 360.0 * degree);
     const double before = reach_ * dice_.between(0.0, farthest_before);
     Eigen::Isometry3d map_from_tip = Eigen::Isometry3d::Identity();
-    map_from_tip.linear() =
-        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), place.approach).toRotationMatrix();
+    map_from_tip.linear() = turn_of_z(place.approach);
     map_from_tip = map_from_tip * Eigen::AngleAxisd(about, Eigen::Vector3d::UnitZ()) *
                    Eigen::AngleAxisd(lean, Eigen::Vector3d::UnitX()) *
                    Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitZ());

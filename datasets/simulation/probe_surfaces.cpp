@@ -37,7 +37,10 @@ void add_capsule(const Eigen::Isometry3d& map_from_board, const CapsuleSetup& ca
   if (way.norm() <= 1e-6) return;
   SceneShape side{"hand", CylinderShape{capsule.radius, way.norm()}, map_from_board, grey};
   side.map_from_shape.translate(0.5 * (capsule.from + capsule.to));
-  side.map_from_shape.rotate(Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), way));
+  const Eigen::Vector3d along = way.normalized(), across = along.unitOrthogonal();
+  Eigen::Matrix3d turn;
+  turn << across, along.cross(across), along;
+  side.map_from_shape.rotate(turn);
   surfaces.emplace_back(side);
 }
 

@@ -2,11 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
 #include <cmath>
 #include <random>
 
 #include "tests/worlds/tag_scene.hpp"
+#include "tracking/dense.hpp"
 #include "tracking/pose_refinement.hpp"
 
 namespace clearway {
@@ -128,7 +128,7 @@ TEST(Unexplained, is_the_quadratic_form_of_the_whole_covariance) {
     covariance.block<8, 8>(8 * i, 8 * i) += tags[i].by_own * tags[i].by_own.transpose();
   }
   covariance += shared * shared.transpose();
-  const double whole = residual.dot(covariance.inverse() * residual);
+  const double whole = residual.dot(solve_symmetric(covariance, residual).col(0));
   EXPECT_NEAR(unexplained(tags, kNoise), whole, 1e-8 * whole);
 }
 

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "tests/worlds/tag_scene.hpp"
+#include "tracking/dense.hpp"
 
 namespace clearway {
 namespace static_board_test {
@@ -42,7 +43,7 @@ TEST(StaticBoard, its_mean_closes_in_on_the_truth_as_its_covariance_says) {
     for (int i = 0; i < 60; ++i) fused = filter.add(board.seen());
     ASSERT_TRUE(fused);
     const Vector6d error = difference(fused->pose, board.truth);
-    nees += error.dot(fused->covariance.llt().solve(error)) / runs;
+    nees += Cholesky(fused->covariance).squared(error) / runs;
     mean += error.squaredNorm() / runs;
     single += difference(board.seen().pose, board.truth).squaredNorm() / runs;
   }

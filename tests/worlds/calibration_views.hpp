@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "planning/geometry/turn_between.hpp"
 #include "tests/worlds/tag_scene.hpp"
 #include "tracking/calibration/bundle.hpp"
 
@@ -120,8 +121,7 @@ inline DrawnViews draw_wide_views(Camera (*draw_camera)(std::mt19937&), unsigned
     const double distance = 0.2 + 0.05 * unit(random);
     const Eigen::Isometry3d ahead = tag_before_camera(distance, look.tilt * std::abs(unit(random)),
                                                       M_PI * unit(random), M_PI * unit(random), 0.0, 0.0);
-    const Eigen::Isometry3d pose =
-        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), ray->homogeneous()) * ahead;
+    const Eigen::Isometry3d pose = turn_between(Eigen::Vector3d::UnitZ(), ray->homogeneous()) * ahead;
     const auto tags = look_at_body(drawn.camera, drawn.true_board, pose, drawn.noise, random);
     if (tags.size() < 4) continue;
     drawn.views.push_back({"view " + std::to_string(drawn.views.size()), tags});

@@ -14,6 +14,7 @@
 #include "tests/apps/run_command.hpp"
 #include "tests/worlds/picture_bytes.hpp"
 #include "tests/worlds/small_scene.hpp"
+#include "tracking/dense.hpp"
 
 namespace clearway {
 namespace image_poses_test {
@@ -95,7 +96,7 @@ TEST_F(ImagePosesOfAStroke, CameraProbeAndBallAreWhereTheTruthHasThemWithinTheir
       EXPECT_GE((*found)["bound"].get<double>(),
                 0.99 * std::max(by["noise"].get<double>(), by["tilt"].get<double>()))
           << kind;
-      worst = std::max(worst, error.dot(covariance.ldlt().solve(error)));
+      worst = std::max(worst, Cholesky(covariance).squared(error));
     }
   }
   EXPECT_GE(poses, 9);

@@ -6,6 +6,7 @@
 
 #include "tests/worlds/calibration_views.hpp"
 #include "tests/worlds/trials.hpp"
+#include "tracking/dense.hpp"
 
 namespace clearway {
 namespace calibrate_camera_test {
@@ -27,7 +28,7 @@ struct Moves {
       const auto shifts = found.shift_by_errors(pixel);
       const Eigen::Matrix2d stated = shifts * shifts.transpose();
       ++asked;
-      outside += (*seen - pixel).dot(stated.ldlt().solve(*seen - pixel)) > 11.8;  // 3 sigma of two
+      outside += Cholesky(stated).squared(*seen - pixel) > 11.8;  // 3 sigma of two
     }
   }
 };
@@ -50,7 +51,7 @@ TEST(CalibrateCamera, sigmas_cover_the_true_errors_of_drawn_cameras_boards_and_n
     focal += off[0] * off[0] / covariance(0, 0);
     aspect += off[1] * off[1] / covariance(1, 1);
     centre += 0.5 * (off[2] * off[2] / covariance(2, 2) + off[3] * off[3] / covariance(3, 3));
-    joint += off.dot(covariance.ldlt().solve(off));
+    joint += Cholesky(covariance).squared(off);
     claimed += covariance(0, 0);
     actual += off[0] * off[0];
     EXPECT_NEAR(found.held_out_px / std::sqrt(2.0), drawn.noise, 0.35 * drawn.noise + 0.08) << seed;
@@ -143,7 +144,7 @@ TEST(CalibrateCamera, sigmas_cover_the_true_errors_of_drawn_fisheyes) {
     for (std::size_t k = 0; k < 4; ++k)
       off[4 + static_cast<int>(k)] = found.camera.distortion[k] - truth.distortion[k];
     const Eigen::Matrix<double, 8, 8> covariance = found.covariance.topLeftCorner<8, 8>();
-    joint += off.dot(covariance.ldlt().solve(off));
+    joint += Cholesky(covariance).squared(off);
     EXPECT_NEAR(found.held_out_px / std::sqrt(2.0), drawn.noise, 0.35 * drawn.noise + 0.08) << seed;
     moves.add(found.camera, truth);
   }

@@ -6,6 +6,7 @@
 
 #include "tests/worlds/calibration_views.hpp"
 #include "tests/worlds/trials.hpp"
+#include "tracking/dense.hpp"
 
 namespace clearway {
 namespace robot_world_test {
@@ -90,7 +91,7 @@ struct Cell {
 
 double squares(const UncertainPose& found, const Eigen::Isometry3d& truth) {
   const Vector6d off = difference(found.pose, truth);
-  return off.dot(found.covariance.ldlt().solve(off));
+  return Cholesky(found.covariance).squared(off);
 }
 
 TEST(RobotWorld, covariances_cover_the_true_errors_of_drawn_cells) {
