@@ -28,7 +28,7 @@ struct NoisyBoard {
     Matrix6d mixed = Matrix6d::Identity();
     for (int i = 0; i < 6; ++i) mixed.col(i) += 0.4 * normal6(random);
     covariance = 1e-6 * mixed * mixed.transpose();
-    root = covariance.llt().matrixL();
+    root = Eigen::LLT<Eigen::MatrixXd>(covariance).matrixL();
   }
   UncertainPose seen() { return {moved(truth, root * normal6(random)), covariance}; }
 };

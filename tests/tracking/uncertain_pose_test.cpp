@@ -94,7 +94,8 @@ TEST(UncertainPose, carried_covariance_matches_sampled_motions) {
   const Eigen::Vector3d ball(0.1, -0.05, 0.2);
   const UncertainPose eq1 = base_from_probe(base, probe);
   const UncertainPoint center = transform(eq1, ball);
-  const Matrix6d base_root = base.covariance.llt().matrixL(), probe_root = probe.covariance.llt().matrixL();
+  const Matrix6d base_root = Eigen::LLT<Eigen::MatrixXd>(base.covariance).matrixL();
+  const Matrix6d probe_root = Eigen::LLT<Eigen::MatrixXd>(probe.covariance).matrixL();
   Matrix6d pose_sum = Matrix6d::Zero();
   Eigen::Matrix3d point_sum = Eigen::Matrix3d::Zero();
   const int n = 20000;
