@@ -25,6 +25,9 @@ class ContestedCells {
   /// @param threads >= 1; the result does not depend on it.
   void weigh(FusedTree& tree, ScanGrid& grid, int threads);
 
+  /// The number of this scan among those that were counted, from 0.
+  std::size_t count_scan() { return scans_++; }
+
   /// How many looks through this cell are not believed yet: 0, 1 or 2.
   int contested(const Eigen::Vector3i& cell) const;
 
@@ -38,6 +41,7 @@ class ContestedCells {
                          std::vector<Eigen::Vector3i>& taken_back);
 
   std::unordered_map<std::uint64_t, std::unique_ptr<Planes>> planes_;
+  std::size_t scans_ = 0;
 };
 
 }  // namespace clearway

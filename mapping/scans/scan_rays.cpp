@@ -165,9 +165,9 @@ bool keeps_all(const ScanFilter& filter) {
 }
 
 /// Where the scan's surface goes on between its hits. @param kept null: all points of the scan
-void find_gaps(const FusedTree& tree, const Scan& scan, const FilteredPoints* kept, const ScanFilter& filter,
+void find_gaps(const FusedTree& tree, const Scan& scan, const FilteredPoints* kept,
                const ScanInsertion& insertion, ScanWorkspace& workspace) {
-  const GapSearch search{scan.map_from_sensor, tree.getResolution(), filter.max_range, insertion.margins};
+  const GapSearch search{scan.map_from_sensor, tree.getResolution(), insertion.margins};
   if (kept != nullptr) {
     const Eigen::Isometry3d sensor_from_map = scan.map_from_sensor.inverse(Eigen::Isometry);
     workspace.ways.clear();
@@ -184,6 +184,7 @@ ScanRays& choose_rays(const FusedTree& tree, const Scan& scan, const ScanFilter&
                       const ScanInsertion& insertion, ScanWorkspace& workspace, ScanCounts& counts) {
   workspace.grid.clear();
   workspace.chosen.ends.clear();
+  workspace.gaps = nullptr;
   counts = {};
   const bool whole = keeps_all(filter);
   const FilteredPoints kept = whole ? FilteredPoints{} : filter_points(scan, filter);
@@ -223,14 +224,13 @@ ScanRays& choose_rays(const FusedTree& tree, const Scan& scan, const ScanFilter&
   counts.dropped_filter = kept.dropped_filter;
   std::swap(shares[0].hits, workspace.grid);
   std::swap(shares[0].ends, workspace.chosen.ends);
-  workspace.gaps = nullptr;
   if (scan.has_hits_only) {
     workspace.chosen.ends.clear();
     return workspace.chosen;
   }
   add_clear_rays(tree, scan, filter, insertion, workspace.chosen, counts);
   if (insertion.integration == Integration::safe)
-    find_gaps(tree, scan, whole ? nullptr : &kept, filter, insertion, workspace);
+    find_gaps(tree, scan, whole ? nullptr : &kept, insertion, workspace);
   return workspace.chosen;
 }
 
@@ -248,7 +248,12 @@ void spare_and_weigh(FusedTree& tree, const ScanInsertion& insertion, ContestedC
   spare_surfaces(grid,
                  {growth_of(margins.band, resolution), clear_growth_of(margins.band, resolution), weighs},
                  insertion.threads);
-  if (gaps != nullptr) spare_gaps(*gaps, grid);
+  if (gaps != nullptr) {
+    // One look in four between hits counts against what is occupied: what left before a sensor that stands
+    // still is forgotten in the end, and what stands is hit again before.
+    const bool counts = contested != nullptr && contested->count_scan() % 4 == 3;
+    spare_gaps(*gaps, counts ? &tree : nullptr, grid);
+  }
   if (weighs) contested->weigh(tree, grid, insertion.threads);
 }
 

@@ -3,30 +3,37 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace clearway {
 namespace {
 
-constexpr int columns = 2048, rows = 1024;  // of the image: a full turn by half a turn
+constexpr int columns = 2048, rows = 1024;  // of the finest image: a full turn by half a turn
 constexpr float widest_gap = 0.0872F;       // sin 5 degrees, between two rays
+constexpr int most_steps = 3;               // of the usual ones between two neighbours
 constexpr float least_slant = 0.0140F;      // sin 0.8 degrees, between a ray and the surface
 constexpr double trims_of_two = 2.0;  // by which two hits of one surface may differ in range for noise alone
-constexpr int widest_step = 28;       // columns: about 5 degrees
-constexpr double widest_side = 8.0;   // voxels
+constexpr int widest_step = 28;       // pixels: about 5 degrees
+constexpr double farthest_cell = 32767.0;  // of a map
+constexpr double widest_side = 8.0;        // voxels
+constexpr double samples = 2.5;            // of a line in a voxel's width
 constexpr float infinite = std::numeric_limits<float>::infinity();
 
-/// Grows with the angle of (x, y), from 0 to 4 in a full turn, by arithmetic that all machines round alike.
-float turn_of(float x, float y) {
-  const float sum = std::abs(x) + std::abs(y);
-  const float part = y / std::max(sum, std::numeric_limits<float>::min());
-  if (x < 0.0F) return 2.0F - part;
-  return part < 0.0F ? 4.0F + part : part;
+/// atan2(y, x) but for 0.0003 radians, by arithmetic that all machines round alike.
+float angle_of(float x, float y) {
+  constexpr float turn = static_cast<float>(2 * M_PI);
+  const float wide = std::abs(x), high = std::abs(y);
+  const float slope = std::min(wide, high) / std::max({wide, high, std::numeric_limits<float>::min()});
+  const float square = slope * slope;
+  float angle = slope + slope * square * (-0.32762276F + square * (0.15931422F - 0.04649647F * square));
+  if (high > wide) angle = 0.25F * turn - angle;
+  if (x < 0.0F) angle = 0.5F * turn - angle;
+  return y < 0.0F ? -angle : angle;
 }
 
-/// Metres between two columns at this place: turn_of is no angle.
-double column_width(double x, double y) {
-  const double sum = std::abs(x) + std::abs(y);
-  return 4.0 / columns * sum * sum / std::max(1e-9, std::sqrt(x * x + y * y));
+int index_of(float angle, int from, int count) {
+  constexpr float per_radian = columns / static_cast<float>(2 * M_PI);
+  return std::clamp(static_cast<int>(std::floor(angle * per_radian)) + from, 0, count - 1);
 }
 
 }  // namespace
@@ -43,11 +50,9 @@ void SurfaceGaps::choose_pole(std::span<const Eigen::Vector3f> ways) {
   axes_ = {(pole + 1) % 3, (pole + 2) % 3, pole};
 }
 
-/// @param farthest longer ways hit nothing, metres
 /// @param apart of a run of ends that lie nearer than this to each other one is enough, metres
-void SurfaceGaps::add(std::span<const Eigen::Vector3f> ways, float farthest, float apart) {
+void SurfaceGaps::add(std::span<const Eigen::Vector3f> ways, bool are_hits, float apart) {
   const int u = axes_[0], v = axes_[1], w = axes_[2];
-  const float longest = farthest * farthest;
   Eigen::Vector3f last = Eigen::Vector3f::Constant(infinite);
   for (const Eigen::Vector3f& way : ways) {
     if ((way - last).squaredNorm() < apart * apart) continue;
@@ -55,24 +60,47 @@ void SurfaceGaps::add(std::span<const Eigen::Vector3f> ways, float farthest, flo
     const float x = way[u], y = way[v], z = way[w];
     const float across = x * x + y * y, squared = across + z * z;
     if (!(squared > 0.0F && squared < infinite)) continue;
-    const float height = z / (std::sqrt(across) + std::abs(z));
-    const int column = (static_cast<int>(turn_of(x, y) * (columns / 4)) + columns / 2) % columns;
-    const int row = std::min(rows - 1, static_cast<int>((height + 1.0F) * (rows / 2)));
+    const int column = index_of(angle_of(x, y), columns / 2, columns);
+    const int row = index_of(angle_of(std::sqrt(across), z), rows / 2, rows);
     seen_.extend(Eigen::Vector2i(column, row));
-    rays_.push_back({way, squared, static_cast<std::uint16_t>(column), static_cast<std::uint16_t>(row),
-                     squared <= longest});
+    rays_.push_back(
+        {way, squared, static_cast<std::uint16_t>(column), static_cast<std::uint16_t>(row), are_hits});
   }
 }
 
 void SurfaceGaps::draw() {
-  const int width = seen_.sizes().x() + 1;
-  image_.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(seen_.sizes().y() + 1), none);
+  width_ = seen_.sizes().x() / pixel_ + 1;
+  image_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(seen_.sizes().y() + 1), none);
   for (std::size_t i = 0; i < rays_.size(); ++i) {
     const Ray& ray = rays_[i];
-    int& pixel =
-        image_[static_cast<std::size_t>((ray.row - seen_.min().y()) * width + ray.column - seen_.min().x())];
+    const int column = (ray.column - seen_.min().x()) / pixel_;
+    int& pixel = image_[static_cast<std::size_t>((ray.row - seen_.min().y()) * width_ + column)];
     if (pixel == none) pixel = static_cast<int>(i);
   }
+}
+
+/// Pixels between a pixel that is not empty and the next in its row (along) or its column: half of them are
+/// no more. At most widest_step.
+int SurfaceGaps::usual_step(bool along) const {
+  std::array<std::size_t, widest_step + 1> counts{};
+  std::size_t all = 0;
+  const int height = static_cast<int>(image_.size()) / width_;
+  std::vector<int> last(static_cast<std::size_t>(along ? height : width_), none);
+  for (int row = 0; row < height; ++row) {
+    for (int column = 0; column < width_; ++column) {
+      if (image_[static_cast<std::size_t>(row * width_ + column)] == none) continue;
+      const int at = along ? column : row;
+      int& before = last[static_cast<std::size_t>(along ? row : column)];
+      const int step = at - std::exchange(before, at);
+      if (step <= std::min(at, widest_step)) ++counts[static_cast<std::size_t>(step)], ++all;
+    }
+  }
+  std::size_t fewer = 0;
+  for (int step = 1; step <= widest_step; ++step) {
+    fewer += counts[static_cast<std::size_t>(step)];
+    if (all > 0 && 2 * fewer >= all) return step;
+  }
+  return 0;
 }
 
 bool SurfaceGaps::are_neighbours(int a, int b) const {
@@ -97,12 +125,16 @@ bool SurfaceGaps::add_gap(int a, int b, const GapSearch& search, double before, 
   const Eigen::Isometry3d& pose = search.map_from_sensor;
   SurfaceGap gap{pose * from.cast<double>() / search.resolution, pose * to.cast<double>() / search.resolution,
                  Eigen::Vector3d::Zero(), 0.0, 0.0};
+  const auto is_in_map = [](const Eigen::Vector3d& at) {
+    return (at.array().abs() <= farthest_cell).all();  // else the scan does not hit it
+  };
+  if (!is_in_map(gap.from) || !is_in_map(gap.to)) return false;
   const double x = from[axes_[0]], y = from[axes_[1]], across = std::sqrt(x * x + y * y);
   if (before + behind > 0.0 && across > 0.0) {
     Eigen::Vector3d side = Eigen::Vector3d::Zero();
     side[axes_[0]] = -y / across, side[axes_[1]] = x / across;
     gap.side = pose.linear() * side;
-    const double width = column_width(x, y) / search.resolution;
+    const double width = 2 * M_PI / columns * across / search.resolution;
     gap.before = std::min(before * width, widest_side), gap.behind = std::min(behind * width, widest_side);
   }
   gaps_.push_back(gap);
@@ -124,34 +156,53 @@ void SurfaceGaps::go_on(const SurfaceGap& gap, const Eigen::Vector3d& end, const
   gaps_.push_back(more);
 }
 
+/// The rays of a row of the image that matter: a ray that hits nothing parts others only where it goes past
+/// them.
+void SurfaceGaps::gather_row(std::size_t begin) {
+  row_.clear();
+  for (std::size_t i = begin; i < begin + static_cast<std::size_t>(width_); ++i) {
+    if (image_[i] != none && (row_.empty() || parts(row_.back(), image_[i]))) row_.push_back(image_[i]);
+  }
+}
+
+/// Whether `ray` counts behind `last`.
+bool SurfaceGaps::parts(int last, int ray) const {
+  if (last == none || ray == none) return true;
+  const Ray &before = rays_[static_cast<std::size_t>(last)], &now = rays_[static_cast<std::size_t>(ray)];
+  return now.is_hit || !before.is_hit || now.squared >= before.squared;
+}
+
 /// Each pixel with the next in its row, and the last in its column.
 void SurfaceGaps::walk(const GapSearch& search) {
-  columns_.assign(columns, {});
-  const auto width = static_cast<std::size_t>(seen_.sizes().x() + 1);
+  const auto limit = [](int usual) { return usual > 0 ? most_steps * usual : widest_step; };
+  const int turn = columns / pixel_, along = limit(usual_step(true)), up = limit(usual_step(false));
+  columns_.assign(static_cast<std::size_t>(turn) + 1, {});
   const auto column_of = [&](std::size_t i) {
-    return static_cast<int>(rays_[static_cast<std::size_t>(row_[i])].column);
+    return (rays_[static_cast<std::size_t>(row_[i])].column - seen_.min().x()) / pixel_;
   };
-  const auto half = [](int step) { return step <= widest_step ? 0.5 * step : 0.5; };
-  for (std::size_t begin = 0; begin < image_.size(); begin += width) {
-    row_.clear();
-    for (std::size_t i = begin; i < begin + width; ++i) {
-      if (image_[i] != none) row_.push_back(image_[i]);
-    }
+  const auto half = [&](int step) { return 0.5 * pixel_ * (step <= along ? step : 1); };
+  for (std::size_t begin = 0; begin < image_.size(); begin += static_cast<std::size_t>(width_)) {
+    gather_row(begin);
     const std::size_t count = row_.size();
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t next = (i + 1) % count, last = (i + count - 1) % count;
-      const int step = (column_of(next) - column_of(i) + columns) % columns;  // over the seam, too
-      const int last_step = (column_of(i) - column_of(last) + columns) % columns;
-      if (0 < step && step < columns / 2 && are_neighbours(row_[i], row_[next]))
+      const int step = (column_of(next) - column_of(i) + turn) % turn;  // over the seam, too
+      const int last_step = (column_of(i) - column_of(last) + turn) % turn;
+      if (0 < step && step <= along && are_neighbours(row_[i], row_[next]))
         add_gap(row_[i], row_[next], search, 0.0, 0.0);
-      add_to(columns_[static_cast<std::size_t>(column_of(i))], row_[i], search, half(last_step), half(step));
+      Column& column = columns_[static_cast<std::size_t>(column_of(i))];
+      if (parts(column.last, row_[i])) add_to(column, row_[i], up, search, half(last_step), half(step));
     }
   }
-  for (Column& column : columns_) add_to(column, none, search, 0.0, 0.0);
+  for (Column& column : columns_) add_to(column, none, up, search, 0.0, 0.0);
 }
 
-void SurfaceGaps::add_to(Column& column, int ray, const GapSearch& search, double before, double behind) {
-  const bool goes_on = are_neighbours(column.last, ray);
+/// @param most rows between neighbours
+void SurfaceGaps::add_to(Column& column, int ray, int most, const GapSearch& search, double before,
+                         double behind) {
+  const bool goes_on =
+      are_neighbours(column.last, ray) &&
+      rays_[static_cast<std::size_t>(ray)].row - rays_[static_cast<std::size_t>(column.last)].row <= most;
   if (!goes_on && column.gap != none) {
     const SurfaceGap gap = gaps_[static_cast<std::size_t>(column.gap)];
     go_on(gap, gap.to, search);
@@ -172,34 +223,54 @@ const std::vector<SurfaceGap>& SurfaceGaps::find(std::span<const Eigen::Vector3f
   gaps_.clear();
   seen_.setEmpty();
   choose_pole(hits);
-  const auto apart = static_cast<float>(0.25 * search.resolution);
-  add(hits, search.max_range > 0.0 ? static_cast<float>(search.max_range) : infinite, apart);
-  add(clear, 0.0F, 0.0F);
+  add(hits, true, static_cast<float>(0.25 * search.resolution));
+  add(clear, false, 0.0F);
   if (rays_.empty()) return gaps_;
+  pixel_ = 1;
   draw();
+  pixel_ = std::max(1, usual_step(true));  // so that rays of each ring fall in each column
+  if (pixel_ > 1) draw();
   walk(search);
   return gaps_;
 }
 
-void spare_gaps(std::span<const SurfaceGap> gaps, ScanGrid& grid) {
-  const auto take_out = [&](const Eigen::Vector3d& at) {
-    const Eigen::Array3d floor = at.array().floor();
-    if ((floor < -32768.0).any() || (floor > 32767.0).any()) return;
-    const Eigen::Vector3i cell = floor.matrix().cast<int>();
-    ScanTile* const tile = grid.find(cell);
-    if (tile == nullptr) return;
-    const unsigned bit = ScanTile::bit_of(cell);
-    const std::uint64_t mask = std::uint64_t{1} << (bit & 63U);
-    tile->free[bit >> 6U] &= ~mask;
-    tile->clear[bit >> 6U] &= ~mask;
-    tile->spared[bit >> 6U] |= mask;
-  };
+namespace {
+
+bool is_occupied(const FusedTree& tree, const Eigen::Vector3i& cell) {
+  CellCube cube;
+  const FusedNode* leaf = tree.find_leaf(cell, cube);
+  return leaf != nullptr && leaf->observed() && tree.isNodeOccupied(leaf);
+}
+
+/// Nothing seen of the cell, or, where something is, not seen clearly.
+void spare(const FusedTree* tree, const Eigen::Vector3i& cell, ScanGrid& grid) {
+  ScanTile* const tile = grid.find(cell);
+  if (tile == nullptr) return;
+  const unsigned bit = ScanTile::bit_of(cell), word = bit >> 6U;
+  const std::uint64_t mask = std::uint64_t{1} << (bit & 63U);
+  if ((tile->free[word] & mask) == 0) {
+    tile->spared[word] |= mask;
+    return;
+  }
+  tile->clear[word] &= ~mask;
+  if (tree != nullptr && is_occupied(*tree, cell)) return;
+  tile->free[word] &= ~mask;
+  tile->spared[word] |= mask;
+}
+
+}  // namespace
+
+void spare_gaps(std::span<const SurfaceGap> gaps, const FusedTree* tree, ScanGrid& grid) {
   for (const SurfaceGap& gap : gaps) {
-    const double steps = std::ceil(2.5 * (gap.to - gap.from).norm());
-    const Eigen::Vector3d step = (gap.to - gap.from) / std::max(1.0, steps);
-    const double first = -std::round(gap.before), last = std::round(gap.behind);
-    for (double i = 1.0; i < steps; i += 1.0) {
-      for (double k = first; k <= last; k += 1.0) take_out(gap.from + i * step + k * gap.side);
+    const auto steps = static_cast<int>(std::ceil(samples * (gap.to - gap.from).norm()));
+    const Eigen::Vector3d step = (gap.to - gap.from) / std::max(1, steps);
+    const int first = -static_cast<int>(std::round(gap.before)),
+              last = static_cast<int>(std::round(gap.behind));
+    for (int i = 1; i < steps; ++i) {
+      for (int k = first; k <= last; ++k) {
+        const Eigen::Array3d cell = (gap.from + i * step + k * gap.side).array().floor();
+        if ((cell.abs() <= farthest_cell).all()) spare(tree, cell.matrix().cast<int>(), grid);
+      }
     }
   }
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mapping/scans/safe_margins.hpp"
+#include "mapping/voxels/fused_tree.hpp"
 #include "mapping/voxels/scan_grid.hpp"
 
 namespace clearway {
@@ -22,7 +23,6 @@ struct SurfaceGap {
 struct GapSearch {
   Eigen::Isometry3d map_from_sensor = Eigen::Isometry3d::Identity();
   double resolution = 0.0;  ///< edge of a voxel, metres
-  double max_range = 0.0;   ///< longer rays hit nothing, metres; 0: no limit
   SafeMargins margins{};    ///< nothing is looked for within what the trim of the rays spares
 };
 
@@ -30,10 +30,12 @@ struct GapSearch {
 /// ground, a wall seen at a slant. The surface is taken to be straight from hit to hit, and to go on a little
 /// where the hits of a column end towards the sensor: as far as the last ray stays within a voxel of it.
 ///
-/// Neighbours are found in a range image of 2048 columns in a full turn, 0.18 degrees each, the nearest hit
-/// in each pixel: the next hits along its rows and columns. Two hits are no neighbours when a ray that hits
-/// nothing lies between them, when more than 5 degrees do, or when the line from one to the other runs within
-/// 0.8 degrees of a ray: then one is at an edge and the other behind it. Keeps its memory from scan to scan.
+/// Neighbours are found in an image of the rays' directions, the first ray in each pixel: the next along its
+/// rows and columns. A pixel is 0.18 degrees wide, or as wide as the rays of a ring
+/// usually lie apart. Two hits are no neighbours when more than 5 degrees, or three times the usual step, lie
+/// between them, when a ray does that hits nothing as far as the first of them is, or when the line from one
+/// to the other runs within 0.8 degrees of a ray: then one is at an edge and the other behind it. Keeps its
+/// memory from scan to scan.
 class SurfaceGaps {
  public:
   /// @param hits ends of rays that hit something, sensor frame, metres; those that are not finite are left
@@ -57,25 +59,30 @@ class SurfaceGaps {
     bool begins = false;  ///< `last` has no neighbour before it
   };
   void choose_pole(std::span<const Eigen::Vector3f> ways);
-  void add(std::span<const Eigen::Vector3f> ways, float farthest, float apart);
+  void add(std::span<const Eigen::Vector3f> ways, bool are_hits, float apart);
   void draw();
+  int usual_step(bool along) const;
+  void gather_row(std::size_t begin);
+  bool parts(int last, int ray) const;
   void walk(const GapSearch& search);
-  void add_to(Column& column, int ray, const GapSearch& search, double before, double behind);
+  void add_to(Column& column, int ray, int most, const GapSearch& search, double before, double behind);
   bool are_neighbours(int a, int b) const;
   bool add_gap(int a, int b, const GapSearch& search, double before, double behind);
   void go_on(const SurfaceGap& gap, const Eigen::Vector3d& end, const GapSearch& search);
 
   std::array<int, 3> axes_{};  ///< of the sensor: where azimuth 0 and a quarter turn point, and the pole
   std::vector<Ray> rays_;
-  Eigen::AlignedBox2i seen_;  ///< columns and rows of the image that rays fall in
-  std::vector<int> image_;    ///< of that part: the first ray in each pixel
+  Eigen::AlignedBox2i seen_;   ///< columns and rows of the image that rays fall in
+  int pixel_ = 1, width_ = 0;  ///< columns that are one in the image; columns of that
+  std::vector<int> image_;     ///< of that part: the first ray in each pixel
   std::vector<Column> columns_;
   std::vector<int> row_;  ///< the rays of a row
   std::vector<SurfaceGap> gaps_;
 };
 
-/// Takes the cells that these pieces of surface cross out of `grid`'s free and clear cells, and adds them to
-/// the spared ones. Occupied cells stay as they are.
-void spare_gaps(std::span<const SurfaceGap> gaps, ScanGrid& grid);
+/// Takes the cells that these pieces of surface cross (but for corners: 2.5 samples a voxel) out of `grid`'s
+/// free and clear cells, and adds them to the spared ones. Occupied cells stay as they are.
+/// @param tree cells that it holds occupied stay free, though not clear: a look that counts; null: none does
+void spare_gaps(std::span<const SurfaceGap> gaps, const FusedTree* tree, ScanGrid& grid);
 
 }  // namespace clearway

@@ -83,12 +83,12 @@ GroundDrive drive(const DrivenLidar& lidar, std::size_t scans, std::uint64_t see
   std::normal_distribution<double> noise(0.0, 1.0);
   for (std::size_t i = 0; i < scans; ++i) {
     const Eigen::Isometry3d pose = place_of(i, lidar.height, world.scale);
-    const double turned = 2 * M_PI / lidar.around * std::abs(noise(random));
     const bool is_held_out = i % 5 == 2;
     Scan scan;
     for (int ring = 0; ring < lidar.rings; ++ring) {
       const double elevation =
           degree * (lidar.lowest + (lidar.highest - lidar.lowest) * ring / (lidar.rings - 1));
+      const double turned = 2 * M_PI / lidar.around * std::abs(noise(random));  // each ring's own
       for (int ray = 0; ray < lidar.around; ++ray) {
         const double azimuth = turned + 2 * M_PI * ray / lidar.around;
         const Eigen::Vector3d way(std::cos(elevation) * std::cos(azimuth),

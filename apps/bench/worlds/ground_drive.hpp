@@ -7,7 +7,7 @@
 
 namespace clearway::bench {
 
-/// A lidar on a vehicle.
+/// A lidar on a vehicle. Its rings begin at azimuths of their own, anew in each turn.
 struct DrivenLidar {
   const char* name;
   int rings;

