@@ -69,18 +69,19 @@ void SurfaceGaps::add(std::span<const Eigen::Vector3f> ways, bool are_hits, floa
 }
 
 void SurfaceGaps::draw() {
-  width_ = seen_.sizes().x() / pixel_ + 1;
+  const int first = seen_.min().x() / pixel_;
+  width_ = seen_.max().x() / pixel_ - first + 1;
   image_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(seen_.sizes().y() + 1), none);
   for (std::size_t i = 0; i < rays_.size(); ++i) {
     const Ray& ray = rays_[i];
-    const int column = (ray.column - seen_.min().x()) / pixel_;
+    const int column = ray.column / pixel_ - first;
     int& pixel = image_[static_cast<std::size_t>((ray.row - seen_.min().y()) * width_ + column)];
     if (pixel == none) pixel = static_cast<int>(i);
   }
 }
 
-/// Pixels between a pixel that is not empty and the next in its row (along) or its column: half of them are
-/// no more. At most widest_step.
+/// Pixels from one with a hit to the next in its row (along) or its column: half of these steps are no
+/// longer. 0 where there are none of at most widest_step.
 int SurfaceGaps::usual_step(bool along) const {
   std::array<std::size_t, widest_step + 1> counts{};
   std::size_t all = 0;
@@ -88,7 +89,8 @@ int SurfaceGaps::usual_step(bool along) const {
   std::vector<int> last(static_cast<std::size_t>(along ? height : width_), none);
   for (int row = 0; row < height; ++row) {
     for (int column = 0; column < width_; ++column) {
-      if (image_[static_cast<std::size_t>(row * width_ + column)] == none) continue;
+      const int ray = image_[static_cast<std::size_t>(row * width_ + column)];
+      if (ray == none || !rays_[static_cast<std::size_t>(ray)].is_hit) continue;
       const int at = along ? column : row;
       int& before = last[static_cast<std::size_t>(along ? row : column)];
       const int step = at - std::exchange(before, at);
@@ -172,29 +174,48 @@ bool SurfaceGaps::parts(int last, int ray) const {
   return now.is_hit || !before.is_hit || now.squared >= before.squared;
 }
 
-/// Each pixel with the next in its row, and the last in its column.
-void SurfaceGaps::walk(const GapSearch& search) {
-  const auto limit = [](int usual) { return usual > 0 ? most_steps * usual : widest_step; };
-  const int turn = columns / pixel_, along = limit(usual_step(true)), up = limit(usual_step(false));
-  columns_.assign(static_cast<std::size_t>(turn) + 1, {});
-  const auto column_of = [&](std::size_t i) {
-    return (rays_[static_cast<std::size_t>(row_[i])].column - seen_.min().x()) / pixel_;
+/// So many pixels may lie between neighbours.
+int SurfaceGaps::limit(bool along) const {
+  const int usual = usual_step(along);
+  return usual > 0 ? most_steps * usual : widest_step;
+}
+
+/// From the `i`th of the row to the next one, over the seam, too.
+int SurfaceGaps::step_from(std::size_t i) const {
+  const std::size_t next = i + 1 < row_.size() ? i + 1 : 0;
+  const auto column_of = [&](std::size_t at) {
+    return rays_[static_cast<std::size_t>(row_[at])].column / pixel_;
   };
-  const auto half = [&](int step) { return 0.5 * pixel_ * (step <= along ? step : 1); };
+  const int turn = columns / pixel_;
+  return (column_of(next) - column_of(i) + turn) % turn;
+}
+
+void SurfaceGaps::walk_rows(const GapSearch& search) {
+  const int most = limit(true);
   for (std::size_t begin = 0; begin < image_.size(); begin += static_cast<std::size_t>(width_)) {
     gather_row(begin);
-    const std::size_t count = row_.size();
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t next = (i + 1) % count, last = (i + count - 1) % count;
-      const int step = (column_of(next) - column_of(i) + turn) % turn;  // over the seam, too
-      const int last_step = (column_of(i) - column_of(last) + turn) % turn;
-      if (0 < step && step <= along && are_neighbours(row_[i], row_[next]))
-        add_gap(row_[i], row_[next], search, 0.0, 0.0);
-      Column& column = columns_[static_cast<std::size_t>(column_of(i))];
-      if (parts(column.last, row_[i])) add_to(column, row_[i], up, search, half(last_step), half(step));
+    for (std::size_t i = 0; i < row_.size(); ++i) {
+      const int step = step_from(i), next = row_[i + 1 < row_.size() ? i + 1 : 0];
+      if (0 < step && step <= most && are_neighbours(row_[i], next)) add_gap(row_[i], next, search, 0.0, 0.0);
     }
   }
-  for (Column& column : columns_) add_to(column, none, up, search, 0.0, 0.0);
+}
+
+void SurfaceGaps::walk_columns(const GapSearch& search) {
+  const int along = limit(true), most = limit(false);
+  columns_.assign(static_cast<std::size_t>(width_), {});
+  const auto half = [&](int step) { return 0.5 * pixel_ * (0 < step && step <= along ? step : 1); };
+  for (std::size_t begin = 0; begin < image_.size(); begin += static_cast<std::size_t>(width_)) {
+    gather_row(begin);
+    for (std::size_t i = 0; i < row_.size(); ++i) {
+      const int at = rays_[static_cast<std::size_t>(row_[i])].column / pixel_ - seen_.min().x() / pixel_;
+      Column& column = columns_[static_cast<std::size_t>(at)];
+      if (!parts(column.last, row_[i])) continue;
+      add_to(column, row_[i], most, search, half(step_from(i > 0 ? i - 1 : row_.size() - 1)),
+             half(step_from(i)));
+    }
+  }
+  for (Column& column : columns_) add_to(column, none, most, search, 0.0, 0.0);
 }
 
 /// @param most rows between neighbours
@@ -203,7 +224,10 @@ void SurfaceGaps::add_to(Column& column, int ray, int most, const GapSearch& sea
   const bool goes_on =
       are_neighbours(column.last, ray) &&
       rays_[static_cast<std::size_t>(ray)].row - rays_[static_cast<std::size_t>(column.last)].row <= most;
-  if (!goes_on && column.gap != none) {
+  const auto is_clear = [&](int other) {
+    return other != none && !rays_[static_cast<std::size_t>(other)].is_hit;
+  };
+  if (!goes_on && column.gap != none && !is_clear(ray)) {
     const SurfaceGap gap = gaps_[static_cast<std::size_t>(column.gap)];
     go_on(gap, gap.to, search);
   }
@@ -213,7 +237,7 @@ void SurfaceGaps::add_to(Column& column, int ray, int most, const GapSearch& sea
     const SurfaceGap gap = gaps_.back();
     go_on(gap, gap.from, search);
   }
-  column = {ray, added, !goes_on};
+  column = {ray, added, !goes_on && !is_clear(column.last)};
 }
 
 const std::vector<SurfaceGap>& SurfaceGaps::find(std::span<const Eigen::Vector3f> hits,
@@ -228,9 +252,10 @@ const std::vector<SurfaceGap>& SurfaceGaps::find(std::span<const Eigen::Vector3f
   if (rays_.empty()) return gaps_;
   pixel_ = 1;
   draw();
+  walk_rows(search);
   pixel_ = std::max(1, usual_step(true));  // so that rays of each ring fall in each column
   if (pixel_ > 1) draw();
-  walk(search);
+  walk_columns(search);
   return gaps_;
 }
 

@@ -31,11 +31,11 @@ struct GapSearch {
 /// where the hits of a column end towards the sensor: as far as the last ray stays within a voxel of it.
 ///
 /// Neighbours are found in an image of the rays' directions, the first ray in each pixel: the next along its
-/// rows and columns. A pixel is 0.18 degrees wide, or as wide as the rays of a ring
-/// usually lie apart. Two hits are no neighbours when more than 5 degrees, or three times the usual step, lie
-/// between them, when a ray does that hits nothing as far as the first of them is, or when the line from one
-/// to the other runs within 0.8 degrees of a ray: then one is at an edge and the other behind it. Keeps its
-/// memory from scan to scan.
+/// rows and columns. A pixel is 0.18 degrees wide; columns are as wide as the rays of a ring usually lie
+/// apart. Two hits are no neighbours when more than 5 degrees, or three times the usual step, lie between
+/// them, when a ray does that hits nothing as far as the first of them is, or when the line from one to the
+/// other runs within 0.8 degrees of a ray: then one is at an edge and the other behind it. Keeps its memory
+/// from scan to scan.
 class SurfaceGaps {
  public:
   /// @param hits ends of rays that hit something, sensor frame, metres; those that are not finite are left
@@ -64,7 +64,10 @@ class SurfaceGaps {
   int usual_step(bool along) const;
   void gather_row(std::size_t begin);
   bool parts(int last, int ray) const;
-  void walk(const GapSearch& search);
+  int limit(bool along) const;
+  int step_from(std::size_t i) const;
+  void walk_rows(const GapSearch& search);
+  void walk_columns(const GapSearch& search);
   void add_to(Column& column, int ray, int most, const GapSearch& search, double before, double behind);
   bool are_neighbours(int a, int b) const;
   bool add_gap(int a, int b, const GapSearch& search, double before, double behind);
