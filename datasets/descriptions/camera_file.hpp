@@ -41,8 +41,8 @@ CameraIntrinsics load_camera_file(const std::filesystem::path& file, const std::
                                   bool is_rectified = false, std::optional<ImageSize> size = {},
                                   std::optional<LensModel> lens = {}, std::string* note = nullptr);
 
-/// m per step of depth pictures, by `scale` of Replica's cam_params.json or `m_depthShift` of an info.txt (steps in a metre); nothing: it says
-/// none. @throws std::invalid_argument when it cannot be read
+/// m per step of depth pictures, by `scale` of Replica's cam_params.json or `m_depthShift` of an info.txt
+/// (steps in a metre); nothing: it says none. @throws std::invalid_argument when it cannot be read
 std::optional<double> depth_scale_of_file(const std::filesystem::path& file);
 
 }  // namespace clearway
