@@ -269,7 +269,7 @@ TEST(SurfaceGaps, WhatLeftBetweenAnEdgeAndAWallIsForgotten) {
     };
   };
   Dice dice(1);
-  FreeSpaceMap map({.resolution = 0.1});
+  FreeSpaceMap map({.resolution = 0.05});
   const auto look = [&](bool somebody) {
     Scan scan;
     scan.points = rings(dice, scene(somebody), scan.map_from_sensor, evenly(15.0, -25.0, 32), 900, 8.0);
@@ -278,10 +278,9 @@ TEST(SurfaceGaps, WhatLeftBetweenAnEdgeAndAWallIsForgotten) {
   const auto occupied = [&] {
     const Snapshot now = map.snapshot();
     int count = 0;
-    for (double y = -0.25; y < 0.3; y += 0.1)
-      for (double z = -0.95; z < 0.5; z += 0.1)
-        count += now.state({3.05, y, z}) == VoxelState::occupied ||
-                 now.state({2.95, y, z}) == VoxelState::occupied;
+    for (const double x : {2.975, 3.025})
+      for (double y = -0.275; y < 0.3; y += 0.05)
+        for (double z = -0.975; z < 0.5; z += 0.05) count += now.state({x, y, z}) == VoxelState::occupied;
     return count;
   };
   look(false);
