@@ -36,6 +36,9 @@ int index_of(float angle, int from, int count) {
   return std::clamp(static_cast<int>(std::floor(angle * per_radian)) + from, 0, count - 1);
 }
 
+/// So many pixels may lie between neighbours.
+int limit_of(int usual_step) { return usual_step > 0 ? most_steps * usual_step : widest_step; }
+
 }  // namespace
 
 /// The z axis, about which lidars turn, but for cameras, which look along it.
@@ -174,12 +177,6 @@ bool SurfaceGaps::parts(int last, int ray) const {
   return now.is_hit || !before.is_hit || now.squared >= before.squared;
 }
 
-/// So many pixels may lie between neighbours.
-int SurfaceGaps::limit(bool along) const {
-  const int usual = usual_step(along);
-  return usual > 0 ? most_steps * usual : widest_step;
-}
-
 /// From the `i`th of the row to the next one, over the seam, too.
 int SurfaceGaps::step_from(std::size_t i) const {
   const std::size_t next = i + 1 < row_.size() ? i + 1 : 0;
@@ -190,8 +187,8 @@ int SurfaceGaps::step_from(std::size_t i) const {
   return (column_of(next) - column_of(i) + turn) % turn;
 }
 
-void SurfaceGaps::walk_rows(const GapSearch& search) {
-  const int most = limit(true);
+/// @param most pixels between neighbours
+void SurfaceGaps::walk_rows(const GapSearch& search, int most) {
   for (std::size_t begin = 0; begin < image_.size(); begin += static_cast<std::size_t>(width_)) {
     gather_row(begin);
     for (std::size_t i = 0; i < row_.size(); ++i) {
@@ -201,8 +198,8 @@ void SurfaceGaps::walk_rows(const GapSearch& search) {
   }
 }
 
-void SurfaceGaps::walk_columns(const GapSearch& search) {
-  const int along = limit(true), most = limit(false);
+/// @param along, most pixels between neighbours in a row, in a column
+void SurfaceGaps::walk_columns(const GapSearch& search, int along, int most) {
   columns_.assign(static_cast<std::size_t>(width_), {});
   const auto half = [&](int step) { return 0.5 * pixel_ * (0 < step && step <= along ? step : 1); };
   for (std::size_t begin = 0; begin < image_.size(); begin += static_cast<std::size_t>(width_)) {
@@ -252,10 +249,14 @@ const std::vector<SurfaceGap>& SurfaceGaps::find(std::span<const Eigen::Vector3f
   if (rays_.empty()) return gaps_;
   pixel_ = 1;
   draw();
-  walk_rows(search);
-  pixel_ = std::max(1, usual_step(true));  // so that rays of each ring fall in each column
-  if (pixel_ > 1) draw();
-  walk_columns(search);
+  int step = usual_step(true);
+  walk_rows(search, limit_of(step));
+  if (step > 1) {  // so that rays of each ring fall in each column
+    pixel_ = step;
+    draw();
+    step = usual_step(true);
+  }
+  walk_columns(search, limit_of(step), limit_of(usual_step(false)));
   return gaps_;
 }
 

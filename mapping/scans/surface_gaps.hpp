@@ -64,10 +64,9 @@ class SurfaceGaps {
   int usual_step(bool along) const;
   void gather_row(std::size_t begin);
   bool parts(int last, int ray) const;
-  int limit(bool along) const;
   int step_from(std::size_t i) const;
-  void walk_rows(const GapSearch& search);
-  void walk_columns(const GapSearch& search);
+  void walk_rows(const GapSearch& search, int most);
+  void walk_columns(const GapSearch& search, int along, int most);
   void add_to(Column& column, int ray, int most, const GapSearch& search, double before, double behind);
   bool are_neighbours(int a, int b) const;
   bool add_gap(int a, int b, const GapSearch& search, double before, double behind);
