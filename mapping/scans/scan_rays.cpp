@@ -1,5 +1,7 @@
 #include "mapping/scans/scan_rays.hpp"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -11,6 +13,7 @@
 #include "mapping/scans/surface_gaps.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/parallel.hpp"
+#include "mapping/voxels/memory_room.hpp"
 #include "mapping/voxels/rigid_pose.hpp"
 
 namespace clearway {
@@ -257,6 +260,12 @@ void spare_and_weigh(FusedTree& tree, const ScanInsertion& insertion, ContestedC
   if (weighs) contested->weigh(tree, grid, insertion.threads);
 }
 
+/// What the tree may take for a scan, where voxels are so fine that rays lie apart in them.
+void require_memory_for(const ScanGrid& grid) {
+  constexpr std::size_t small = 4096;
+  if (grid.tile_count() > small) require_memory(grid.tree_bytes(), "the voxels of a scan");
+}
+
 }  // namespace
 
 ScanCounts insert_scan(FusedTree& tree, const Scan& scan, const ScanFilter& filter,
@@ -266,10 +275,19 @@ ScanCounts insert_scan(FusedTree& tree, const Scan& scan, const ScanFilter& filt
     throw std::invalid_argument("scan filter: expected 0 <= min_range <= max_range, metres, got " +
                                 short_text(filter.min_range) + " and " + short_text(filter.max_range));
   ScanCounts counts;
-  const ScanRays& rays = choose_rays(tree, scan, filter, insertion, workspace, counts);
-  tree.add_agreement(compare_hits(tree, workspace.grid));
-  cast_rays(rays, tree.getResolution(), insertion.threads, insertion.instructions, workspace.rays,
-            workspace.grid);
+  ScanAgreement agreement;
+  try {
+    const ScanRays& rays = choose_rays(tree, scan, filter, insertion, workspace, counts);
+    agreement = compare_hits(tree, workspace.grid);
+    cast_rays(rays, tree.getResolution(), insertion.threads, insertion.instructions, workspace.rays,
+              workspace.grid);
+    require_memory_for(workspace.grid);
+  } catch (...) {
+    workspace = {};  // windows that were left half read hold marks of this scan
+    malloc_trim(0);
+    throw;
+  }
+  tree.add_agreement(agreement);
   if (insertion.integration == Integration::safe)
     spare_and_weigh(tree, insertion, contested, workspace.gaps, workspace.grid);
   tree.update(workspace.grid, insertion.integration, insertion.threads);

@@ -55,7 +55,8 @@ struct ScanWorkspace {
 /// around this scan's hits (see SafeMargins) or between neighbouring ones (SurfaceGaps). The tree learns how
 /// far the scan agrees with it (FusedTree::agreement).
 /// @param contested the evidence of the scans before about contested voxels; null: none is weighed.
-/// @throws std::invalid_argument for a filter that makes no sense (see filter_points).
+/// @throws std::invalid_argument for a filter that makes no sense (see filter_points); std::runtime_error,
+/// and the tree is as before, when its voxels need more memory than the machine has left.
 ScanCounts insert_scan(FusedTree& tree, const Scan& scan, const ScanFilter& filter,
                        const ScanInsertion& insertion, ScanWorkspace& workspace,
                        ContestedCells* contested = nullptr);

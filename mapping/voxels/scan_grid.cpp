@@ -1,6 +1,10 @@
 #include "mapping/voxels/scan_grid.hpp"
 
 #include <algorithm>
+#include <bit>
+
+#include "mapping/voxels/memory_room.hpp"
+#include "mapping/voxels/node_pool.hpp"
 
 namespace clearway {
 namespace {
@@ -38,6 +42,9 @@ ScanTile& ScanGrid::tile(const Eigen::Vector3i& cell) {
       store_[used]->occupied.fill(0);
     }
     entry->second = store_[used].get();
+    constexpr std::size_t portion = 256;
+    if (index_.size() == store_.size() && store_.size() % portion == 0)
+      require_memory(portion * sizeof(ScanTile), "the voxels of a scan");
     for (int axis = 0; axis < 3; ++axis) entry->second->corner[axis] = cell[axis] & ~(ScanTile::edge - 1);
   }
   last_key_ = key;
@@ -82,6 +89,28 @@ std::vector<ScanTile*> ScanGrid::tiles() {
   result.reserve(ordered.size());
   for (const auto& entry : ordered) result.push_back(entry.second);
   return result;
+}
+
+std::uint64_t ScanGrid::tree_bytes() const {
+  constexpr std::uint64_t leaf = NodePool::node_bytes, inner = leaf + NodePool::children_bytes;
+  std::uint64_t bytes = 0;
+  for (std::size_t i = 0; i < index_.size(); ++i) {
+    const ScanTile& tile = *store_[i];
+    bytes += (1 + 8 + 64) * inner;  // cubes of 32, 16 and 8 cells
+    for (unsigned word = 0; word < ScanTile::words; ++word) {
+      const std::uint64_t hit = tile.occupied[word], any = tile.free[word] | hit;
+      if (any == 0) continue;
+      const bool is_one_leaf = any == ~std::uint64_t{0} && hit == 0;
+      bytes += is_one_leaf ? leaf : inner;
+      for (unsigned first = 0; first < 64 && !is_one_leaf; first += 8) {
+        const std::uint64_t of_cube = any >> first & 0xffU;
+        const bool is_whole = of_cube == 0xffU && (hit >> first & 0xffU) == 0;
+        if (of_cube != 0)
+          bytes += is_whole ? leaf : inner + leaf * static_cast<unsigned>(std::popcount(of_cube));
+      }
+    }
+  }
+  return bytes;
 }
 
 void ScanGrid::clear() {

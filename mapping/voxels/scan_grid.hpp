@@ -63,6 +63,7 @@ struct ScanTile {
 class ScanGrid {
  public:
   /// The tile that holds a cell, made empty when there is none.
+  /// @throws std::runtime_error when the machine has no memory left for more (memory_room.hpp).
   ScanTile& tile(const Eigen::Vector3i& cell);
   /// The same, null when there is none.
   ScanTile* find(const Eigen::Vector3i& cell);
@@ -78,7 +79,11 @@ class ScanGrid {
   /// All tiles in octree order.
   std::vector<ScanTile*> tiles();
 
-  /// Makes all cells untouched; keeps the memory of at most 4096 tiles (32 MB) for the next scan.
+  /// What FusedTree::update needs for these cells in an empty tree, bytes: what it may need at most in any.
+  std::uint64_t tree_bytes() const;
+  std::size_t tile_count() const { return index_.size(); }
+
+  /// Makes all cells untouched; keeps the memory of at most 4096 tiles (64 MB) for the next scan.
   void clear();
 
  private:
