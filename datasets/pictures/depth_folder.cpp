@@ -126,12 +126,19 @@ FilesInChild::Decode depth_decoder(const DepthCameras& cameras, const DepthOptio
 
 constexpr double usual_scale = 0.001, scale_of_tum = 0.0002;  ///< m per step
 
-/// The setup's; else TUM's, where the poses' file says in its head that it is of one of its recordings.
-SourceOptions with_scale(SourceOptions options, const fs::path& poses) {
-  if (options.depth.scale) return options;
-  options.depth.scale = usual_scale;
-  const fs::path& file = options.depth.poses.empty() ? poses : options.depth.poses;
-  if (is_of_tum(file)) options.depth.scale = scale_of_tum;
+/// Why the pictures' steps are taken for TUM's, after "… are 0.0002 m, as"; empty: they are not. Who lists
+/// pictures as TUM does (ETH3D, ICL-NUIM, Bonn) has its steps as well.
+std::string why_of_tum(const DepthLayout& layout, const SourceOptions& options) {
+  if (is_of_tum(options.depth.poses.empty() ? layout.poses : options.depth.poses))
+    return "the files are TUM's";
+  if (layout.tum_table.empty()) return "";
+  return "TUM's, ETH3D's and ICL-NUIM's, whose tables of pictures are as " +
+         quote_path(layout.tum_table.string());
+}
+
+/// The setup's; else TUM's, where the files look like theirs.
+SourceOptions with_scale(SourceOptions options, const std::string& why_of_tum) {
+  if (!options.depth.scale) options.depth.scale = why_of_tum.empty() ? usual_scale : scale_of_tum;
   return options;
 }
 
@@ -140,7 +147,8 @@ class DepthFolder final : public FrameSource {
   /// @param path of the camera, where the poses are one @param camera of all pictures; empty: the path's
   DepthFolder(const DepthLayout& layout, const CameraPath& path,
               const std::optional<CameraIntrinsics>& camera, const SourceOptions& options)
-      : options_(with_scale(options, layout.poses)),
+      : why_of_tum_(clearway::why_of_tum(layout, options)),
+        options_(with_scale(options, why_of_tum_)),
         is_scale_stated_(options.depth.scale.has_value()),
         timed_(times_of_files(layout.depth, options.rate)),
         poses_(options.depth.poses.empty() ? layout.poses : options.depth.poses, layout.pose_folder, "depth",
@@ -173,10 +181,9 @@ class DepthFolder final : public FrameSource {
   std::vector<std::string> warnings() const override {
     std::vector<std::string> sentences = timed_.warnings;
     if (!camera_note_.empty()) sentences.push_back(camera_note_);
-    if (!is_scale_stated_ && options_.depth.scale == scale_of_tum)
-      sentences.push_back(
-          "steps of depth are 0.0002 m, as the files are TUM's; `source: {depth: {scale: …}}` states "
-          "others.");
+    if (!is_scale_stated_ && !why_of_tum_.empty())
+      sentences.push_back("steps of depth are 0.0002 m, as " + why_of_tum_ +
+                          "; `source: {depth: {scale: …}}` states others.");
     else if (!is_scale_stated_)
       sentences.push_back(
           "steps of depth are taken as 0.001 m, which nothing states; TUM's and ICL-NUIM's are 0.0002 "
@@ -255,6 +262,7 @@ class DepthFolder final : public FrameSource {
     }
   }
 
+  std::string why_of_tum_;
   SourceOptions options_;
   bool is_scale_stated_;
   TimedFiles timed_;

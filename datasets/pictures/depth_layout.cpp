@@ -74,6 +74,8 @@ DepthLayout layout_by_names(const fs::path& folder) {
     const fs::path colour = first_there(folder, {"rgb", "color", "colour", "image", "images"});
     if (!colour.empty()) layout.colour = pictures_in(colour);
     layout.pose_folder = first_there(folder, {"pose", "poses"});
+    layout.tum_table = first_there(
+        folder, {"depth.txt", "associations.txt", "association.txt", "associate.txt", "associated.txt"});
     return layout;
   }
   for (const fs::path& flat : {folder, folder / "results", folder / "data", folder / "sequence"}) {

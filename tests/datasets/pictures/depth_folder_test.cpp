@@ -97,6 +97,9 @@ TEST_F(DepthFolders, StepsAreStatedOrTumsOrMillimetresAndWhoDidNotSayIsTold) {
   EXPECT_FLOAT_EQ(depth_of({}, "# time x y z qx qy qz qw\n", "taken as 0.001 m, which nothing states"),
                   10.0F);
   EXPECT_FLOAT_EQ(depth_of(0.0002, "", ""), 2.0F);
+  folder_.write("associated.txt", "10.00 rgb/10.00.png 10.00 depth/10.00.png\n");
+  EXPECT_FLOAT_EQ(depth_of({}, "", "0.0002 m, as TUM's, ETH3D's and ICL-NUIM's"), 2.0F);
+  EXPECT_FLOAT_EQ(depth_of(0.001, "", ""), 10.0F);
 }
 
 TEST_F(DepthFolders, AMatrixForEachPictureAndColoursBesideThem) {
