@@ -181,7 +181,7 @@ void judge_laws(const BenchOptions& options, const std::vector<NoiseLaw>& laws, 
   }
 }
 
-/// Sequences of many views with errors that the map does not know.
+/// Sequences of many views with errors that the map does not know, longer with more runs.
 Table judge_wide(const BenchOptions& options, BenchResult& result) {
   Table table{
       "Views from all sides, every other frame held out; calibration, clocks, ranges and poses are wrong in "
@@ -189,7 +189,7 @@ Table judge_wide(const BenchOptions& options, BenchResult& result) {
       {"sensor", "voxels", "ours", "OctoMap", "slanted > 60°, ours", "OctoMap", "5 cm before, ours",
        "OctoMap", "of OctoMap's truly free voxels, ours keeps", "by the map's own account"},
       {}};
-  constexpr std::size_t frames = 32;
+  const std::size_t frames = 32 * static_cast<std::size_t>(options.runs) / 3;
   struct Sensor {
     const char* family;
     std::uint64_t seed;

@@ -76,7 +76,10 @@ void require_topics(const std::filesystem::path& file, const std::vector<BagTopi
   require(bag.camera_info, "camera_info", {"sensor_msgs/CameraInfo"});
   require(bag.depth, "depth", {"sensor_msgs/Image", "sensor_msgs/CompressedImage"});
   require(bag.depth_camera_info, "depth_camera_info", {"sensor_msgs/CameraInfo"});
-  for (const std::string& name : bag.clouds) require(name, "clouds", {"sensor_msgs/PointCloud2"});
+  for (const std::string& name : bag.clouds)
+    require(name, "clouds",
+            {"sensor_msgs/PointCloud2", "livox_ros_driver/CustomMsg", "livox_ros_driver2/CustomMsg",
+             "livox_interfaces/CustomMsg"});
   for (const std::string& name : bag.scans) require(name, "scans", {"sensor_msgs/LaserScan"});
   if (!bag.images.empty() && bag.camera_info.empty() && !options.camera)
     throw std::invalid_argument(

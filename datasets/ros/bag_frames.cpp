@@ -197,7 +197,7 @@ std::vector<Frame> BagFrames::frames_in(const BagMessage& message) {
                              options_.clear_infinite,
                              [&](double time) { return pose_of(scan.header.frame, time, message.time); });
   }
-  if (topic.type == "sensor_msgs/PointCloud2") return frames_of_cloud(message);
+  if (topic.type == "sensor_msgs/PointCloud2" || is_livox_cloud(topic.type)) return frames_of_cloud(message);
   return {frame_of(message)};
 }
 
@@ -216,7 +216,7 @@ Eigen::Isometry3d BagFrames::pose_of(const std::string& frame, double time, doub
 std::vector<Frame> BagFrames::frames_of_cloud(const BagMessage& message) {
   const BagTopic& topic = bag_.topics()[message.topic];
   WireReader in(message.bytes, *topic.wire);
-  const RosPointCloud cloud = read_point_cloud(in);
+  const RosPointCloud cloud = is_livox_cloud(topic.type) ? read_livox_cloud(in) : read_point_cloud(in);
   Frame frame{time_of(cloud.header, message.time), topic.name, points_cloud(cloud)};
   if (options_.bag.fixed_frame.empty()) return {frame};
   auto& points = std::get<CloudFrame>(frame.content);

@@ -94,6 +94,38 @@ RosPointCloud read_point_cloud(WireReader& in) {
   return cloud;
 }
 
+bool is_livox_cloud(std::string_view short_type) {
+  return short_type == "livox_ros_driver/CustomMsg" || short_type == "livox_ros_driver2/CustomMsg" ||
+         short_type == "livox_interfaces/CustomMsg";
+}
+
+/// A point is offset_time, x, y, z, and three numbers of a byte. CDR aligns the next one to four bytes, and
+/// the last one ends before that: there a point counts from four bytes before it, where the length or the
+/// three are.
+RosPointCloud read_livox_cloud(WireReader& in) {
+  RosPointCloud cloud;
+  cloud.header = read_header(in);
+  in.number<std::uint64_t>();                             // the stamp once more
+  in.number<std::uint32_t>();                             // the number of points
+  for (int i = 0; i < 4; ++i) in.number<std::uint8_t>();  // the lidar's, and three for later
+  const bool is_packed = in.wire() == RosWire::ros1;
+  const std::span<const std::uint8_t> from_length = in.left();
+  const std::size_t count = in.length(19);
+  const std::uint32_t before = is_packed ? 0 : 4;
+  cloud.point_step = is_packed ? 19 : 20;
+  if (in.left().size() + (is_packed ? 0 : 1) < count * cloud.point_step) throw CutMessage();
+  cloud.height = 1;
+  cloud.width = static_cast<std::uint32_t>(count);
+  cloud.row_step = cloud.width * cloud.point_step;
+  cloud.is_bigendian = in.is_bigendian();
+  cloud.data = from_length.subspan(4 - before, count * cloud.point_step);
+  cloud.fields = {{"offset_time", before, 1, 6},
+                  {"x", before + 4, 1, 7},
+                  {"y", before + 8, 1, 7},
+                  {"z", before + 12, 1, 7}};
+  return cloud;
+}
+
 RosLaserScan read_laser_scan(WireReader& in) {
   RosLaserScan scan;
   scan.header = read_header(in);

@@ -10,9 +10,10 @@
 
 #include "datasets/ros/wire_reader.hpp"
 
-// The messages of ROS that Clearway has a use for, with the fields that it uses, as common_interfaces and
-// geometry2 define them. Each function throws std::runtime_error with a clause where the bytes are no such
-// message. Numbers are as they stand in the message: what makes sense is asked where they are used.
+// The messages of ROS that Clearway has a use for, with the fields that it uses, as common_interfaces,
+// geometry2 and Livox's drivers define them. Each function throws std::runtime_error with a clause where the
+// bytes are no such message. Numbers are as they stand in the message: what makes sense is asked where they
+// are used.
 
 namespace clearway {
 
@@ -69,6 +70,9 @@ struct RosPointCloud {
   std::span<const std::uint8_t> data;  ///< of the message
 };
 RosPointCloud read_point_cloud(WireReader& in);
+/// Livox's own message, as a cloud with the fields x, y, z (float32) and offset_time (uint32, ns).
+RosPointCloud read_livox_cloud(WireReader& in);
+bool is_livox_cloud(std::string_view short_type);
 
 struct RosLaserScan {
   RosHeader header;

@@ -30,6 +30,9 @@ class WireReader {
   WireReader(std::span<const std::uint8_t> bytes, RosWire wire);
 
   RosWire wire() const { return wire_; }
+  bool is_bigendian() const { return swapped_; }
+  /// The bytes that were not yet taken.
+  std::span<const std::uint8_t> left() const { return bytes_.subspan(at_); }
 
   /// A number of this size, aligned as the wire wants it.
   template <class Number>

@@ -304,6 +304,52 @@ TEST_F(BagFramesTest, EachPointOfACloudIsWhereTheSensorWasThenInAnyUnit) {
     }
 }
 
+TEST_F(BagFramesTest, EachPointOfALivoxCloudIsWhereTheSensorWasThen) {
+  for (const char* name : {"livox.mcap", "livox.bag"}) {
+    ScanBag bag(folder_ / name);
+    bag.transform(9, "base", "sensor", mount_flat(), true);
+    for (double time = 9.5; time < 12; time += 0.02) bag.transform(time, "map", "base", driving_at(time));
+    std::size_t sent = 0;
+    for (const double stamp : {10.0, 10.5}) {
+      std::vector<Eigen::Vector3f> points{{0, 0, 0}};  // nothing came back
+      std::vector<std::uint32_t> times{0};
+      for (int ray = 0; ray < rays; ++ray) {
+        const double angle = 6.0 * ray / rays - 3.0;
+        const auto since = static_cast<std::uint32_t>(1e8 * ray / rays);
+        const float range = range_to_walls(driving_at(stamp + 1e-9 * since) * mount_flat(), angle);
+        if (!std::isfinite(range)) continue;
+        points.emplace_back(range * static_cast<float>(std::cos(angle)),
+                            range * static_cast<float>(std::sin(angle)), 0.0F);
+        times.push_back(since);
+        ++sent;
+      }
+      bag.livox("/points", stamp, "sensor", points, times);
+    }
+    bag.sort();
+    const Reading reading = read(bag, name);
+    EXPECT_EQ(reading.damage, "");
+    std::size_t points = 0;
+    for (const Frame& frame : reading.frames) {
+      const auto& cloud = std::get<CloudFrame>(frame.content);
+      points += cloud.points.size();
+      for (const Eigen::Vector3f& point : cloud.points) {
+        const Eigen::Vector3d place = cloud.world_from_sensor * point.cast<double>();
+        EXPECT_LT(std::min(std::abs(place.x() - 8), std::abs(place.y() - 3)), 1e-3) << place.transpose();
+      }
+    }
+    EXPECT_EQ(points, sent);
+    EXPECT_GT(sent, 300U);
+    EXPECT_GT(reading.frames.size(), 10U);
+    for (const std::size_t cut : {0U, 1U, 8U}) {
+      ScanBag last(folder_ / name);
+      last.transform(9, "map", "sensor", mount_flat(), true);
+      last.livox("/points", 10, "sensor", {{1, 2, 3}, {4, 5, 6}}, {0, 1});
+      last.cut_last(cut);
+      EXPECT_EQ(read(last, name).damage.empty(), cut == 0) << cut;
+    }
+  }
+}
+
 TEST_F(BagFramesTest, CloudsOfASensorThatStandsAreOneFrameAndOddTimesAreTold) {
   const std::vector<Eigen::Vector3f> points{{1, 0, 0}, {0, 2, 0}, {3, 0, 0}};
   for (const bool are_odd : {false, true}) {

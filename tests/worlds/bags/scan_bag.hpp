@@ -54,6 +54,22 @@ class ScanBag {
     add("sensor_msgs", "PointCloud2", topic, time, out.add(std::uint8_t{1}));
   }
 
+  /// Livox's CustomMsg. @param times of the points, ns since the stamp
+  void livox(const std::string& topic, const BagTime& time, const std::string& frame,
+             const std::vector<Eigen::Vector3f>& points, const std::vector<std::uint32_t>& times) {
+    MessageBytes out(is_ros1_);
+    const auto count = static_cast<std::uint32_t>(points.size());
+    out.header(time.stamp, frame).add(static_cast<std::uint64_t>(1e9 * time.stamp)).add(count);
+    out.all(std::vector<std::uint8_t>{1, 0, 0, 0}).add(count);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      out.add(times[i])
+          .add(points[i].x())
+          .add(points[i].y())
+          .add(points[i].z())
+          .all(std::vector<std::uint8_t>{200, 16, 3});  // reflectivity, tag, line
+    add(is_ros1_ ? "livox_ros_driver" : "livox_ros_driver2", "CustomMsg", topic, time, out);
+  }
+
   void sweep(const std::string& topic, const BagTime& time, const std::string& frame, const BagSweep& sweep,
              const std::vector<float>& ranges) {
     MessageBytes out(is_ros1_);
