@@ -81,6 +81,18 @@ void require_topics(const std::filesystem::path& file, const std::vector<BagTopi
             {"sensor_msgs/PointCloud2", "livox_ros_driver/CustomMsg", "livox_ros_driver2/CustomMsg",
              "livox_interfaces/CustomMsg"});
   for (const std::string& name : bag.scans) require(name, "scans", {"sensor_msgs/LaserScan"});
+  for (const std::string& name : bag.poses) {
+    require(name, "poses",
+            {"nav_msgs/Odometry", "geometry_msgs/TransformStamped", "geometry_msgs/PoseStamped",
+             "geometry_msgs/PoseWithCovarianceStamped"});
+    const bool is_nameless = std::any_of(topics.begin(), topics.end(), [&](const BagTopic& topic) {
+      return topic.name == name && topic.type.starts_with("geometry_msgs/Pose");
+    });
+    if (is_nameless && bag.pose_frame.empty())
+      throw std::invalid_argument(bag_sentence(
+          file, "does not say of which frame the poses in topic " + quote(name) +
+                    " are: expected 'pose_frame' beside 'poses' in 'source: bag:' of the setup"));
+  }
   if (!bag.images.empty() && bag.camera_info.empty() && !options.camera)
     throw std::invalid_argument(
         bag_sentence(file, "needs the camera of topic " + quote(bag.images) +

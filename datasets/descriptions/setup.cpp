@@ -157,10 +157,11 @@ BagTopics read_bag(const YamlFields& fields) {
                                                         {"depth", &bag.depth},
                                                         {"depth_camera_info", &bag.depth_camera_info},
                                                         {"sensor_frame", &bag.sensor_frame},
+                                                        {"pose_frame", &bag.pose_frame},
                                                         {"fixed_frame", &bag.fixed_frame}};
   for (const auto& [key, name] : names)
     if (fields.has(key)) *name = fields.text(key);
-  for (std::string* frame : {&bag.fixed_frame, &bag.sensor_frame})
+  for (std::string* frame : {&bag.fixed_frame, &bag.sensor_frame, &bag.pose_frame})
     if (frame->starts_with('/')) frame->erase(0, 1);  // as of frames in messages
   if (!bag.sensor_frame.empty() && bag.fixed_frame.empty())
     fields.fail("sensor_frame", "expected 'fixed_frame' beside it, in which poses of the sensor are");
@@ -172,6 +173,18 @@ BagTopics read_bag(const YamlFields& fields) {
   if (bag.to && *bag.to <= bag.from) fields.fail("to", "expected a time after 'from'");
   bag.clouds = fields.texts("clouds");
   bag.scans = fields.texts("scans");
+  bag.poses = fields.texts("poses");
+  for (const YamlFields& entry : fields.list_of_maps("frames")) {
+    StatedFrame frame{entry.text("parent"), entry.text("child"), entry.pose("pose")};
+    for (std::string* name : {&frame.parent, &frame.child})
+      if (name->starts_with('/')) name->erase(0, 1);
+    if (frame.parent == frame.child) entry.fail("child", "expected another frame than 'parent'");
+    bag.frames.push_back(std::move(frame));
+    entry.finish();
+  }
+  for (const char* key : {"poses", "frames"})
+    if (fields.has(key) && bag.fixed_frame.empty())
+      fields.fail(key, "expected 'fixed_frame' beside it, in which poses of sensors are");
   fields.finish();
   return bag;
 }

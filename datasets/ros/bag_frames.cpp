@@ -84,14 +84,43 @@ bool BagFrames::is_sensor(const BagTopic& topic) const {
          holds(bag.scans, topic.name);
 }
 
+bool BagFrames::is_pose(const BagTopic& topic) const { return holds(options_.bag.poses, topic.name); }
+
+std::vector<RosTransform> BagFrames::transforms_in(const BagMessage& message) const {
+  const BagTopic& topic = bag_.topics()[message.topic];
+  WireReader in(message.bytes, *topic.wire);
+  std::vector<RosTransform> transforms;
+  if (is_pose(topic)) {
+    RosTransform pose = read_pose(in, topic.type);
+    if (pose.child.empty()) pose.child = options_.bag.pose_frame;
+    if (pose.child.empty() || pose.header.frame.empty())
+      throw std::runtime_error("its pose does not say what it is of and in which frame");
+    pose.header.time = time_of(pose.header, message.time);
+    transforms.push_back(std::move(pose));
+  } else {
+    transforms = read_transforms(in);
+  }
+  std::erase_if(transforms, [&](const RosTransform& transform) {
+    const auto is_its = [&](const StatedFrame& frame) { return frame.child == transform.child; };
+    return std::any_of(options_.bag.frames.begin(), options_.bag.frames.end(), is_its);
+  });
+  return transforms;
+}
+
 void BagFrames::learn() {
+  for (const StatedFrame& frame : options_.bag.frames)
+    transforms_.add({{0.0, frame.parent},
+                     frame.child,
+                     frame.parent_from_child.translation(),
+                     Eigen::Quaterniond(frame.parent_from_child.linear())},
+                    true, 0.0);
   const bool are_frames_read = !options_.bag.fixed_frame.empty() || takes_sensors_to_stand();
   for (const BagTopic& topic : bag_.topics()) {
     const bool is_camera =
         topic.name == options_.bag.camera_info || topic.name == options_.bag.depth_camera_info;
     sensors_.push_back(topic.wire && is_sensor(topic));
-    read_.push_back(topic.wire &&
-                    (sensors_.back() || is_camera || (is_transforms(topic) && are_frames_read)));
+    read_.push_back(topic.wire && (sensors_.back() || is_camera ||
+                                   (is_transforms(topic) && are_frames_read) || is_pose(topic)));
   }
   std::map<std::string, Stream> streams;
   const auto note = [&](const std::string& name, double stamp, const BagMessage& message) {
@@ -112,12 +141,12 @@ void BagFrames::learn() {
       return true;
     }
     try {
-      WireReader in(message.bytes, *topic.wire);
-      if (!is_transforms(topic)) {
+      if (!is_transforms(topic) && !is_pose(topic)) {
+        WireReader in(message.bytes, *topic.wire);
         learn_camera(topic.name, read_camera_info(in));
         return true;
       }
-      for (const RosTransform& transform : read_transforms(in)) {
+      for (const RosTransform& transform : transforms_in(message)) {
         if (message.is_beyond) {
           beyond_.emplace_back(transform, message.time);
           continue;

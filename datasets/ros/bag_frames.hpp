@@ -43,6 +43,9 @@ class BagFrames {
   /// they came as late as that did: others are of another run of the clock.
   void add_beyond();
   bool is_sensor(const BagTopic& topic) const;
+  bool is_pose(const BagTopic& topic) const;
+  /// Those of tf, or a pose as one, but of frames that the setup states.
+  std::vector<RosTransform> transforms_in(const BagMessage& message) const;
   void learn();
   void learn_camera(const std::string& topic, const RosCameraInfo& info);
   /// What a sensor saw: one frame, or the parts of a sweep.

@@ -11,8 +11,8 @@ constexpr double margin = 2.0;  ///< s: longest gap between two poses, and as mu
 
 class CutBag final : public MessageBag {
  public:
-  CutBag(std::unique_ptr<MessageBag> bag, double from, std::optional<double> to)
-      : bag_(std::move(bag)), from_(from), to_(to) {
+  CutBag(std::unique_ptr<MessageBag> bag, const BagTopics& part)
+      : bag_(std::move(bag)), from_(part.from), to_(part.to), poses_(part.poses) {
     topics_ = bag_->topics();
     damage_ = bag_->damage();
   }
@@ -25,7 +25,9 @@ class CutBag final : public MessageBag {
       const bool is_in = since >= from_ && (!to_ || since < *to_);
       if (is_in || topic.name.ends_with("tf_static")) return take(message);
       message.is_beyond = since >= from_ - margin && (!to_ || since < *to_ + margin);
-      return message.is_beyond && is_transforms(topic) ? take(message) : true;
+      const bool is_pose =
+          is_transforms(topic) || std::find(poses_.begin(), poses_.end(), topic.name) != poses_.end();
+      return message.is_beyond && is_pose ? take(message) : true;
     });
     damage_ = bag_->damage();
   }
@@ -36,13 +38,14 @@ class CutBag final : public MessageBag {
   std::unique_ptr<MessageBag> bag_;
   double from_;
   std::optional<double> to_;
+  std::vector<std::string> poses_;
 };
 
 }  // namespace
 
 std::unique_ptr<MessageBag> cut_bag(std::unique_ptr<MessageBag> bag, const BagTopics& topics) {
   if (topics.from == 0.0 && !topics.to) return bag;
-  return std::make_unique<CutBag>(std::move(bag), topics.from, topics.to);
+  return std::make_unique<CutBag>(std::move(bag), topics);
 }
 
 std::optional<double> cut_before(std::span<const double> recorded, std::size_t restart, double first) {

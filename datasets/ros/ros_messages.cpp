@@ -15,6 +15,19 @@ Eigen::Vector3d read_vector(WireReader& in) {
   return {x, y, z};
 }
 
+/// A frame's name, as tf2 has it.
+std::string read_frame(WireReader& in) {
+  std::string name = in.text();
+  if (name.starts_with('/')) name.erase(0, 1);
+  return name;
+}
+
+void read_place(WireReader& in, RosTransform& transform) {
+  transform.translation = read_vector(in);
+  const auto [x, y, z, w] = read_array<4>(in);
+  transform.rotation = Eigen::Quaterniond(w, x, y, z);
+}
+
 }  // namespace
 
 std::string short_type(std::string_view type) {
@@ -144,17 +157,23 @@ RosJointState read_joint_state(WireReader& in) {
   return state;
 }
 
+RosTransform read_pose(WireReader& in, std::string_view short_type) {
+  RosTransform pose;
+  pose.header = read_header(in);
+  if (short_type == "nav_msgs/Odometry" || short_type == "geometry_msgs/TransformStamped")
+    pose.child = read_frame(in);
+  read_place(in, pose);
+  return pose;
+}
+
 std::vector<RosTransform> read_transforms(WireReader& in) {
   std::vector<RosTransform> transforms;
   constexpr std::size_t least_transform = 72;  // bytes
   for (std::size_t left = in.length(least_transform); left > 0; --left) {
     RosTransform transform;
     transform.header = read_header(in);
-    transform.child = in.text();
-    if (transform.child.starts_with('/')) transform.child.erase(0, 1);
-    transform.translation = read_vector(in);
-    const auto [x, y, z, w] = read_array<4>(in);
-    transform.rotation = Eigen::Quaterniond(w, x, y, z);
+    transform.child = read_frame(in);
+    read_place(in, transform);
     transforms.push_back(std::move(transform));
   }
   return transforms;

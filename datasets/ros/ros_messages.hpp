@@ -96,5 +96,8 @@ struct RosTransform {
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
 };
 std::vector<RosTransform> read_transforms(WireReader& in);  ///< of tf2_msgs/TFMessage and tf/tfMessage
+/// A pose of its own: nav_msgs/Odometry, geometry_msgs/TransformStamped, PoseStamped or
+/// PoseWithCovarianceStamped. The last two do not say what the pose is of: `child` is empty.
+RosTransform read_pose(WireReader& in, std::string_view short_type);
 
 }  // namespace clearway

@@ -35,6 +35,12 @@ class FrameSource {
   virtual bool is_live() const { return false; }
 };
 
+/// Where a frame of a bag is in another one that does not move against it.
+struct StatedFrame {
+  std::string parent, child;
+  Eigen::Isometry3d parent_from_child = Eigen::Isometry3d::Identity();
+};
+
 /// Which topics of a bag of ROS messages become frames. All may be empty, but not at once.
 struct BagTopics {
   std::string images, camera_info;  ///< Image or CompressedImage; its CameraInfo, else the setup's camera
@@ -47,6 +53,9 @@ struct BagTopics {
   std::string sensor_frame;  ///< where rays of clouds in other frames begin; empty: at the origin of theirs
   bool point_times = true;   ///< points of clouds are where they were seen at their own times
   std::string fixed_frame;   ///< poses of sensors are in it, by tf; empty: sensors do not move
+  std::vector<std::string> poses;   ///< Odometry, TransformStamped, PoseStamped, …: count as tf does
+  std::string pose_frame;           ///< of which these are that name no frame of their own
+  std::vector<StatedFrame> frames;  ///< that the bag lacks; its own poses of these children do not count
 
   bool empty() const { return images.empty() && depth.empty() && clouds.empty() && scans.empty(); }
 };

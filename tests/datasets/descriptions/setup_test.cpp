@@ -349,6 +349,17 @@ TEST(Setup, SaysWhichPartOfABagIsReadAndWhatInfiniteBeamsDo) {
           .source.bag;
   EXPECT_EQ(posed.sensor_frame, "lidar");
   EXPECT_FALSE(posed.point_times);
+  const BagTopics moved = parse_setup(
+                              "source: {bag: {fixed_frame: map, poses: [/odom], pose_frame: /base, frames: "
+                              "[{parent: /base, child: lidar, pose_deg: [1, 2, 3, 0, 0, 90]}]}}\n",
+                              "s")
+                              .source.bag;
+  EXPECT_EQ(moved.poses, std::vector<std::string>{"/odom"});
+  EXPECT_EQ(moved.pose_frame, "base");
+  ASSERT_EQ(moved.frames.size(), 1U);
+  EXPECT_EQ(moved.frames[0].parent + " " + moved.frames[0].child, "base lidar");
+  EXPECT_TRUE(
+      (moved.frames[0].parent_from_child * Eigen::Vector3d(1, 0, 0)).isApprox(Eigen::Vector3d(1, 3, 3)));
   const SourceOptions plain = parse_setup("source: {bag: {}, scans: {}}\n", "s").source;
   EXPECT_EQ(plain.bag.from, 0.0);
   EXPECT_FALSE(plain.bag.to);
@@ -357,6 +368,11 @@ TEST(Setup, SaysWhichPartOfABagIsReadAndWhatInfiniteBeamsDo) {
            {"source: {bag: {from: 3, to: 3}}", "to: expected a time after 'from'"},
            {"source: {bag: {from: -1}}", "source.bag.from"},
            {"source: {bag: {sensor_frame: lidar}}", "sensor_frame: expected 'fixed_frame' beside it"},
+           {"source: {bag: {poses: [/odom]}}", "poses: expected 'fixed_frame' beside it"},
+           {"source: {bag: {frames: [{parent: a, child: b, pose: [0, 0, 0, 0, 0, 0]}]}}",
+            "frames: expected 'fixed_frame'"},
+           {"source: {bag: {fixed_frame: a, frames: [{parent: a, child: /a, pose: [0, 0, 0, 0, 0, 0]}]}}",
+            "expected another frame than 'parent'"},
            {"source: {scans: {clear_infinite: 1}}", "expected true or false"},
            {"source: {scans: {clear: true}}", "unknown key"}}) {
     const std::string sentence = complaint([&text = text] { parse_setup(text, "s"); });

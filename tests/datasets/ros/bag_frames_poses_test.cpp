@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/datasets/complaint.hpp"
 #include "tests/datasets/ros/bag_frames_world.hpp"
 
 namespace clearway {
@@ -149,6 +150,58 @@ TEST_F(BagFramesTest, AFrameThatLeadsToNoSensorMayAlternate) {
   for (int i = 0; i < 50; ++i)
     bag.transform(10 + 0.05 * i, "map", "goal", Eigen::Isometry3d(Eigen::Translation3d(0, i % 2, 0)));
   EXPECT_EQ(read(bag, "a.mcap").frames.size(), 4U);
+}
+
+/// A bag without tf: where the base is by messages of this type, where the sensor is on it by the setup.
+TEST_F(BagFramesTest, PosesOfTheirOwnTopicsCountAsThoseOfTf) {
+  for (const char* name : {"a.mcap", "a.bag"}) {
+    for (const std::string type : {"nav_msgs/Odometry", "geometry_msgs/TransformStamped",
+                                   "geometry_msgs/PoseStamped", "geometry_msgs/PoseWithCovarianceStamped"}) {
+      const bool is_nameless = type.starts_with("geometry_msgs/Pose");
+      BagTopics stated;
+      stated.poses = {"/where"};
+      stated.frames = {{"base", "sensor", mount()}};
+      ScanBag bag(folder_ / name);
+      for (double time = 10; time < 13.001; time += 0.05)
+        bag.pose(type, "/where", time, "map", is_nameless ? "" : "base", base_at(time));
+      for (const double time : {10.53, 11.11, 12.41}) bag.cloud("/points", time, "sensor", {{1, 2, 3}});
+      bag.transform(9, "base", "sensor", Eigen::Isometry3d::Identity(), true);  // does not count
+      bag.sort();
+      if (is_nameless) {
+        const std::string sentence = complaint([&] { read(bag, name, false, stated); });
+        EXPECT_NE(sentence.find("expected 'pose_frame' beside 'poses'"), std::string::npos) << sentence;
+        stated.pose_frame = "base";
+      }
+      for (const bool is_cut : {false, true}) {
+        if (is_cut) stated.from = 2.1, stated.to = 2.12;  // 11.11 s, between two poses that are not in it
+        const Reading reading = read(bag, name, false, stated);
+        EXPECT_EQ(reading.damage + reading.warnings, "") << type;
+        ASSERT_EQ(reading.frames.size(), is_cut ? 1U : 3U) << type;
+        for (const Frame& frame : reading.frames) {
+          const auto& cloud = std::get<CloudFrame>(frame.content);
+          EXPECT_LT((cloud.world_from_sensor.matrix() - (base_at(frame.time) * mount()).matrix()).norm(),
+                    1e-4)
+              << type << " " << frame.time;
+        }
+      }
+    }
+  }
+}
+
+TEST_F(BagFramesTest, APoseThatDoesNotSayOfWhatItIsIsLeftOutAndNamed) {
+  ScanBag bag(folder_ / "a.mcap");
+  BagTopics stated;
+  stated.poses = {"/odom"};
+  bag.transform(9, "base", "sensor", mount(), true);
+  for (double time = 10; time < 13.001; time += 0.05) bag.transform(time, "map", "base", base_at(time));
+  bag.pose("nav_msgs/Odometry", "/odom", 11, "", "base", base_at(11));
+  bag.cloud("/points", 11.11, "sensor", {{1, 2, 3}});
+  bag.sort();
+  const Reading reading = read(bag, "a.mcap", false, stated);
+  EXPECT_EQ(reading.frames.size(), 1U);
+  EXPECT_NE(reading.warnings.find("its pose does not say what it is of and in which frame"),
+            std::string::npos)
+      << reading.warnings;
 }
 
 }  // namespace bag_frames_poses_test

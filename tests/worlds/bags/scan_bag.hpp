@@ -91,6 +91,22 @@ class ScanBag {
     add("tf2_msgs", "TFMessage", is_fixed ? "/tf_static" : "/tf", time, out);
   }
 
+  /// A pose as a message of its own. @param type "nav_msgs/Odometry", "geometry_msgs/PoseStamped", …
+  void pose(const std::string& type, const std::string& topic, const BagTime& time, const std::string& parent,
+            const std::string& child, const Eigen::Isometry3d& parent_from_child) {
+    const Eigen::Quaterniond turn(parent_from_child.linear());
+    MessageBytes out(is_ros1_);
+    out.header(time.stamp, parent);
+    if (!child.empty()) out.text(child);
+    for (const double value : {parent_from_child.translation().x(), parent_from_child.translation().y(),
+                               parent_from_child.translation().z(), turn.x(), turn.y(), turn.z(), turn.w()})
+      out.add(value);
+    if (type == "nav_msgs/Odometry") out.all(std::vector<double>(36 + 6 + 36));
+    if (type == "geometry_msgs/PoseWithCovarianceStamped") out.all(std::vector<double>(36));
+    const auto slash = type.find('/');
+    add(type.substr(0, slash), type.substr(slash + 1), topic, time, out);
+  }
+
   /// Takes so many bytes from the end of the last message.
   void cut_last(std::size_t bytes) {
     std::string& last = records_.back().bytes;
