@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "mapping/map_option.hpp"
 #include "mapping/scans/scan_rays.hpp"
@@ -30,30 +31,35 @@ struct ContinuedMap::State {
 };
 
 ContinuedMap::ContinuedMap(const Snapshot& start, const MapOptions& options) {
-  check_map_option("hit_probability", options.hit_probability, 0.5, 0.999999);
-  check_map_option("miss_probability", options.miss_probability, 1e-6, 0.5);
+  check_insertion_options(options);
   state_ = std::make_unique<State>(start, options);
 }
 ContinuedMap::~ContinuedMap() = default;
 ContinuedMap::ContinuedMap(ContinuedMap&&) noexcept = default;
 ContinuedMap& ContinuedMap::operator=(ContinuedMap&&) noexcept = default;
 
+ContinuedMap::State& ContinuedMap::state() const {
+  if (!state_) throw std::logic_error("the map was moved elsewhere, expected one that was not moved from");
+  return *state_;
+}
+
 ScanCounts ContinuedMap::insert(const Scan& scan, const ScanFilter& filter) {
-  state_->is_changed = true;
-  const ScanCounts counts =
-      insert_scan(state_->tree, scan, filter, state_->insertion, state_->workspace, &state_->contested);
-  if (!counts.origin_invalid) state_->seen.see(state_->workspace.grid, scan.time, state_->insertion.threads);
+  State& map = state();
+  map.is_changed = true;
+  const ScanCounts counts = insert_scan(map.tree, scan, filter, map.insertion, map.workspace, &map.contested);
+  if (!counts.origin_invalid) map.seen.see(map.workspace.grid, scan.time, map.insertion.threads);
   return counts;
 }
 
 const Snapshot& ContinuedMap::snapshot() {
-  if (state_->is_changed) {
-    const std::vector<PaintedVolume> volumes = state_->latest.volumes();
-    state_->latest = Snapshot(std::make_shared<const FusedTree>(state_->tree), volumes, state_->latest,
-                              std::make_shared<const SeenStamps>(state_->seen));
-    state_->is_changed = false;
+  State& map = state();
+  if (map.is_changed) {
+    const std::vector<PaintedVolume> volumes = map.latest.volumes();
+    map.latest = Snapshot(std::make_shared<const FusedTree>(map.tree), volumes, map.latest,
+                          std::make_shared<const SeenStamps>(map.seen));
+    map.is_changed = false;
   }
-  return state_->latest;
+  return map.latest;
 }
 
 double decisive_hit_probability(const Snapshot& map, double least, int misses, double miss_probability) {

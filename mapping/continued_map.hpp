@@ -15,8 +15,7 @@ namespace clearway {
 class ContinuedMap {
  public:
   /// @param options how scans are inserted. Resolution, occupancy threshold and clamping are those of `start`
-  /// @throws std::invalid_argument for a hit probability not in [0.5, 0.999999] or a miss probability not in
-  ///         [1e-6, 0.5]
+  /// @throws std::invalid_argument naming one of these options that is out of range.
   ContinuedMap(const Snapshot& start, const MapOptions& options);
   ~ContinuedMap();
   ContinuedMap(ContinuedMap&&) noexcept;
@@ -32,6 +31,7 @@ class ContinuedMap {
 
  private:
   struct State;
+  State& state() const;
   std::unique_ptr<State> state_;
 };
 

@@ -16,17 +16,9 @@ namespace {
 
 void check_options(const MapOptions& options) {
   check_map_option("resolution", options.resolution, 1e-4, 100.0);
-  check_map_option("hit_probability", options.hit_probability, 0.5, 0.999999);
-  check_map_option("miss_probability", options.miss_probability, 1e-6, 0.5);
+  check_insertion_options(options);
   check_map_option("min_probability", options.min_probability, 1e-6, 0.49);
   check_map_option("max_probability", options.max_probability, 0.51, 0.999999);
-  check_map_option("threads", options.threads, 1, 64);
-  check_map_option("margins.band", options.margins.band, 0.0, 100.0);
-  check_map_option("margins.sigmas", options.margins.sigmas, 0.0, 100.0);
-  check_map_option("margins.noise_constant", options.margins.noise_constant, 0.0, 100.0);
-  check_map_option("margins.noise_quadratic", options.margins.noise_quadratic, 0.0, 100.0);
-  check_map_option("margins.noise_limit", options.margins.noise_limit, 0.0, 100.0);
-  check_map_option("margins.most_called_free", options.margins.most_called_free, 0.0, 1.0);
   check_map_option("occupied_probability", options.occupied_probability, options.min_probability,
                    options.max_probability);
 }

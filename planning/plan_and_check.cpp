@@ -63,6 +63,10 @@ void require_fields(const PlanQuery& query) {
         refuse_field("load " + quote(load.load.name) + " is on leg " + std::to_string(leg + 1),
                      "legs from 1 to " + std::to_string(query.goals.size()) + ", one for each goal");
   }
+  for (const auto& [name, policy] : query.load_policies)
+    if (std::none_of(loaded.loads.begin(), loaded.loads.end(),
+                     [&](const Load& load) { return load.name == name; }))
+      refuse_field("load_policies names " + quote(name), "a load of the query");
   if (query.survey) require_parts(query.survey->allow_outside, loaded, "plan query: survey.allow_outside");
 }
 

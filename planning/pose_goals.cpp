@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
 
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "mapping/voxels/rigid_pose.hpp"
 #include "planning/files/query_record.hpp"
 #include "planning/robot_files/srdf_file.hpp"
 
@@ -16,6 +20,21 @@ constexpr std::size_t most_choices = 16;  ///< of one goal
 constexpr int starts_of_variant = 8;      ///< of inverse kinematics, for poses that are not the goal itself
 constexpr int starts_of_last_try = 2000;  ///< where none that was found is free
 
+void require_sound(const NamedGoalPose& goal) {
+  const auto refuse = [&](const std::string& what) {
+    throw std::invalid_argument("goal pose " + quote(goal.name) + ": " + what);
+  };
+  const GoalPose& pose = goal.pose;
+  if (!pose.map_from_tip.matrix().allFinite() || !is_rotation(pose.map_from_tip.linear()))
+    refuse("map_from_tip is no rigid pose, expected finite numbers and a rotation without scale or mirror");
+  if (!std::isfinite(pose.position_tolerance) || pose.position_tolerance < 0.0)
+    refuse("position_tolerance is " + short_text(pose.position_tolerance) + ", expected metres not below 0");
+  if (!(pose.turn_tolerance >= 0.0 && pose.turn_tolerance <= std::numbers::pi * (1.0 + 1e-12)))
+    refuse("turn_tolerance is " + short_text(pose.turn_tolerance) + ", expected 0 to pi");
+  if (pose.free_axis && (*pose.free_axis < 0 || *pose.free_axis > 2))
+    refuse("free_axis is " + std::to_string(*pose.free_axis) + ", expected 0, 1 or 2");
+}
+
 }  // namespace
 
 PoseGoals::PoseGoals(const ConfigurationSpace& space, const std::string& tip,
@@ -24,6 +43,7 @@ PoseGoals::PoseGoals(const ConfigurationSpace& space, const std::string& tip,
       robot_(tip.empty() ? space.robot() : with_tip(space.robot(), link_of_tip(space.robot(), tip))),
       poses_(std::move(poses)),
       start_(std::move(start)) {
+  for (const NamedGoalPose& pose : poses_) require_sound(pose);
   choose_from(0);
 }
 

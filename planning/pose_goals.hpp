@@ -21,7 +21,8 @@ struct NamedGoalPose {
 class PoseGoals {
  public:
   /// @param tip link, or end effector of the SRDF, that the poses are of; empty: the robot's own tip
-  /// @throws std::invalid_argument naming the pose when no configuration is there, or the tip
+  /// @throws std::invalid_argument naming the pose when no configuration is there, or when it is not rigid or
+  /// one of its tolerances is out of range; or naming the tip
   PoseGoals(const ConfigurationSpace& space, const std::string& tip, std::vector<NamedGoalPose> poses,
             Configuration start);
 

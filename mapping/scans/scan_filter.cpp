@@ -26,6 +26,8 @@ void check_filter(const ScanFilter& filter) {
     throw std::invalid_argument("scan filter: outlier_neighbours is " +
                                 std::to_string(filter.outlier_neighbours) + ", expected 0 to 1000");
   }
+  if (filter.crop.min().hasNaN() || filter.crop.max().hasNaN())
+    throw std::invalid_argument("scan filter: a corner of crop is not a number, expected metres");
   for (const Capsule& body : filter.bodies) {
     if (!body.a.allFinite() || !body.b.allFinite()) {
       throw std::invalid_argument(

@@ -193,7 +193,7 @@ ScanRays& choose_rays(const FusedTree& tree, const Scan& scan, const ScanFilter&
   const FilteredPoints kept = whole ? FilteredPoints{} : filter_points(scan, filter);
   const Eigen::Vector3d origin = scan.map_from_sensor.translation();
   workspace.chosen.origin = origin.cast<float>();
-  if (!origin.allFinite() || !tree.cell(workspace.chosen.origin.cast<double>())) {
+  if (!scan.map_from_sensor.matrix().allFinite() || !tree.cell(workspace.chosen.origin.cast<double>())) {
     counts.dropped_invalid = scan.points.size();
     counts.origin_invalid = true;
     return workspace.chosen;

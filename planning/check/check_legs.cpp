@@ -33,6 +33,9 @@ void append(const PathVerdict& part, int first_edge, PathVerdict& whole) {
 
 PathVerdict check_legs(const std::vector<LegsToCheck>& legs, const std::map<std::string, Policy>& policies,
                        double padding, double distance_cap, double seen_within) {
+  std::vector<const Robot*> robots;
+  for (const LegsToCheck& part : legs) robots.push_back(&part.robot);
+  require_parts_of(robots, policies);
   PathVerdict whole;
   whole.first_contact = "the path has no waypoints";
   int first_edge = 0;
@@ -42,8 +45,8 @@ PathVerdict check_legs(const std::vector<LegsToCheck>& legs, const std::map<std:
     std::vector<Configuration> path = part.waypoints;
     const bool is_joined = end != nullptr && *end == path.front();
     if (end != nullptr && !is_joined) path.insert(path.begin(), *end);
-    append(check_path(part.robot, part.map, policies, padding, path, distance_cap, seen_within), first_edge,
-           whole);
+    append(check_tubes(part.robot, part.map, policies, padding, path, {}, distance_cap, seen_within),
+           first_edge, whole);
     if (!whole.valid) return whole;
     first_edge += static_cast<int>(path.size()) - 1;
     end = &part.waypoints.back();

@@ -122,7 +122,7 @@ class PickCheck {
            std::size_t offset = 0) {
     if (!verdict_.valid) return;
     const PathVerdict part =
-        check_path(robot, map, terms_.policies, terms_.padding, path, 0.0, terms_.seen_within);
+        check_tubes(robot, map, terms_.policies, terms_.padding, path, {}, 0.0, terms_.seen_within);
     verdict_.checker = part.checker;
     note_clearance(index, offset, part.clearance);
     if (part.valid) {

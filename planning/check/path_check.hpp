@@ -39,12 +39,15 @@ struct PathVerdict {
 /// and bodies say otherwise the path is refused.
 /// @param seen_within of parts under `known_free`: voxels that were seen free, but not in the last so many
 ///        seconds up to the map's newest look, count as unknown; 0: whenever they were seen.
-/// @throws std::invalid_argument for a padding or cap that is no length, a seen_within that the map cannot
-/// answer or that no part is asked, an edge that sweeps too many voxels, or a robot's file that can no longer
-/// be read.
+/// @throws std::invalid_argument for a padding or cap that is no length, a part in `policies` that no body is
+/// of, a seen_within that the map cannot answer or that no part is asked, an edge that sweeps too many
+/// voxels, or a robot's file that can no longer be read.
 PathVerdict check_path(const Robot& robot, const Snapshot& map, const std::map<std::string, Policy>& policies,
                        double padding, const std::vector<Configuration>& waypoints, double distance_cap = 0.0,
                        double seen_within = 0.0);
+
+/// @throws std::invalid_argument naming a part that no body of any of these robots is of.
+void require_parts_of(const std::vector<const Robot*>& robots, const std::map<std::string, Policy>& policies);
 
 /// Empty, or the sentence with which check_path would refuse any path, because the planners' robot is not
 /// what its file says: for programs that let motions pass and are no planners. @throws as check_path
@@ -52,7 +55,8 @@ std::string file_disagreement(const Robot& robot);
 
 /// The same for every configuration of which no joint is farther than deviations[i] (rad or m, one value for
 /// each joint) from where it is at one place of edge i: a tube about each edge, for curves that stay in it.
-/// Of joint limits only those of the waypoints are asked. No deviations: none.
+/// Of joint limits only those of the waypoints are asked. No deviations: none. Policies may name parts of
+/// loads that ride on other legs.
 /// @throws std::invalid_argument too for deviations that are not one for each edge, finite and not below 0.
 PathVerdict check_tubes(const Robot& robot, const Snapshot& map,
                         const std::map<std::string, Policy>& policies, double padding,

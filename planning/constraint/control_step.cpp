@@ -1,6 +1,7 @@
 #include "planning/constraint/control_step.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace clearway {
@@ -12,8 +13,8 @@ std::span<const double> numbers(const Eigen::VectorXd& vector) {
 
 DamperOptions checked(DamperOptions options, std::size_t joints) {
   const double margin = options.influence_distance - options.security_distance;
-  if (!(options.security_distance >= 0.0) || !(margin > 0.0) || !(options.xi > 0.0) ||
-      options.xi > margin * (1.0 + 1e-12)) {
+  if (!(options.security_distance >= 0.0) || !(margin > 0.0) || !std::isfinite(margin) ||
+      !(options.xi > 0.0) || options.xi > margin * (1.0 + 1e-12)) {
     throw std::invalid_argument(
         "control step: expected 0 <= security_distance < influence_distance and 0 < xi <= their difference");
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 namespace clearway {
@@ -109,6 +110,9 @@ const ConfigurationSpace& LiveControl::space() const { return current_->space; }
 ControlStep& LiveControl::control() { return current_->control; }
 
 const Eigen::VectorXd& LiveControl::step(const Configuration& q, const Eigen::VectorXd& wanted, Time now) {
+  if (!q.allFinite() || !wanted.allFinite())
+    throw std::invalid_argument(std::string("live control: ") + (q.allFinite() ? "wanted" : "q") +
+                                " holds a number that is not finite");
   fetch(q);
   if (has_map()) control().look(q);
   return solve(wanted, now);

@@ -82,6 +82,8 @@ class LiveControl {
 
   /// fetch; control().look; then solve for `wanted`, or for what brakes.
   /// Weighted units, valid until the next call.
+  /// @throws std::invalid_argument, and changes nothing, when a number of `q` or `wanted` is not finite:
+  /// where the robot is it must know. After a reading that was lost call it with the last one.
   const Eigen::VectorXd& step(const Configuration& q, const Eigen::VectorXd& wanted, Time now);
   /// The second half, for who has added constraints of its own to control() after look.
   const Eigen::VectorXd& solve(const Eigen::VectorXd& wanted, Time now);

@@ -122,7 +122,9 @@ std::string write_json(const Robot& robot, const Plan& plan, const Trajectory& t
 std::string write_csv(const Robot& robot, const Plan&, const Trajectory& trajectory) {
   std::string text = "time_s";
   for (const char* what : {"", " velocity", " acceleration"}) {
-    if (*what == ' ' && what[1] == 'a' && trajectory.points.front().acceleration.size() == 0) break;
+    const bool has_accelerations =
+        !trajectory.points.empty() && trajectory.points.front().acceleration.size() > 0;
+    if (*what == ' ' && what[1] == 'a' && !has_accelerations) break;
     for (const Joint& joint : robot.joints) text += "," + csv_field(joint.name + what);
   }
   if (!trajectory.events.empty()) text += ",event";

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "mapping/system/number_text.hpp"
+
 namespace clearway {
 namespace {
 
@@ -43,6 +45,9 @@ std::size_t least_window(const Waypoints& samples, const RateLimits& limits, dou
         ((sample(k + 2) - sample(k + 1)) - (sample(k + 1) - sample(k))).cwiseQuotient(limits.jerk) /
         (period * period * period);
   const double enough = 2.0 * second.cwiseAbs().maxCoeff();
+  if (!(enough <= most_terms))
+    throw std::invalid_argument("motion: jerk limits are so low that acceleration builds up over " +
+                                short_text(enough) + " periods, expected greater ones");
   for (std::size_t window = 1;;) {
     const auto w = std::min(static_cast<Eigen::Index>(window), second.cols());
     double most =

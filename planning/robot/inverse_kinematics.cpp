@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <stdexcept>
+#include <string>
 
 #include "mapping/system/random_unit.hpp"
 #include "planning/robot/kinematics.hpp"
@@ -153,11 +155,16 @@ std::optional<Configuration> numeric_inverse_kinematics(const Robot& robot, cons
 std::optional<Configuration> inverse_kinematics(const Robot& robot, const Eigen::Isometry3d& map_from_tip,
                                                 const Configuration& near, const IkOptions& options) {
   if (near.size() != static_cast<Eigen::Index>(robot.dof()) || !near.allFinite()) return std::nullopt;
+  if (options.free_axis && (*options.free_axis < 0 || *options.free_axis > 2))
+    throw std::invalid_argument("inverse kinematics: free_axis is " + std::to_string(*options.free_axis) +
+                                ", expected 0, 1 or 2");
   if (!map_from_tip.matrix().allFinite()) return std::nullopt;
   if (robot.inverse_kinematics != "puma" || options.position_only || options.leaves_freedom()) {
     return numeric_inverse_kinematics(robot, map_from_tip, near, options);
   }
-  const auto solution = puma_branches(robot, map_from_tip, near[3])[puma_branch_of(robot, near)];
+  const double fourth = near.size() > 3 ? near[3] : 0.0;  // of another arm: refused there
+  const auto branches = puma_branches(robot, map_from_tip, fourth);
+  const auto solution = branches[puma_branch_of(robot, near)];
   return solution ? unwrapped_within_limits(robot, *solution, near) : std::nullopt;
 }
 

@@ -62,6 +62,8 @@ struct IkOptions {
 /// (Craig 1989, the arm configuration of `near` is kept), damped least squares with limits otherwise, and for
 /// poses that leave something free.
 /// Empty when out of reach.
+/// @throws std::invalid_argument for a free_axis that is none, and for a robot whose file says "puma" that is
+/// no such arm.
 std::optional<Configuration> inverse_kinematics(const Robot& robot, const Eigen::Isometry3d& map_from_tip,
                                                 const Configuration& near, const IkOptions& options = {});
 

@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <numbers>
 #include <numeric>
+#include <stdexcept>
+
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
@@ -47,9 +51,34 @@ std::vector<Eigen::Vector3d> inner_points(const Shape& shape) {
   return points;
 }
 
+/// Directions spread evenly (Fibonacci's spiral).
+Eigen::Vector3d direction(int i, int count) {
+  const double z = 1.0 - (2.0 * i + 1.0) / count, around = std::numbers::pi * (3.0 - std::sqrt(5.0)) * i;
+  const double across = std::sqrt(1.0 - z * z);
+  return {across * std::cos(around), across * std::sin(around), z};
+}
+
+/// Who changes a body's shape and not its cover loses what is proved by the cover. A look at the outermost
+/// points in many directions finds a cover of another shape, place or size.
+void require_cover(const Body& body) {
+  constexpr int directions = 100;
+  for (int i = 0; i < directions; ++i) {
+    const Eigen::Vector3d point = body.link_from_shape * body.shape.support(direction(i, directions));
+    const double rounding = 1e-9 * (1.0 + point.norm());
+    const auto holds = [&](const Sphere& sphere) {
+      return (point - sphere.center).norm() <= sphere.radius + rounding;
+    };
+    if (std::none_of(body.cover.begin(), body.cover.end(), holds))
+      throw std::invalid_argument("a body of part " + quote(body.part) +
+                                  " has a cover that does not hold its shape, expected the spheres of its "
+                                  "shape's sphere_cover(), in the frame of its link");
+  }
+}
+
 }  // namespace
 
 BodyGeometry::BodyGeometry(const Body& given) : body(given), bound(bounding_sphere(given)) {
+  require_cover(body);
   for (const Eigen::Vector3d& point : inner_points(body.shape))
     witnesses.push_back(body.link_from_shape * point);
   const Eigen::Isometry3d shape_from_link = body.link_from_shape.inverse();

@@ -89,6 +89,11 @@ class RobotCheck {
     if (body.cover.empty())
       refuse(name +
              " has no cover, expected the spheres of its shape's sphere_cover(), in the frame of its link");
+    const auto is_sound = [](const Sphere& sphere) {
+      return sphere.center.allFinite() && std::isfinite(sphere.radius) && sphere.radius > 0.0;
+    };
+    if (!std::all_of(body.cover.begin(), body.cover.end(), is_sound))
+      refuse(name + " has a cover with a sphere that is none, expected finite centres and radii above 0");
   }
 
   const Robot& robot_;

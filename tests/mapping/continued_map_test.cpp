@@ -90,9 +90,20 @@ TEST(ContinuedMap, ProbabilitiesOutOfRangeAreRefusedByName) {
     FAIL();
   } catch (const std::invalid_argument& error) {
     EXPECT_EQ(std::string(error.what()),
-              "map option hit_probability is 0.400000, expected a value in [0.500000, 0.999999]");
+              "map option hit_probability is 0.4, expected a value in [0.5, 0.999999]");
   }
   EXPECT_THROW(ContinuedMap(Snapshot(), {.miss_probability = 0.0}), std::invalid_argument);
+  for (const int threads : {-1, 0, 65, 2147483647})
+    EXPECT_THROW(ContinuedMap(Snapshot(), {.threads = threads}), std::invalid_argument) << threads;
+  for (const double band : {-1.0, std::nan("")})
+    EXPECT_THROW(ContinuedMap(Snapshot(), {.margins = {.band = band}}), std::invalid_argument) << band;
+}
+
+TEST(ContinuedMap, OneThatWasMovedFromSaysSo) {
+  ContinuedMap map(Snapshot(), {});
+  const ContinuedMap other(std::move(map));
+  EXPECT_THROW(map.insert(ray({0, 0, 0}, {1, 0, 0})), std::logic_error);
+  EXPECT_THROW(map.snapshot(), std::logic_error);
 }
 
 }  // namespace continued_map_test

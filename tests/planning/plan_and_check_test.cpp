@@ -126,6 +126,10 @@ TEST(PlanAndCheck, RefusesEachFieldThatIsWrongInASentence) {
             "plan query: payload is -2 kg: expected a number from 0 to 1000000");
   EXPECT_EQ(refusal([=](PlanQuery& query) { query.gravity.z() = nan; }),
             "plan query: gravity is 0,0,nan m/s^2: expected finite numbers, at most 1000 m/s^2 together");
+  EXPECT_EQ(refusal([](PlanQuery& query) {
+              query.load_policies = {{"Cup", Policy::painted}};
+            }),
+            "plan query: load_policies names 'Cup': expected a load of the query");
   EXPECT_NE(refusal([](PlanQuery& query) { query.survey->allow_outside = {"tool"}; }).find("allow_outside"),
             std::string::npos);
 }

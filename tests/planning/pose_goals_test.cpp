@@ -94,6 +94,39 @@ TEST(PoseGoals, AreOfAnyLinkAndNamedWhenOutOfReach) {
   }
 }
 
+TEST(PoseGoals, ThatAreNoPosesOrWhoseTolerancesAreNoneAreRefusedByName) {
+  const ConfigurationSpace space = space_of("panda", FreeSpaceMap({.resolution = 0.05}).snapshot());
+  Random random(3);
+  const Configuration q = free_configuration(random, space);
+  const auto sentence = [&](const std::function<void(GoalPose&)>& spoil) {
+    GoalPose goal{tip_pose(space.robot(), q)};
+    spoil(goal);
+    try {
+      PoseGoals(space, "", {{goal, "cup"}}, q);
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(sentence([](GoalPose&) {}), "");
+  for (const double scale : {1.0001, 2.0, -1.0})
+    EXPECT_NE(sentence([&](GoalPose& goal) {
+                goal.map_from_tip.linear() *= scale;
+              }).find("goal pose 'cup': map_from_tip is no rigid pose"),
+              std::string::npos)
+        << scale;
+  for (const double length : {-1e-3, std::nan(""), HUGE_VAL})
+    EXPECT_NE(
+        sentence([&](GoalPose& goal) { goal.position_tolerance = length; }).find("position_tolerance is"),
+        std::string::npos)
+        << length;
+  for (const double angle : {-9.0, 4.0, std::nan("")})
+    EXPECT_NE(sentence([&](GoalPose& goal) { goal.turn_tolerance = angle; }).find("turn_tolerance is"),
+              std::string::npos)
+        << angle;
+  EXPECT_NE(sentence([](GoalPose& goal) { goal.free_axis = 7; }).find("free_axis is 7"), std::string::npos);
+}
+
 /// A branch that is free and that no path reaches, which the next one does.
 TEST(PlanToPoses, GoesToAnotherBranchWhenNoPathLeadsToTheNearest) {
   Random random(17);

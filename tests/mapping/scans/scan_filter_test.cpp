@@ -147,6 +147,9 @@ TEST(ScanFilter, NamesTheFieldThatMakesNoSense) {
   refused("outlier_deviations", [](ScanFilter& filter) { filter.outlier_deviations = -1.0; });
   refused("thin_to", [](ScanFilter& filter) { filter.thin_to = HUGE_VAL; });
   refused("radius", [](ScanFilter& filter) { filter.bodies = {{{0, 0, 0}, {0, 0, 1}, -0.1}}; });
+  refused("crop", [](ScanFilter& filter) {
+    filter.crop = {Eigen::Vector3d(0, std::nan(""), 0), Eigen::Vector3d(1, 1, 1)};
+  });
   refused("axis", [](ScanFilter& filter) { filter.bodies = {{{0, std::nan(""), 0}, {0, 0, 1}, 0.1}}; });
 }
 

@@ -163,6 +163,10 @@ TEST(PathCheck, PathsThatAreNoPathsAreRefusedNamingTheWaypoint) {
   EXPECT_EQ(contact({Eigen::Vector2d(0, 3)}),
             "waypoint 0: joint elbow is 3, outside its limits -2.79253 to 2.79253");
   EXPECT_THROW(check_path(robot, Snapshot(), {}, -1.0, {q}), std::invalid_argument);
+  const std::string part = robot.bodies.back().part;
+  EXPECT_FALSE(check_path(robot, Snapshot(), {{part, Policy::painted}}, 0.0, {q}).valid);
+  EXPECT_THROW(check_path(robot, Snapshot(), {{part + "s", Policy::painted}}, 0.0, {q}),
+               std::invalid_argument);
   EXPECT_TRUE(check_path(robot, Snapshot(), {}, 0.0, {q}).valid);
   EXPECT_TRUE(check_path(robot, Snapshot(), {}, 0.0, {q, q, q}).valid);
   const Eigen::Vector3d on_arm = forward_kinematics(robot, q)[2].translation();

@@ -279,5 +279,21 @@ TEST(LiveControl, RefusesOptionsOutOfRangeAndKeepsItsMapWhenARobotDoesNotFit) {
   EXPECT_EQ(live.number(), 1U);
 }
 
+TEST(LiveControl, NumbersThatAreNotFiniteAreRefusedByNameAndChangeNothing) {
+  const Robot point = load_robot("point");
+  LiveControl live(damper(point), {}), other(damper(point), {});
+  const Snapshot map = wall(0.5).snapshot();
+  live.publish(space_of(point, map), Time());
+  other.publish(space_of(point, map), Time());
+  const Eigen::Vector2d q(0, 0), wanted(0.01, 0), lost(std::nan(""), 0);
+  EXPECT_THROW(live.step(lost, wanted, Time()), std::invalid_argument);
+  EXPECT_THROW(live.step(q, lost, Time()), std::invalid_argument);
+  EXPECT_EQ(Eigen::VectorXd(live.step(q, wanted, Time())), Eigen::VectorXd(other.step(q, wanted, Time())));
+  DamperOptions far = damper(point);
+  far.influence_distance = HUGE_VAL;
+  LiveControl endless(far, {});
+  EXPECT_THROW(endless.publish(space_of(point, map), Time()), std::invalid_argument);
+}
+
 }  // namespace live_control_test
 }  // namespace clearway

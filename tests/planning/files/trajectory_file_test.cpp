@@ -230,6 +230,8 @@ TEST(TrajectoryFile, CsvHasAHeadingAndALineForEachPoint) {
     EXPECT_EQ(std::stod(field), trajectory.points.at(lines).position[0]);
   }
   EXPECT_EQ(lines, trajectory.points.size());
+  EXPECT_EQ(trajectory_format("csv", robot).write(robot, plan_of(robot), Trajectory{}),
+            "time_s,yes,\"el,bow\",yes velocity,\"el,bow velocity\"\n");
 }
 
 }  // namespace trajectory_file_test

@@ -264,7 +264,8 @@ TEST(SmoothMotion, RefusesWhatIsNoPath) {
   EXPECT_THROW(smooth_motion(space, path, {.reach = 0.6}), std::invalid_argument);
   EXPECT_THROW(smooth_motion(space, path, {.scales = {.speed = 2.0}}), std::invalid_argument);
   EXPECT_THROW(smooth_motion(space, path, {.scales = {.speed = 1e-6}}), std::invalid_argument);
-  EXPECT_THROW(smooth_motion(space, path, {.scales = {.jerk = 1e-5}}), std::invalid_argument);
+  for (const double jerk : {1e-5, 1e-20, 1e-200, 1e-308})
+    EXPECT_THROW(smooth_motion(space, path, {.scales = {.jerk = jerk}}), std::invalid_argument) << jerk;
 }
 
 }  // namespace smooth_motion_test

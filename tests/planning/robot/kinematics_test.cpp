@@ -221,6 +221,12 @@ TEST(InverseKinematics, IsEmptyOutOfReachAndForBadInput) {
   }
   EXPECT_THROW(puma_inverse_kinematics(load_robot("planar2"), Eigen::Isometry3d::Identity()),
                std::invalid_argument);
+  Robot planar = load_robot("planar2");
+  const Configuration two = Configuration::Zero(2);
+  EXPECT_THROW(inverse_kinematics(planar, tip_pose(planar, two), two, {.free_axis = 7}),
+               std::invalid_argument);
+  planar.inverse_kinematics = "puma";
+  EXPECT_THROW(inverse_kinematics(planar, tip_pose(planar, two), two), std::invalid_argument);
 }
 
 TEST(InverseKinematics, NumericSolverReachesRandomPosesWithinTolerance) {

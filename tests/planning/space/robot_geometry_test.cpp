@@ -23,8 +23,17 @@ TEST(RobotGeometry, IsMadeOnceForARobotAndAnewWhereItsBodiesDifferOrStandElsewhe
   for (std::size_t i = 0; i < known->policed.size(); ++i)
     EXPECT_NEAR(elsewhere->policed[i].reach.min().x(), known->policed[i].reach.min().x() + 1.0, 1e-9);
   Robot larger = arm;
-  larger.bodies.back().shape = Shape::sphere(0.5);
+  Body& tool = larger.bodies.back();
+  tool.shape = Shape::sphere(0.5);
+  EXPECT_THROW(robot_geometry(larger), std::invalid_argument);  // the cover is of what it was
+  tool.cover = {{tool.link_from_shape.translation(), 0.5}};
   EXPECT_NE(robot_geometry(larger), known);
+  for (const double radius : {0.49, -0.5}) {
+    tool.cover[0].radius = radius;
+    EXPECT_THROW(robot_geometry(larger), std::invalid_argument) << radius;
+  }
+  tool.cover = {{tool.link_from_shape.translation() + Eigen::Vector3d(0.01, 0, 0), 0.5}};
+  EXPECT_THROW(robot_geometry(larger), std::invalid_argument);
 }
 
 TEST(RobotGeometry, KnowsOfEachBodyWhatTheRobotSays) {
