@@ -1,6 +1,8 @@
 // What `clearway check` says it checked, and plan files edited so that they ask for less.
 #include <gtest/gtest.h>
 
+#include "mapping/files/map_digest.hpp"
+#include "planning/files/query_record.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/apps/check/check_command.hpp"
 
@@ -184,6 +186,33 @@ TEST_F(Check, what_the_plan_alone_says_is_shown_beside_what_is_usual) {
        {"the policy of base is the plan's, not_occupied; by default it is painted",
         "the base is the plan's; by its own settings 'point' stands at (0, 0, 0, 0, 0, 0)"})
     EXPECT_NE(text.find(words), std::string::npos) << text;
+}
+
+TEST_F(Check, poses_by_flag_go_before_those_of_the_maps_record) {
+  const auto at = [](double x, double y) {
+    return GoalPose{Eigen::Isometry3d(Eigen::Translation3d(x, y, 0.0))};
+  };
+  const QueryTerms query{.name = "twice",
+                         .robot = "point",
+                         .policies = {{"base", Policy::painted}},
+                         .padding = 0.001,
+                         .start = Eigen::Vector2d(-0.3, 0.0),
+                         .goals = {Eigen::Vector2d(0.3, 0.0), Eigen::Vector2d(0.3, 0.2)},
+                         .goal_poses = {at(0.3, 0.0), at(0.3, 0.2)}};
+  folder_.write("map/queries.json", to_json(QueryRecord{map_sha256(folder_.path() / "map"), {query}}));
+  const auto source = [&](const std::vector<std::string>& flags) {
+    std::vector<std::string> more{"--json"};
+    more.insert(more.end(), flags.begin(), flags.end());
+    return Json::parse(check(plan_, more).out)["contract"]["goals"]["source"];
+  };
+  EXPECT_EQ(source({}), "map");
+  EXPECT_EQ(source({"--goal-pose=0.3,0,0", "--goal-pose=0.3,0.2,0"}), "flag");
+  EXPECT_EQ(check(plan_).status, exit_done) << check(plan_).out;
+  EXPECT_EQ(check(plan_, {"--goal-pose=0.3,0,0", "--goal-pose=0.3,0.2,0"}).status, exit_done);
+  const CommandRun elsewhere = check(plan_, {"--goal-pose=0.3,0,0", "--goal-pose=0.3,0.25,0"});
+  EXPECT_EQ(elsewhere.status, exit_no);
+  EXPECT_NE(elsewhere.out.find("goal 2 of 2: expected the tip at (0.3, 0.25, 0"), std::string::npos)
+      << elsewhere.out;
 }
 
 }  // namespace check_test

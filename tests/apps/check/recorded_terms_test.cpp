@@ -1,0 +1,34 @@
+#include "apps/check/recorded_terms.hpp"
+
+#include <gtest/gtest.h>
+
+namespace clearway {
+namespace recorded_terms_test {
+
+Eigen::Isometry3d at(double x, double y, double z) {
+  return Eigen::Isometry3d(Eigen::Translation3d(x, y, z));
+}
+
+RecordedTerms queries_at(const std::vector<Eigen::Isometry3d>& bases) {
+  RecordedTerms terms;
+  for (const Eigen::Isometry3d& base : bases) terms.others.emplace_back().map_from_base = base;
+  return terms;
+}
+
+TEST(RecordedTerms, ABaseThatAnyOfTheQueriesHasIsKept) {
+  const Eigen::Isometry3d first = at(1.0, -2.0, 0.5), second = at(-0.3, 0.4, 0.0);
+  const RecordedTerms terms = queries_at({first, second});
+  EXPECT_FALSE(terms.base_instead_of(first).has_value());
+  EXPECT_FALSE(terms.base_instead_of(second).has_value());
+  const Eigen::Isometry3d turned =
+      second * Eigen::AngleAxisd(1e-3, Eigen::Vector3d::UnitZ());  // where it stands
+  for (const Eigen::Isometry3d& other : {at(1.001, -2.0, 0.5), at(0.3, -0.4, 0.0), turned}) {
+    const auto instead = terms.base_instead_of(other);
+    ASSERT_TRUE(instead.has_value());
+    EXPECT_EQ(instead->matrix(), first.matrix());
+  }
+  EXPECT_FALSE(queries_at({}).base_instead_of(first).has_value());
+}
+
+}  // namespace recorded_terms_test
+}  // namespace clearway
