@@ -19,8 +19,8 @@ using worlds::urdf_link;
 constexpr double edge = 0.02, top = 0.1;
 
 /// A gantry whose hand takes a can from the side, with a ball on a rod that is not drawn: on the can's axis,
-/// `below` its middle.
-worlds::UrdfRobot gantry(double below) {
+/// `below` its middle. @param more links and joints
+worlds::UrdfRobot gantry(double below, const std::string& more) {
   const std::string none = "<link name='base'/><link name='x'/><link name='y'/>";
   return {"gantry",
           none + urdf_link("hand", "-0.03 0 0", "<sphere radius='0.005'/>") +
@@ -28,13 +28,14 @@ worlds::UrdfRobot gantry(double below) {
               urdf_joint("jx", "prismatic", "base", "x", "0 0 0", "1 0 0", urdf_limit(-1, 1)) +
               urdf_joint("jy", "prismatic", "x", "y", "0 0 0", "0 1 0", urdf_limit(-1, 1)) +
               urdf_joint("jz", "prismatic", "y", "hand", "0 0 0", "0 0 1", urdf_limit(-1, 1)) +
-              urdf_joint("rod", "fixed", "hand", "fork", "0 0 " + std::to_string(-below), "1 0 0", "")};
+              urdf_joint("rod", "fixed", "hand", "fork", "0 0 " + std::to_string(-below), "1 0 0", "") +
+              more};
 }
 
 /// A can on a shelf that is one voxel thick is taken, carried along it and put down; as its legs go by hand.
 struct Errand {
-  explicit Errand(double below, double lift = 0.1)
-      : below_(below), gantry_(gantry(below)), robot(gantry_.robot()) {
+  explicit Errand(double below, double lift = 0.1, const std::string& more = "")
+      : below_(below), gantry_(gantry(below, more)), robot(gantry_.robot()) {
     for (std::size_t i = 0; i < robot.links.size(); ++i)
       if (robot.links[i].name == "hand") robot.tip_link = static_cast<int>(i);
     pick.object.name = "can";
@@ -81,10 +82,14 @@ struct Errand {
 
   PathVerdict path(const Snapshot& map) const { return check_pick(stated(map), {}, 0.0); }
 
+  SmoothMotion smooth() const {
+    return smooth_motion(ConfigurationSpace(robot, Snapshot(), {.parts = {}, .critical_by_default = false}),
+                         legs);
+  }
+  MotionVerdict motion(const Snapshot& map) const { return motion(map, smooth()); }
   /// @param left_out legs at the end of the motion that it lacks @param share of the speeds that may be
-  MotionVerdict motion(const Snapshot& map, std::size_t left_out = 0, double share = 1.0) const {
-    const ConfigurationSpace nowhere(robot, Snapshot(), {.parts = {}, .critical_by_default = false});
-    const SmoothMotion made = smooth_motion(nowhere, legs);
+  MotionVerdict motion(const Snapshot& map, const SmoothMotion& made, std::size_t left_out = 0,
+                       double share = 1.0) const {
     std::vector<std::size_t> ends = made.leg_ends;
     ends.resize(ends.size() - left_out);
     MotionToCheck motion{made.motion, ends, {legs.front().front()}, rate_limits(robot)};
@@ -233,15 +238,55 @@ TEST(CheckPick, AMotionThatIsNoneOrTooFastIsRefusedAsSuchWhateverElseIsWrong) {
   const Snapshot map = shelf();
   Errand errand(-0.1);
   EXPECT_TRUE(errand.motion(map).valid);
-  const MotionVerdict fast = errand.motion(map, 0, 0.5);
+  const MotionVerdict fast = errand.motion(map, errand.smooth(), 0, 0.5);
   EXPECT_FALSE(fast.valid);
   EXPECT_NE(fast.fault.find("motion: "), std::string::npos);
   errand.pick.approach.x() *= 0.5;  // its way goes on beyond what is stated
   EXPECT_NE(errand.motion(map).fault.find("straight"), std::string::npos) << errand.motion(map).fault;
-  EXPECT_EQ(errand.motion(map, 0, 0.5).fault, fast.fault);
-  EXPECT_EQ(errand.motion(map, 1).fault.find("pick"), std::string::npos) << errand.motion(map, 1).fault;
-  EXPECT_NE(errand.motion(map, 1).fault.find("it has 5 legs"), std::string::npos)
-      << errand.motion(map, 1).fault;
+  EXPECT_EQ(errand.motion(map, errand.smooth(), 0, 0.5).fault, fast.fault);
+  EXPECT_EQ(errand.motion(map, errand.smooth(), 1).fault.find("pick"), std::string::npos)
+      << errand.motion(map, errand.smooth(), 1).fault;
+  EXPECT_NE(errand.motion(map, errand.smooth(), 1).fault.find("it has 5 legs"), std::string::npos)
+      << errand.motion(map, errand.smooth(), 1).fault;
+}
+
+/// Moves the last joint by so much and back between two knots, along a cubic B-spline of four pieces.
+void nod(Motion& motion, std::size_t first, std::size_t last, double most) {
+  const double weights[] = {1.0, -4.0, 6.0, -4.0, 1.0};
+  const std::size_t piece = (last - first) / 4;
+  const double seconds = motion.period * static_cast<double>(piece);
+  for (std::size_t k = 0; k < 4 * piece; ++k) {
+    for (int i = 0; i < 5; ++i) {
+      const double t = std::max(static_cast<double>(k) / static_cast<double>(piece) - i, 0.0);
+      const double share = most * weights[i] / 4.0;
+      motion.positions[first + k].tail<1>().array() += share * t * t * t;
+      motion.velocities[first + k].tail<1>().array() += share * 3.0 * t * t / seconds;
+      motion.accelerations[first + k].tail<1>().array() += share * 6.0 * t / (seconds * seconds);
+    }
+  }
+}
+
+/// A finger behind the hand that its grip holds still: on the path it stands, in the motion it does not.
+TEST(CheckPick, AMotionThatMovesTheHandWhileItHoldsIsRefusedHoweverItsPathIs) {
+  const Snapshot map = shelf();
+  Errand errand(-0.1, 0.1,
+                urdf_link("finger", "-0.08 0 0", "<sphere radius='0.005'/>") +
+                    urdf_joint("grip", "prismatic", "hand", "finger", "0 0 0", "0 0 1", urdf_limit(0, 0.1)));
+  errand.pick.grip["grip"] = {0.0, 0.0};
+  errand.pick.depth = 0.01;  // the hand's ball is on the can's skin
+  for (auto& leg : errand.legs)
+    for (Configuration& q : leg) q = (Configuration(4) << q, 0.0).finished();
+  EXPECT_TRUE(errand.path(map).valid) << errand.path(map).first_contact;
+  EXPECT_TRUE(errand.motion(map).valid) << errand.motion(map).fault;
+  const SmoothMotion still = errand.smooth();
+  for (const auto& [leg, name] : {std::pair(2U, "lift"), std::pair(3U, "carry"), std::pair(4U, "lower")}) {
+    SmoothMotion moved = still;
+    nod(moved.motion, still.leg_ends[leg - 1], still.leg_ends[leg], 1e-4);
+    const MotionVerdict verdict = errand.motion(map, moved);
+    EXPECT_FALSE(verdict.valid) << name;
+    EXPECT_NE(verdict.fault.find(std::string(name) + " has joint 'grip' not closed"), std::string::npos)
+        << verdict.fault;
+  }
 }
 
 /// What one leg alone meets is met by path and motion, and named with that leg.

@@ -143,6 +143,25 @@ TEST(PathCheckExempt, APairThatTouchesInNearlyAllConfigurationsIsPassedOver) {
   }
 }
 
+/// A ball whose way leads into a plate by a hundredth of its length: the looks do not come to where they
+/// meet.
+TEST(PathCheckExempt, APairThatTakesTooManyLooksIsNotHeldApart) {
+  const std::string ball = "<sphere radius='0.05'/>", plate = "<box size='0.02 0.5 4'/>";
+  const worlds::UrdfRobot ramp(
+      "ramp",
+      urdf_link("base", "0 0 -5", ball) + urdf_link("post", "0 0 0", plate) +
+          urdf_link("carriage", "0 0 5", ball) + urdf_link("tool", "0 0 0.06", ball) +
+          urdf_joint("p", "fixed", "base", "post", "0 0 0", "0 0 1", "") +
+          urdf_joint("x", "prismatic", "base", "carriage", "0 0 0", "1 0 0.01", urdf_limit(-0.2, 0.8)) +
+          urdf_joint("t", "fixed", "carriage", "tool", "0 0 0", "0 0 1", ""));
+  Robot robot = ramp.robot();
+  exempt_all(robot);
+  for (const auto& [first, second] : Checked(robot).justified())
+    EXPECT_FALSE(robot.bodies[first].part == "post" && robot.bodies[second].part == "tool");
+  EXPECT_TRUE(check_path(robot, Snapshot(), {}, 0.0, {Configuration::Constant(1, 0.1)}).valid);
+  EXPECT_FALSE(check_path(robot, Snapshot(), {}, 0.0, {Configuration::Constant(1, -0.1)}).valid);
+}
+
 /// A rod on a turntable, with a post beside it and a ball above it that only meets it by the lift.
 TEST(PathCheckExempt, WhatTheFilesSayIsReadAgain) {
   TemporaryFolder folder;

@@ -71,10 +71,30 @@ TEST(PathCheckFcl, ACornerANanometreOffAFaceIsProvedApartWhicheverBodyItIsOf) {
     const Eigen::Isometry3d cube(Eigen::Translation3d(box * on_face - corner));
     const Robot robot = two_bodies(Shape::box(voxel), Shape::box(edges));
     const FclBodies bodies(robot);
-    for (const double distance : {bodies.distance(0, cube, 1, box), bodies.distance(1, box, 0, cube)}) {
+    for (const double distance : {bodies.distance(0, cube, 1, box), bodies.distance(1, box, 0, cube),
+                                  bodies.cube_distance(1, box, cube.translation(), voxel.x())}) {
       ASSERT_GT(distance, 0.0);
       ASSERT_LE(distance, gap);
     }
+  }
+}
+
+/// Upright, where arithmetic says it.
+TEST(PathCheckFcl, OfACapsuleAndAVoxelTheDistanceIsExactToATenMillionth) {
+  Random random(6);
+  const double edge = 0.05;
+  for (int i = 0; i < 2000; ++i) {
+    const double radius = random.between(0.02, 0.3), length = random.between(0.02, 0.6);
+    const Shape capsule = Shape::capsule(radius, length);
+    const FclBodies bodies(two_bodies(capsule, capsule));
+    const Eigen::Vector3d at = random.point(1.0), cube = random.point(1.0);
+    Eigen::Array3d off = (at - cube).cwiseAbs().array() - edge / 2;
+    off.z() -= length / 2;
+    const double truth = off.max(0.0).matrix().norm() - radius;
+    if (truth < 1e-6) continue;
+    const double distance = bodies.cube_distance(0, Eigen::Isometry3d(Eigen::Translation3d(at)), cube, edge);
+    ASSERT_LE(distance, truth + 1e-15);
+    ASSERT_GE(distance, truth - 1e-9 - 1e-7 * truth);
   }
 }
 
