@@ -58,6 +58,19 @@ TEST(TagPose, from_rendered_images_is_right_to_a_millimetre_and_a_degree_at_ever
       }
 }
 
+TEST(TagPose, a_tag_of_which_two_corners_are_one_has_none) {
+  const Camera camera = scene::plain_camera();
+  const auto pose_of = [&](double side) {  // half of the upper one, seen from 1 m
+    const Eigen::Vector3d rays[4] = {
+        {-side, -0.1, 1.0}, {side, -0.1, 1.0}, {0.1, 0.1, 1.0}, {-0.1, 0.1, 1.0}};
+    std::array<Eigen::Vector2d, 4> corners;
+    for (int i = 0; i < 4; ++i) corners[i] = camera.project(rays[i]).value();
+    return estimate_tag_pose(corners, 0.1, camera);
+  };
+  EXPECT_FALSE(pose_of(0.05).empty());
+  EXPECT_TRUE(pose_of(1e-8).empty());
+}
+
 // Why the order of the corners matters: of the 24 orders only ours gives the true pose, and three others give
 // a wrong pose that reprojects just as well, so that nothing downstream could notice.
 TEST(TagPose, every_other_order_of_detected_corners_gives_a_wrong_pose_or_none) {

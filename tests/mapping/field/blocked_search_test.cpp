@@ -93,6 +93,24 @@ TEST(BlockedSearch, NamesTheSameOfEquallyNearCubesHoweverFarItLooks) {
   EXPECT_GT(ties, 300U);
 }
 
+TEST(BlockedSearch, OfEquallyNearBordersTheFirstAxisIsNamedAndItsLowerSideFirst) {
+  FreeSpaceMap map({.resolution = 0.5});  // no rounding: ties are exact
+  map.paint(map.add_volume("all", {"base"}), {Eigen::Vector3d::Zero(), 8.0});
+  const auto space = map.snapshot().blocked_space({Policy::painted, 1}, box_around(2.0), 8.0);
+  ASSERT_EQ(space->blocked_count(), 0U);
+  const Eigen::AlignedBox3d& region = space->region();
+  const double half = region.sizes().x() / 2;
+  ASSERT_EQ(region.sizes(), Eigen::Vector3d::Constant(2.0 * half));
+  const auto named = [&](double x, double y, double z) -> Eigen::Vector3d {  // from its middle
+    return space->nearest(region.center() + Eigen::Vector3d(x, y, z), 8.0).point - region.center();
+  };
+  EXPECT_EQ(named(0.0, 0.0, 0.0), Eigen::Vector3d(-half, 0.0, 0.0));
+  EXPECT_EQ(named(1.0, 1.0, 0.0), Eigen::Vector3d(half, 1.0, 0.0));
+  EXPECT_EQ(named(1.0, -1.0, 1.0), Eigen::Vector3d(half, -1.0, 1.0));
+  EXPECT_EQ(named(0.0, 1.0, -1.0), Eigen::Vector3d(0.0, half, -1.0));
+  EXPECT_EQ(named(0.0, 1.0, 1.25), Eigen::Vector3d(0.0, 1.0, half));
+}
+
 TEST(BlockedSearch, ACubeExactlyAtTheLimitIsFound) {
   FreeSpaceMap map({.resolution = 0.5});
   Scan scan;

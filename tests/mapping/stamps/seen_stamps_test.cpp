@@ -255,13 +255,26 @@ TEST(SeenStamps, ACropKeepsItsCellsAndACoarserVoxelIsAsOldAsItsOldestPart) {
     random_look(dice, 20, grid, truth, scan);
     seen.see(grid, scan);
   }
-  const Eigen::Vector3i first(-9, -20, -3), last(14, 11, 30);
-  Truth inside;
-  for (const auto& [cell, time] : truth) {
-    const Eigen::Array3i at = vector_of(cell).array();
-    if ((at >= first.array()).all() && (at <= last.array()).all()) inside[cell] = time;
+  const auto expect_cropped = [&](const Eigen::Vector3i& first, const Eigen::Vector3i& last) {
+    Truth inside;
+    for (const auto& [cell, time] : truth) {
+      const Eigen::Array3i at = vector_of(cell).array();
+      if ((at >= first.array()).all() && (at <= last.array()).all()) inside[cell] = time;
+    }
+    EXPECT_FALSE(inside.empty());
+    expect_true(seen.cropped(first, last), inside);
+  };
+  expect_cropped({-9, -20, -3}, {14, 11, 30});
+  for (int axis = 0; axis < 3; ++axis) {  // from one side alone, too
+    for (int i = 0; i < 5; ++i) {
+      Eigen::Vector3i first = Eigen::Vector3i::Constant(-100), last = Eigen::Vector3i::Constant(100);
+      first[axis] = dice.whole(-15, 15);
+      expect_cropped(first, last);
+      std::swap(first[axis], last[axis]);
+      first[axis] = -100;
+      expect_cropped(first, last);
+    }
   }
-  expect_true(seen.cropped(first, last), inside);
 
   const auto half = [](int value) { return value >= 0 ? value / 2 : -((1 - value) / 2); };
   std::map<Cell, std::pair<int, double>>
