@@ -60,7 +60,7 @@ std::vector<bool> DistanceTiles::reached_by_changes(const std::vector<Box>& chan
           const int between = least_between(box_of({x, y, z}), cells);
           if (between > at_most[i]) continue;
           reached[i] = any_at_least(i, between);
-          if (!reached[i]) at_most[i] = between - 1;
+          at_most[i] = between - 1;  // where it is not reached
         }
       }
     }

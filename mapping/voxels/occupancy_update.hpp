@@ -15,10 +15,10 @@ namespace clearway {
 /// With OctoMap's probabilities one hit of a free voxel is gone after three looks, clear or not, and what was
 /// hit any number of times after five clear ones (nine that are not).
 struct OccupancyUpdate {
-  Integration integration = Integration::compatible;
-  float hit = 0.0F, miss = 0.0F;  ///< log-odds of the sensor model; miss <= 0 <= hit
-  float low = 0.0F, high = 0.0F;  ///< clamping
-  float threshold = 0.0F;         ///< at and over it an observed voxel is occupied; in [low, high]
+  Integration integration;
+  float hit, miss;  ///< log-odds of the sensor model; miss <= 0 <= hit
+  float low, high;  ///< clamping
+  float threshold;  ///< at and over it an observed voxel is occupied; in [low, high]
 
   float after_hit(float log_odds) const {
     return clamped((integration == Integration::safe ? std::max(log_odds, threshold) : log_odds) + hit);
