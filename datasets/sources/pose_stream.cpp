@@ -7,6 +7,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
@@ -45,17 +46,13 @@ void PoseStream::add(double time, const Eigen::Isometry3d& pose) {
 }
 
 std::optional<Eigen::Isometry3d> PoseStream::at(double time) const {
-  if (state_->poses.empty() || !std::isfinite(time)) return std::nullopt;
-  const auto stamp = mrpt::Clock::fromDouble(time);
-  const auto after = state_->poses.lower_bound(stamp);
-  if (after == state_->poses.end()) return std::nullopt;
-  if (after->first == stamp) return isometry(mrpt::poses::CPose3D(after->second));
-  if (after == state_->poses.begin()) return std::nullopt;
-  const double gap = mrpt::Clock::toDouble(after->first) - mrpt::Clock::toDouble(std::prev(after)->first);
+  constexpr double never = std::numeric_limits<double>::infinity();
+  const Around readings = around(time);
+  const double gap = readings.after.value_or(never) - readings.before.value_or(-never);
   if (gap > state_->max_gap) return std::nullopt;
   mrpt::poses::CPose3D pose;
   bool valid = false;
-  state_->poses.interpolate(stamp, pose, valid);
+  state_->poses.interpolate(mrpt::Clock::fromDouble(time), pose, valid);
   if (!valid) return std::nullopt;
   return isometry(pose);
 }

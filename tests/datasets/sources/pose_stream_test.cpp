@@ -46,6 +46,10 @@ TEST(PoseStream, OutsideOfItsTimeAndAcrossGapsItSaysNothing) {
   EXPECT_LT(apart(*stream.nearest(5.11), screw(5.2)), 1e-6);
   EXPECT_LT(apart(*stream.nearest(6.2), screw(6.0)), 1e-6);
   EXPECT_FALSE(stream.nearest(6.3));
+  PoseStream one(1e11);  // of gaps too: longer than any clock has run
+  one.add(5.0, screw(5.0));
+  EXPECT_FALSE(one.at(4.9) || one.at(5.1));
+  EXPECT_LT(apart(*one.at(5.0), screw(5.0)), 1e-12);
   PoseStream two(2.0);
   for (const double time : {1.0, 2.0}) two.add(time, screw(time));
   EXPECT_LT(apart(*two.nearest(1.5), screw(2.0)), 1e-6);  // of two as near the later
