@@ -33,9 +33,6 @@ void append(const PathVerdict& part, int first_edge, PathVerdict& whole) {
 
 PathVerdict check_legs(const std::vector<LegsToCheck>& legs, const std::map<std::string, Policy>& policies,
                        double padding, double distance_cap, double seen_within) {
-  std::vector<const Robot*> robots;
-  for (const LegsToCheck& part : legs) robots.push_back(&part.robot);
-  require_parts_of(robots, policies);
   PathVerdict whole;
   whole.first_contact = "the path has no waypoints";
   int first_edge = 0;

@@ -327,23 +327,15 @@ void require_deviations(const std::vector<Configuration>& path,
 
 }  // namespace
 
-void require_parts_of(const std::vector<const Robot*>& robots,
-                      const std::map<std::string, Policy>& policies) {
-  for (const auto& [part, policy] : policies) {
-    const auto has_it = [&part = part](const Robot* robot) {
-      return std::any_of(robot->bodies.begin(), robot->bodies.end(),
-                         [&](const Body& body) { return body.part == part; });
-    };
-    if (std::none_of(robots.begin(), robots.end(), has_it))
-      throw std::invalid_argument("policies name the part " + quote(part) +
-                                  ", expected parts of the robot and its loads");
-  }
-}
-
 PathVerdict check_path(const Robot& robot, const Snapshot& map, const std::map<std::string, Policy>& policies,
                        double padding, const std::vector<Configuration>& waypoints, double distance_cap,
                        double seen_within) {
-  require_parts_of({&robot}, policies);
+  for (const auto& [part, policy] : policies) {
+    const auto is_its = [&part = part](const Body& body) { return body.part == part; };
+    if (std::none_of(robot.bodies.begin(), robot.bodies.end(), is_its))
+      throw std::invalid_argument("policies name the part " + quote(part) +
+                                  ", expected a part of the robot or a load");
+  }
   return check_tubes(robot, map, policies, padding, waypoints, {}, distance_cap, seen_within);
 }
 

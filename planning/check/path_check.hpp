@@ -46,9 +46,6 @@ PathVerdict check_path(const Robot& robot, const Snapshot& map, const std::map<s
                        double padding, const std::vector<Configuration>& waypoints, double distance_cap = 0.0,
                        double seen_within = 0.0);
 
-/// @throws std::invalid_argument naming a part that no body of any of these robots is of.
-void require_parts_of(const std::vector<const Robot*>& robots, const std::map<std::string, Policy>& policies);
-
 /// Empty, or the sentence with which check_path would refuse any path, because the planners' robot is not
 /// what its file says: for programs that let motions pass and are no planners. @throws as check_path
 std::string file_disagreement(const Robot& robot);
