@@ -16,8 +16,7 @@ struct DepthLayout {
   std::filesystem::path other_poses;  ///< beside transforms.json: which of the two counts is not known
   std::filesystem::path pose_folder;  ///< of a matrix for each depth picture; empty: none
   std::filesystem::path camera;       ///< a file of the depth pictures' camera; empty: none
-  std::filesystem::path
-      tum_table;  ///< of the pictures of `depth/` and their times, as TUM's tools write it; empty: none
+  std::filesystem::path tum_table;    ///< that lists the pictures of `depth/` as TUM does; empty: none
   std::size_t unnamed = 0;  ///< depth pictures that transforms.json, which names others, does not name
 };
 

@@ -79,7 +79,8 @@ class ScanGrid {
   /// All tiles in octree order.
   std::vector<ScanTile*> tiles();
 
-  /// What FusedTree::update needs for these cells in an empty tree, bytes: what it may need at most in any.
+  /// What FusedTree::update needs for these cells in an empty tree, bytes. One that has to part larger leaves
+  /// for them may need more.
   std::uint64_t tree_bytes() const;
   std::size_t tile_count() const { return index_.size(); }
 
