@@ -54,7 +54,7 @@ class Snapshot {
 
   double resolution() const;                          ///< metres
   const std::vector<PaintedVolume>& volumes() const;  ///< exact spheres; empty for a bare tree
-  const FusedTree& tree() const;                      ///< include mapping/voxels/fused_tree.hpp to use it
+  const FusedTree& tree() const;                      ///< for this floor: its header is not installed
   VoxelCounts counts() const;                         ///< walks the tree once
   /// Whether any voxel has one of these states (but unknown): walks until it has found one.
   bool holds_any(std::initializer_list<VoxelState> states) const;

@@ -34,7 +34,7 @@ struct PointArrays {
   std::span<const double> x, y, z;
 };
 
-struct ByteField;  // mapping/field/byte_field.hpp
+struct ByteField;  // of the floors above: mapping/field/byte_field.hpp, which is not installed
 
 /// The voxels that one requirement forbids, inside one region, ready for geometric queries.
 /// Immutable and safe to read from many threads. Everything here is derived from the map's tree.

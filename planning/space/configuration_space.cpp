@@ -135,7 +135,7 @@ Eigen::AlignedBox3d region_of(const Requirement& requirement, Eigen::AlignedBox3
 
 ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies& policies,
                                        const SpaceOptions& options)
-    : model_(std::make_unique<CollisionModel>(std::move(robot), std::move(map), options)) {
+    : model_(std::make_shared<CollisionModel>(std::move(robot), std::move(map), options)) {
   CollisionModel& model = *model_;
   RobotCheck(model.given).run();
   const std::shared_ptr<const RobotGeometry> geometry = robot_geometry(model.given);
@@ -185,9 +185,6 @@ ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies
         {&model.robot.bodies[static_cast<std::size_t>(model.indices[i])], &model.bodies[i].space()});
   model.spheres = sphere_robot(model.robot, blocked, model.pairs, model.options.padding);
 }
-
-ConfigurationSpace::~ConfigurationSpace() = default;
-ConfigurationSpace::ConfigurationSpace(ConfigurationSpace&&) noexcept = default;
 
 const Robot& ConfigurationSpace::robot() const { return model_->given; }
 const Snapshot& ConfigurationSpace::map() const { return model_->map; }

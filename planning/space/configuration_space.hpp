@@ -80,19 +80,21 @@ struct Edge {
   Configuration from, to;
 };
 
-struct CollisionModel;  // planning/space/collision_model.hpp
+struct CollisionModel;
 
 /// A robot in a map under a policy: the one place that says which configurations and edges are free.
 /// Bodies that no joint moves are part of the scene: tested against other bodies, not against the map.
-/// Immutable, safe from many threads; counts nothing, prints nothing.
+/// Immutable, safe from many threads; counts nothing, prints nothing. Copies share what they are made of and
+/// cost nothing; moving copies, too.
 class ConfigurationSpace {
  public:
   /// @throws std::invalid_argument: unknown part in the policies, negative padding, region too large, a
   /// seen_within that the map cannot answer or that no part is asked, ...
   ConfigurationSpace(Robot robot, Snapshot map, const Policies& policies = {},
                      const SpaceOptions& options = {});
-  ~ConfigurationSpace();
-  ConfigurationSpace(ConfigurationSpace&&) noexcept;
+  ConfigurationSpace(const ConfigurationSpace&) = default;
+  ConfigurationSpace& operator=(const ConfigurationSpace&) = default;
+  ~ConfigurationSpace() = default;
 
   const Robot& robot() const;
   const Snapshot& map() const;
@@ -144,13 +146,14 @@ class ConfigurationSpace {
                                                          double influence_distance) const;
 
   /// What blocks body `body` (index in robot().bodies), in all the space that it reaches; null for a body
-  /// that no joint moves. Valid as long as this object.
+  /// that no joint moves. Valid as long as this object or a copy.
   const BlockedSpace* blocked_space(int body) const;
 
   /// BlockedSpace::renew() of all bodies' spaces: before a control loop takes over a new map.
   void renew() const;
 
-  /// What the answers are made of, for searches of this floor that remember some of them (LatticeChecks).
+  /// What the answers are made of, for searches of this floor that remember some of them (LatticeChecks); its
+  /// header is not installed.
   const CollisionModel& collision_model() const { return *model_; }
 
   /// Bound on how far any point of any body moves when the joints move by |dq|, metres.
@@ -158,7 +161,7 @@ class ConfigurationSpace {
   double motion_bound(const Eigen::VectorXd& abs_dq) const;
 
  private:
-  std::unique_ptr<CollisionModel> model_;
+  std::shared_ptr<CollisionModel> model_;
 };
 
 }  // namespace clearway

@@ -20,6 +20,7 @@
 #include "planning/sampling/fcl_planners.hpp"
 #include "planning/sampling/ompl_planners.hpp"
 #include "planning/sampling/rrtconnect.hpp"
+#include "tests/worlds/batch_worlds.hpp"
 #include "tests/worlds/beam_world.hpp"
 
 namespace clearway {
@@ -190,6 +191,24 @@ std::string refusal_of(const std::function<void()>& action) {
     return error.what();
   }
   return "nothing refused";
+}
+
+/// Whoever asks why gets a sentence, also where there was no time for anything.
+TEST(PlannerTable, EveryPlannerWithoutTimeSaysSo) {
+  const Robot robot = load_robot("planar2");
+  const ConfigurationSpace space(robot, worlds::voxels_about(robot, 9), {.critical_by_default = false});
+  const PathCost cost(robot);
+  Random random(2);
+  int late = 0;
+  for (int i = 0; i < 20; ++i) {
+    const Configuration start = random.configuration(robot), goal = random.configuration(robot);
+    for (const PlannerEntry& planner : planner_table()) {
+      const PlanResult result = planner.make({})->plan({space, cost, start, goal, 1, [] { return true; }});
+      EXPECT_FALSE(result.explanation.empty()) << planner.name << ": " << to_string(result.status);
+      late += result.status == PlanStatus::timed_out;
+    }
+  }
+  EXPECT_GT(late, 20);
 }
 
 TEST(PlannerTable, TypedValuesOutOfRangeAreRefusedInTheWordsOfTheText) {

@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 
 #include "planning/robot_files/load_robot.hpp"
+#include "tests/worlds/batch_worlds.hpp"
 #include "tests/worlds/fcl_truth.hpp"
 #include "tests/worlds/random_world.hpp"
 #include "tests/worlds/urdf_robots.hpp"
@@ -48,6 +50,28 @@ TEST(ConfigurationSpace, NoClearanceExceedsTheDistanceToAnyBlockedVoxel) {
     }
   }
   EXPECT_GT(beyond_reach, 50);
+}
+
+/// A member of a vector that grows, or of a class that is moved, leaves nothing behind that crashes.
+TEST(ConfigurationSpace, CopiesAnswerAlikeAndWhatWasMovedFromStillAnswers) {
+  const Robot robot = load_robot("puma560");
+  ConfigurationSpace first(robot, worlds::voxels_about(robot, 9), not_occupied());
+  Random random(17);
+  std::vector<Configuration> qs;
+  for (int i = 0; i < 40; ++i) qs.push_back(random.configuration(robot));
+  const std::vector<bool> answers = first.is_free(qs);
+  EXPECT_TRUE(std::count(answers.begin(), answers.end(), true) > 0);
+  EXPECT_TRUE(std::count(answers.begin(), answers.end(), false) > 0);
+  std::vector<ConfigurationSpace> spaces;
+  spaces.push_back(first);
+  spaces.push_back(std::move(first));
+  ConfigurationSpace other(load_robot("planar2"), Snapshot(), not_occupied());
+  other = spaces.front();
+  EXPECT_EQ(spaces.back().is_free(qs), answers);
+  EXPECT_EQ(first.is_free(qs), answers);  // NOLINT(bugprone-use-after-move): it promises so
+  spaces.clear();
+  EXPECT_EQ(other.is_free(qs), answers);
+  EXPECT_EQ(other.robot().name, robot.name);
 }
 
 TEST(ConfigurationSpace, CriticalPartsMustLieInsideTheirPaintedVolume) {
