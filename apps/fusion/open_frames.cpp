@@ -72,7 +72,8 @@ std::vector<fs::path> files_in(const fs::path& folder, bool (*is_wanted)(const f
 SourceOptions with_camera_of_tum(const DepthLayout& layout, SourceOptions options) {
   DepthOptions& depth = options.depth;
   constexpr ImageSize size{640, 480};
-  if (png_size(layout.depth.front()) != size || !is_of_tum(depth.poses.empty() ? layout.poses : depth.poses))
+  if (picture_size(layout.depth.front()) != size ||
+      !is_of_tum(depth.poses.empty() ? layout.poses : depth.poses))
     return options;
   depth.camera = CameraIntrinsics{size.width, size.height, 525.0, 525.0, 319.5, 239.5, {}};
   options.notes.push_back(
@@ -87,7 +88,8 @@ SourceOptions with_camera_beside(const DepthLayout& layout, SourceOptions option
   if (depth.camera || options.camera) return options;
   if (layout.camera.empty()) return with_camera_of_tum(layout, options);
   std::optional<ImageSize> size;
-  for (auto file = layout.depth.begin(); !size && file != layout.depth.end(); ++file) size = png_size(*file);
+  for (auto file = layout.depth.begin(); !size && file != layout.depth.end(); ++file)
+    size = picture_size(*file);
   std::string note;
   depth.camera = load_camera_file(layout.camera, "", depth.rectified, size, {}, &note);
   depth.camera_file = layout.camera;
@@ -104,16 +106,15 @@ SourceOptions with_camera_beside(const DepthLayout& layout, SourceOptions option
   return options;
 }
 
-/// Where the setup says nothing of the scale of depth pictures: that of a camera file that has one.
+/// Where the setup says nothing of the scale of depth pictures: that of a camera file that has one, the
+/// setup's or one in the folder.
 SourceOptions with_scale_beside(const DepthLayout& layout, SourceOptions options) {
-  const fs::path name = layout.camera.filename();
-  const bool has_scale = name == "cam_params.json" || name == "info.txt" || name == "_info.txt";
-  if (options.depth.scale || !has_scale) return options;
-  if (const auto scale = depth_scale_of_file(layout.camera)) {
-    options.depth.scale = scale;
-    options.notes.push_back("steps of depth are " + short_text(*scale) + " m, by " +
-                            quote_path(layout.camera.string()) +
-                            "; `source: {depth: {scale: …}}` states others.");
+  for (const fs::path& file : {options.depth.scale_file, layout.camera}) {
+    if (options.depth.scale || file.empty()) continue;
+    options.depth.scale = depth_scale_of_file(file);
+    if (options.depth.scale)
+      options.notes.push_back("steps of depth are " + short_text(*options.depth.scale) + " m, by " +
+                              quote_path(file.string()) + "; `source: {depth: {scale: …}}` states others.");
   }
   return options;
 }

@@ -55,10 +55,11 @@ ForeignWorld read_scene_text(const std::string& text, const std::filesystem::pat
                              const SceneContext& context);
 
 /// Reads the JSON of problem sets: problems.NAME[] with lists `sphere`, `cylinder`, `box`, and `start`,
-/// `goals`, `valid`, `index`. A solid's turn is `orientation_quat_xyzw` (or `quaternion_xyzw`), `…_wxyz`, or
-/// angles about the fixed axes x, y, z as `orientation_euler_xyz` or `rpy`; other keys that speak of its
-/// place or size are refused, and the rest is left out. One world and problem each; experiments are called
-/// NAME. Problems that say `valid: false` are left out.
+/// `goals`, `valid`, `index`; values are those of the problem's `joint_names`, of the file's `joints` (as
+/// VAMP writes them), else in the robot's order. A solid's turn is `orientation_quat_xyzw` (or
+/// `quaternion_xyzw`), `…_wxyz`, or angles about the fixed axes x, y, z as `orientation_euler_xyz` or `rpy`;
+/// other keys that speak of its place or size are refused, and the rest is left out. One world and problem
+/// each; experiments are called NAME. Problems that say `valid: false` are left out.
 /// @throws std::invalid_argument in one sentence naming file, field and what was expected.
 ForeignSet read_problem_json(const std::string& text, const std::filesystem::path& file);
 

@@ -135,18 +135,19 @@ ForeignState state_of(const JsonField& field, const std::vector<std::string>& na
   const std::vector<double> values = values_of(field);
   if (names.empty()) return {{}, values};
   if (values.size() != names.size())
-    field.refuse(std::to_string(names.size()) + " values, one for each of 'joint_names'");
+    field.refuse(std::to_string(names.size()) + " values, one for each of the joints that the file names");
   ForeignState state;
   for (std::size_t j = 0; j < names.size(); ++j) state.by_joint[names[j]] = values[j];
   return state;
 }
 
-std::vector<std::string> joint_names(const JsonField& problem) {
+/// The joints whose values a list has, in its order; empty where `parent` has no such `key`.
+std::vector<std::string> joint_names(const JsonField& parent, const char* key) {
   std::vector<std::string> names;
-  if (!problem.has("joint_names")) return names;
-  for (const JsonField& name : problem.at("joint_names").items()) names.push_back(name.text());
+  if (!parent.has(key)) return names;
+  for (const JsonField& name : parent.at(key).items()) names.push_back(name.text());
   if (std::set<std::string>(names.begin(), names.end()).size() != names.size())
-    problem.at("joint_names").refuse("each name once");
+    parent.at(key).refuse("each name once");
   return names;
 }
 
@@ -171,8 +172,19 @@ std::vector<std::string> unknown_keys_of_problem(const JsonField& problem) {
   return unknown;
 }
 
+/// Of the file: what it says beside its problems, as that of one of them.
+void leave_out_rest(const JsonField& root, ForeignSet& set) {
+  for (const auto& [key, value] : root.members()) {
+    if (key == "problems" || key == "joints" || value.is_null()) continue;
+    if (value.is_composed() && tells_of_space(key))
+      value.refuse("no such key, as what it holds would be lost, or one of joints, problems");
+    set.left_out.push_back(quote(key));
+  }
+}
+
+/// @param joints of the file, for problems that name none
 void add_problem(const std::string& experiment, std::size_t number, const JsonField& problem,
-                 ForeignSet& set) {
+                 const std::vector<std::string>& joints, ForeignSet& set) {
   const std::string index =
       problem.has("index") ? std::to_string(problem.at("index").count()) : std::to_string(number);
   const std::string name = experiment + " " + index;
@@ -190,7 +202,8 @@ void add_problem(const std::string& experiment, std::size_t number, const JsonFi
   ForeignWorld world{name, {}};
   for (const char* kind : solid_kinds) add_solids(problem, kind, world, set.left_out);
   ForeignProblem ready{name, experiment, set.worlds.size(), "", {}, {}};
-  const std::vector<std::string> names = joint_names(problem);
+  const std::vector<std::string> own = joint_names(problem, "joint_names");
+  const std::vector<std::string>& names = own.empty() ? joints : own;
   ready.start = state_of(problem.at("start"), names);
   for (const JsonField& goal : goals) ready.goals.push_back({state_of(goal, names)});
   set.worlds.push_back(std::move(world));
@@ -205,9 +218,11 @@ ForeignSet read_problem_json(const std::string& text, const std::filesystem::pat
   const auto json = nlohmann::ordered_json::parse(text);
   const JsonField root(json, name);
   ForeignSet set;
+  leave_out_rest(root, set);
+  const std::vector<std::string> joints = joint_names(root, "joints");
   for (const auto& [experiment, list] : root.at("problems").members()) {
     std::size_t number = 0;
-    for (const JsonField& problem : list.items()) add_problem(experiment, ++number, problem, set);
+    for (const JsonField& problem : list.items()) add_problem(experiment, ++number, problem, joints, set);
   }
   return set;
 }

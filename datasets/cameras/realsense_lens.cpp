@@ -30,6 +30,12 @@ std::string bare_model(const std::string& model) {
 
 }  // namespace
 
+bool is_realsense_lens(const std::string& model) {
+  const std::string bare = bare_model(model);
+  return bare != "none" && model.size() > 1 &&
+         std::find(realsense_models.begin(), realsense_models.end(), bare) != realsense_models.end();
+}
+
 void set_realsense_lens(CameraIntrinsics& camera, const std::string& model,
                         std::span<const double> coefficients) {
   const std::string bare = bare_model(model);

@@ -7,6 +7,9 @@
 
 namespace clearway {
 
+/// Whether librealsense calls a lens so, as words that nobody else has: "Brown Conrady", …
+bool is_realsense_lens(const std::string& model);
+
 /// Gives a camera the lens that librealsense names (rs2_distortion), as words or as its number: "Brown
 /// Conrady", "distortion.brown_conrady", RS2_DISTORTION_BROWN_CONRADY or 4. Brown-Conrady is OpenCV's plumb
 /// bob, Kannala-Brandt its fisheye. "Inverse Brown Conrady" is a formula from pixels to rays, "Modified Brown

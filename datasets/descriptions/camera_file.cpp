@@ -130,8 +130,10 @@ std::optional<LensModel> named_lens(const YamlFields& file) {
     const auto says = [&](const char* word) { return name.find(word) != std::string::npos; };
     if (says("fisheye") || says("equi") || says("kannala")) return LensModel::fisheye;
     if (const auto lens = lens_named(name)) return lens;
-    if (says("omni") || says("fov") || says("sphere") || says("mei"))
-      file.fail(key, "the lens " + quote(name) + " is not known, expected " + known_lenses);
+    const bool is_other = says("omni") || says("fov") || says("sphere") || says("mei") || says("eucm") ||
+                          says("unified") || says("scaramuzza") || says("division") || name == "ds" ||
+                          name == "ucm" || name == "atan";
+    if (is_other) file.fail(key, "the lens " + quote(name) + " is not known, expected " + known_lenses);
   }
   return std::nullopt;
 }
@@ -215,6 +217,7 @@ constexpr const char* coefficient_keys[] = {"distortion_coefficients",
                                             "distortionCoefficients",
                                             "distortion",
                                             "dist",
+                                            "kc",
                                             "D"};
 constexpr std::pair<const char*, const char*> size_keys[] = {
     {"image_width", "image_height"},
@@ -340,6 +343,15 @@ CameraIntrinsics read_open3d(const YamlFields& fields, std::optional<ImageSize> 
   return only_camera(fields, {size.width, size.height, k[0], k[4], k[6], k[7], {}}, is_rectified);
 }
 
+/// Refuses numbers of lenses that a plumb bob does not have.
+void refuse_other_lenses(const YamlFields& fields) {
+  for (const char* key : {"k4", "k5", "k6", "xi", "alpha", "beta", "omega", "skew", "r1", "r2", "r3", "t1",
+                          "t2", "s1", "s2", "s3", "s4"})
+    if (fields.has(key) && !fields.is_map(key) && !fields.is_word(key) && !fields.is_list(key) &&
+        fields.number(key, within_reach) != 0.0)
+      fields.fail(key, "expected a plumb_bob, whose coefficients are k1, k2, p1, p2, k3");
+}
+
 /// Numbers alone, by the names that a setup has, too, and OpenCV's of a plumb bob.
 CameraIntrinsics read_plain(const YamlFields& fields, std::optional<ImageSize> given, bool is_rectified) {
   const ImageSize size = read_size(fields, given);
@@ -355,7 +367,8 @@ CameraIntrinsics read_plain(const YamlFields& fields, std::optional<ImageSize> g
   for (std::size_t i = 0; i < coefficients.size(); ++i)
     coefficients[i] = fields.number(names[i], within_reach, 0.0);
   set_lens(camera, LensModel::plumb_bob, coefficients);
-  if (named_lens(fields).value_or(LensModel::plumb_bob) != LensModel::plumb_bob || fields.has("k4"))
+  refuse_other_lenses(fields);
+  if (named_lens(fields).value_or(LensModel::plumb_bob) != LensModel::plumb_bob)
     fields.fail("", "expected a plumb_bob, whose coefficients are k1, k2, p1, p2, k3");
   if (const std::string key = coefficients_key(fields, matrix_keys[0]); !key.empty())
     take_distortion(fields, key, LensModel::plumb_bob, camera);
@@ -487,6 +500,15 @@ CameraIntrinsics camera_of_info(const std::string& text, const std::string& call
   return camera;
 }
 
+/// Of YAML, JSON, or what OpenCV's FileStorage wrote, which as YAML begins with a directive of its own.
+YamlFields fields_of(const std::string& text, const std::string& called) {
+  const bool is_opencv = text.starts_with("%YAML:1.0");
+  return {is_xml(text) ? yaml_of_opencv_xml(text, called)
+          : is_opencv  ? text.substr(std::min(text.find('\n'), text.size()))
+                       : text,
+          called};
+}
+
 }  // namespace
 
 CameraIntrinsics parse_camera_file(const std::string& text, const std::string& name,
@@ -502,12 +524,7 @@ CameraIntrinsics parse_camera_file(const std::string& text, const std::string& n
       throw std::invalid_argument(called + " has a matrix alone: expected no `lens` beside it.");
     return pinhole;
   }
-  // OpenCV's FileStorage begins with a directive that YAML does not have.
-  const bool is_opencv = text.starts_with("%YAML:1.0");
-  const YamlFields file(is_xml(text) ? yaml_of_opencv_xml(text, called)
-                        : is_opencv  ? text.substr(std::min(text.find('\n'), text.size()))
-                                     : text,
-                        called);
+  const YamlFields file = fields_of(text, called);
   BesideFile beside{is_rectified, size, lens, ""};
   const CameraIntrinsics read = read_any(file, camera, beside);
   if (note != nullptr && !beside.note.empty()) *note = called + " " + beside.note;
@@ -530,10 +547,20 @@ std::optional<double> depth_scale_of_file(const std::filesystem::path& file) {
   const std::string text = read_text(file, "camera file"),
                     called = "camera file " + quote_path(file.string());
   if (is_sensor_info(text)) return 1.0 / parse_sensor_info(text, called).steps_per_metre;
-  const YamlFields whole(text, called);
+  if (is_numbers_alone(text)) return std::nullopt;
+  const YamlFields whole = fields_of(text, called);
   const YamlFields fields = whole.is_map("camera") ? whole.map("camera") : whole;
-  const auto steps = fields.optional_number("scale", {1, 1e7});
-  return steps ? std::optional(1.0 / *steps) : std::nullopt;
+  std::optional<double> steps;  // in a metre
+  if (file.filename() == "cam_params.json") steps = fields.optional_number("scale", {1, 1e7});
+  for (const char* key : {"DepthMapFactor", "RGBD.DepthMapFactor"})
+    if (!steps) steps = fields.optional_number(key, {1, 1e7});
+  if (steps) return 1.0 / *steps;
+  const auto scale = fields.optional_number("depth_scale", {1e-7, 1e7});
+  if (!scale) return std::nullopt;
+  if (fields.has("intrinsic_matrix")) return 1.0 / *scale;  // Open3D: steps in a metre
+  if (fields.has("ppx")) return *scale;                     // librealsense: m
+  if (fields.has("fx")) return 1e-3 * *scale;               // BOP: mm
+  return std::nullopt;
 }
 
 }  // namespace clearway

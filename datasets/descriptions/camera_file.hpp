@@ -41,8 +41,12 @@ CameraIntrinsics load_camera_file(const std::filesystem::path& file, const std::
                                   bool is_rectified = false, std::optional<ImageSize> size = {},
                                   std::optional<LensModel> lens = {}, std::string* note = nullptr);
 
-/// m per step of depth pictures, by `scale` of Replica's cam_params.json or `m_depthShift` of an info.txt
-/// (steps in a metre); nothing: it says none. @throws std::invalid_argument when it cannot be read
+/// m per step of depth pictures, by what a camera's file says beside: steps in a metre as `scale` of
+/// Replica's cam_params.json, `m_depthShift` of an info.txt, `depth_scale` of Open3D's intrinsic.json
+/// (`intrinsic_matrix`) and `DepthMapFactor` or `RGBD.DepthMapFactor` of ORB-SLAM's settings; `depth_scale`
+/// beside `ppx` is metres in a step (librealsense), beside `fx` millimetres (BOP's camera.json). Nothing: it
+/// says none.
+/// @throws std::invalid_argument when it cannot be read, or says what cannot be
 std::optional<double> depth_scale_of_file(const std::filesystem::path& file);
 
 }  // namespace clearway

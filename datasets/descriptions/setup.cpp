@@ -142,8 +142,12 @@ DepthOptions read_depth(const YamlFields& fields, const std::filesystem::path& f
   depth.scale = fields.optional_number("scale", {1e-7, 10});
   depth.max_range = fields.number("max_range", not_negative, depth.max_range);
   if (fields.has("rectified")) depth.rectified = fields.boolean("rectified");
-  if (fields.has("camera"))
-    depth.camera = read_camera_of_setup(fields.map("camera"), folder, is_depth_rectified(bag, depth), notes);
+  if (fields.has("camera")) {
+    const YamlFields camera = fields.map("camera");
+    depth.camera = read_camera_of_setup(camera, folder, is_depth_rectified(bag, depth), notes,
+                                        bag.depth.empty() ? CameraAxes::y_down_or_up : CameraAxes::y_down);
+    if (camera.has("file")) depth.scale_file = folder / camera.file("file");
+  }
   if (fields.has("poses")) depth.poses = folder / fields.file("poses");
   depth.tolerance = fields.number("tolerance", {1e-6, 1e3}, depth.tolerance);
   fields.finish();
@@ -221,6 +225,8 @@ void read_cameras(const YamlFields& fields, const std::filesystem::path& folder,
   const bool has_depth = bag.images.empty() || !bag.depth.empty();
   if (has_depth && !source.depth.camera && bag.depth_camera_info.empty() && of_depth != of_images)
     source.depth.camera = read_camera_of_setup(fields, folder, of_depth, source.notes);
+  const bool is_of_depth = fields.has("file") && source.depth.scale_file.empty();
+  if (is_of_depth) source.depth.scale_file = folder / fields.file("file");
 }
 
 RobotSetup read_robot(const YamlFields& fields, const std::filesystem::path& folder) {

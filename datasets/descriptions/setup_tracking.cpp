@@ -56,12 +56,17 @@ LensModel read_lens_name(const YamlFields& fields) {
 
 }  // namespace
 
-CameraIntrinsics read_camera(const YamlFields& fields) {
+CameraIntrinsics read_camera(const YamlFields& fields, CameraAxes axes) {
   CameraIntrinsics camera;
   camera.width = fields.integer("width", {1, 20000});
   camera.height = fields.integer("height", {1, 20000});
   camera.fx = fields.number("fx", positive);
-  camera.fy = fields.number("fy", positive);
+  camera.fy = fields.number("fy", within_reach);
+  if (camera.fy == 0.0) fields.fail("fy", "expected a number that is not 0");
+  if (camera.fy < 0.0 && axes == CameraAxes::y_down)
+    fields.fail("fy",
+                "expected a positive number; a y axis that points up, as ICL-NUIM's, is that of depth alone: "
+                "`source: {depth: {camera: …}}`");
   camera.cx = fields.number("cx", within_reach);
   camera.cy = fields.number("cy", within_reach);
   const LensModel lens = read_lens_name(fields);
@@ -69,13 +74,15 @@ CameraIntrinsics read_camera(const YamlFields& fields) {
   if (fields.has("distortion"))
     coefficients = fields.numbers("distortion", within_reach, coefficient_count(lens));
   set_lens(camera, lens, coefficients);
+  if (camera.fy < 0.0 && has_distortion(camera))
+    fields.fail("fy", "expected a positive number beside a distortion");
   fields.finish();
   return camera;
 }
 
 CameraIntrinsics read_camera_of_setup(const YamlFields& fields, const std::filesystem::path& folder,
-                                      bool is_rectified, std::vector<std::string>& notes) {
-  if (!fields.has("file")) return read_camera(fields);
+                                      bool is_rectified, std::vector<std::string>& notes, CameraAxes axes) {
+  if (!fields.has("file")) return read_camera(fields, axes);
   if (fields.has("rectified")) is_rectified = fields.boolean("rectified");
   std::optional<ImageSize> size;
   if (fields.has("width") || fields.has("height"))

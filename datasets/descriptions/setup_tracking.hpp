@@ -13,14 +13,18 @@ class YamlFields;
 // What a setup says of the camera, the tags and what is tracked by them. Each map must hold nothing else.
 // All: @throws std::invalid_argument
 
+/// Which way the y axis of a camera may point. ICL-NUIM's depth has it up: its fy is -480.
+enum class CameraAxes { y_down, y_down_or_up };
+
 /// {width, height, fx, fy, cx, cy, lens, distortion: [k1, k2, p1, p2, k3]} of a setup or scene.
-CameraIntrinsics read_camera(const YamlFields& fields);
+CameraIntrinsics read_camera(const YamlFields& fields, CameraAxes axes = CameraAxes::y_down);
 
 /// In the setup itself, or in a file that it names, which may say whether pictures are `rectified`.
 /// @param is_rectified what they are otherwise; nothing but a file tells both cameras apart
 /// @param notes what is to be told of it, added once
 CameraIntrinsics read_camera_of_setup(const YamlFields& fields, const std::filesystem::path& folder,
-                                      bool is_rectified, std::vector<std::string>& notes);
+                                      bool is_rectified, std::vector<std::string>& notes,
+                                      CameraAxes axes = CameraAxes::y_down);
 
 /// A list of {from, to, radius} under `key`; empty when absent.
 std::vector<CapsuleSetup> read_capsules(const YamlFields& fields, const std::string& key);

@@ -66,8 +66,7 @@ struct DepthCameras {
 };
 
 /// In the child.
-CloudFrame decode_depth(const std::string& bytes, const CameraIntrinsics& stated, bool may_be_resized,
-                        CastCamera& cast, const DepthOptions& options) {
+cv::Mat decoded_steps(const std::string& bytes) {
   const cv::Mat_<unsigned char> raw(1, static_cast<int>(bytes.size()),
                                     reinterpret_cast<unsigned char*>(const_cast<char*>(bytes.data())));
   cv::Mat depth;
@@ -77,6 +76,13 @@ CloudFrame decode_depth(const std::string& bytes, const CameraIntrinsics& stated
   }
   if (depth.empty()) throw std::runtime_error("it cannot be decoded");
   if (depth.type() != CV_16UC1) throw std::runtime_error("it is not a grey picture of 16 bits");
+  return depth;
+}
+
+/// In the child.
+CloudFrame decode_depth(const std::string& bytes, const CameraIntrinsics& stated, bool may_be_resized,
+                        CastCamera& cast, const DepthOptions& options) {
+  const cv::Mat depth = decoded_steps(bytes);
   const bool has_size = depth.cols == stated.width && depth.rows == stated.height;
   const auto camera = has_size || !may_be_resized ? stated : resized(stated, depth.cols, depth.rows);
   if (!camera || depth.cols != camera->width || depth.rows != camera->height)
@@ -125,6 +131,43 @@ FilesInChild::Decode depth_decoder(const DepthCameras& cameras, const DepthOptio
 }
 
 constexpr double usual_scale = 0.001, scale_of_tum = 0.0002;  ///< m per step
+
+/// Tables as TUM's stand beside pictures in millimetres, too (OpenLORIS, what people record for ORB-SLAM),
+/// which a map would show at a fifth of their size. They differ in what no millimetres say of a room: 10 m.
+/// @throws std::invalid_argument where some pictures, spread over all, hold nothing that would be 2 m of
+/// TUM's
+void require_steps_of_tum(const std::string& name, const DepthLayout& layout) {
+  constexpr float far = 10000.0F;
+  constexpr std::size_t most = 7, stride = 61;
+  const std::vector<fs::path> all = in_order_of_names(layout.depth);
+  std::vector<fs::path> some;
+  for (std::size_t i = 0; i < std::min(most, all.size()); ++i)
+    some.push_back(all[i * all.size() / std::min(most, all.size())]);
+  FilesInChild pictures(some, "depth picture", [](const std::string& bytes, std::size_t) {
+    const cv::Mat depth = decoded_steps(bytes);
+    CloudFrame steps;
+    for (std::size_t i = 0; i < depth.total(); i += stride) {
+      const auto step =
+          depth.at<std::uint16_t>(static_cast<int>(i) / depth.cols, static_cast<int>(i) % depth.cols);
+      if (step != 0 && step != no_depth) steps.points.emplace_back(step, 0.0F, 0.0F);
+    }
+    return steps;
+  });
+  std::size_t count = 0, far_ones = 0;
+  while (const auto picture = pictures.next()) {
+    if (!picture->content) continue;  // told when it is read
+    for (const Eigen::Vector3f& step : std::get<CloudFrame>(*picture->content).points) {
+      ++count;
+      far_ones += step.x() >= far;
+    }
+  }
+  if (count == 0 || far_ones * 1000 >= count) return;
+  throw std::invalid_argument(
+      name + " has a table of depth pictures as TUM's, " + quote_path(layout.tum_table.string()) +
+      ", whose steps are 0.0002 m, but hardly a pixel of " + std::to_string(some.size()) +
+      " pictures reaches 10000 steps, as of others in millimetres: expected `source: {depth: {scale: …}}` in "
+      "the setup, 0.0002 or 0.001");
+}
 
 /// Why the pictures' steps are taken for TUM's, after "… are 0.0002 m, as"; empty: they are not. Who lists
 /// pictures as TUM does (ETH3D, ICL-NUIM, Bonn) has its steps as well.
@@ -306,9 +349,9 @@ std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const Dep
     throw std::invalid_argument(name + " has poses in " + quote(found.poses.filename().string()) +
                                 " and in " + quote(found.other_poses.filename().string()) +
                                 ": expected `poses` of `source: {depth: …}` in the setup to name one");
-  const auto depth_size = png_size(layout.depth.front());
+  const auto depth_size = picture_size(layout.depth.front());
   const auto path = path_of(
-      layout.poses, {depth_size, layout.colour.empty() ? depth_size : png_size(layout.colour.front())});
+      layout.poses, {depth_size, layout.colour.empty() ? depth_size : picture_size(layout.colour.front())});
   const SourceOptions whole = path ? with_path(options, *path) : options;
   const auto& stated = options.depth.camera ? options.depth.camera : options.camera;
   if (!stated && !(path && path->has_cameras()))
@@ -326,6 +369,8 @@ std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const Dep
         " has rectified depth pictures, by 'rectified' of 'source: {depth: …}', and their camera has a "
         "distortion; expected `camera` of 'source: {depth: …}' to be the rectified one without it, or ROS's "
         "camera_info with a projection_matrix as its `file`, or 'rectified: false'");
+  const bool is_table_alone = !whole.depth.scale && !layout.tum_table.empty() && !is_of_tum(layout.poses);
+  if (is_table_alone) require_steps_of_tum(name, layout);
   auto source = std::make_unique<DepthFolder>(layout, path.value_or(CameraPath{}), stated, whole);
   if (!source->has_poses() && !options.places_depth)
     throw std::invalid_argument(

@@ -2,6 +2,7 @@
 
 #include <libexif/exif-data.h>
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <charconv>
@@ -63,6 +64,20 @@ double fraction_of(std::string_view text) {
   return value;
 }
 
+/// After "P5" two numbers, apart by blanks and comments.
+std::optional<ImageSize> pgm_size(const std::string& head) {
+  std::array<int, 2> sides{};
+  std::size_t at = 2;
+  for (int& side : sides) {
+    while (at < head.size() && (std::isspace(static_cast<unsigned char>(head[at])) != 0 || head[at] == '#'))
+      at = head[at] == '#' ? std::min(head.find('\n', at), head.size()) : at + 1;
+    const auto end = std::from_chars(head.data() + at, head.data() + head.size(), side);
+    if (end.ec != std::errc() || side < 1 || side > longest_side) return std::nullopt;
+    at = static_cast<std::size_t>(end.ptr - head.data());
+  }
+  return ImageSize{sides[0], sides[1]};
+}
+
 }  // namespace
 
 bool is_picture_file(const std::filesystem::path& file) {
@@ -70,13 +85,14 @@ bool is_picture_file(const std::filesystem::path& file) {
   return end == ".png" || end == ".jpg" || end == ".jpeg";
 }
 
-std::optional<ImageSize> png_size(const std::filesystem::path& file) {
+std::optional<ImageSize> picture_size(const std::filesystem::path& file) {
   std::string head;
   try {
-    InputFile(file, "picture").read_at(0, 24, head);
+    InputFile(file, "picture").read_at(0, 256, head);
   } catch (const std::invalid_argument&) {
     return std::nullopt;
   }
+  if (head.starts_with("P5")) return pgm_size(head);
   if (head.size() < 24 || !head.starts_with("\x89PNG\r\n\x1a\n")) return std::nullopt;
   const auto number = [&](std::size_t at) {
     std::uint32_t value = 0;

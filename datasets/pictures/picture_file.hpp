@@ -18,8 +18,8 @@ bool is_picture_file(const std::filesystem::path& file);
 /// off, sides beyond 20,000 or 64 million pixels.
 GrayImage decode_picture(const std::string& bytes);
 
-/// What the head of a PNG file says; nothing for another file, or one that cannot be read.
-std::optional<ImageSize> png_size(const std::filesystem::path& file);
+/// What the head of a PNG or binary PGM file says; nothing for another file, or one that cannot be read.
+std::optional<ImageSize> picture_size(const std::filesystem::path& file);
 
 /// False for a JPEG without an end of its pixels, which OpenCV would fill up with grey; true for all else.
 bool is_whole(const std::string& bytes);

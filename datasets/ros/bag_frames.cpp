@@ -8,6 +8,7 @@
 
 #include "datasets/ros/compressed_depth.hpp"
 #include "datasets/ros/cut_bag.hpp"
+#include "datasets/ros/depth_units.hpp"
 #include "datasets/ros/sensor_frames.hpp"
 #include "datasets/ros/sensor_sweep.hpp"
 #include "datasets/ros/stamp_order.hpp"
@@ -52,13 +53,14 @@ constexpr std::size_t most_held_bytes = std::size_t{64} << 20U;  ///< of message
 
 }  // namespace
 
-BagFrames::BagFrames(MessageBag& bag, const SourceOptions& options) : bag_(bag), options_(options) {
+BagFrames::BagFrames(MessageBag& bag, const SourceOptions& options)
+    : bag_(bag), options_(options), depth_step_(options.depth.scale) {
   learn();
   const auto require = [&](const std::string& topic, std::optional<RosCamera>& camera,
                            const std::optional<CameraIntrinsics>& of_setup, bool is_rectified) {
     if (!camera && !topic.empty())
-      throw std::runtime_error("topic " + quote(topic) + " has no camera that can be used" +
-                               account_.reason(topic));
+      throw ContradictoryBag("has in topic " + quote(topic) + " no camera that can be used" +
+                             account_.reason(topic));
     if (camera || !of_setup) return;
     camera = RosCamera{*of_setup};
     camera->intrinsics.is_rectified = is_rectified;
@@ -76,6 +78,12 @@ void BagFrames::learn_camera(const std::string& topic, const RosCameraInfo& info
   };
   if (topic == bag.camera_info && !camera_) camera_ = camera_of(are_images_rectified(bag));
   if (topic == bag.depth_camera_info && !depth_camera_) depth_camera_ = camera_of(is_depth_rectified(bag));
+}
+
+void BagFrames::learn_step(const std::string& topic, double step) {
+  if (depth_step_) return;  // the setup's, or the first
+  depth_step_ = step;
+  depth_units_ = topic;
 }
 
 bool BagFrames::is_sensor(const BagTopic& topic) const {
@@ -119,7 +127,8 @@ void BagFrames::learn() {
     const bool is_camera =
         topic.name == options_.bag.camera_info || topic.name == options_.bag.depth_camera_info;
     sensors_.push_back(topic.wire && is_sensor(topic));
-    read_.push_back(topic.wire && (sensors_.back() || is_camera ||
+    const bool tells_step = !depth_step_ && is_depth_units(topic, options_.bag.depth);
+    read_.push_back(topic.wire && (sensors_.back() || is_camera || tells_step ||
                                    (is_transforms(topic) && are_frames_read) || is_pose(topic)));
   }
   std::map<std::string, Stream> streams;
@@ -143,7 +152,10 @@ void BagFrames::learn() {
     try {
       if (!is_transforms(topic) && !is_pose(topic)) {
         WireReader in(message.bytes, *topic.wire);
-        learn_camera(topic.name, read_camera_info(in));
+        if (is_depth_units(topic, options_.bag.depth))
+          learn_step(topic.name, read_depth_units(in));
+        else
+          learn_camera(topic.name, read_camera_info(in));
         return true;
       }
       for (const RosTransform& transform : transforms_in(message)) {
@@ -296,7 +308,9 @@ Frame BagFrames::frame_of(const BagMessage& message) {
     else
       unpacked.image = read_image(in);
     header = unpacked.image.header;
-    CloudFrame cloud = depth_cloud(unpacked.image, depth_camera_->intrinsics, depth_rays_);
+    CloudFrame cloud =
+        depth_cloud(unpacked.image, depth_camera_->intrinsics, depth_rays_, depth_step_.value_or(1e-3));
+    cloud.max_range = options_.depth.max_range;
     message_from_sensor = optical_from_sensor();
     message_from_sensor.prerotate(depth_camera_->frame_from_camera);
     frame.content = std::move(cloud);
@@ -369,6 +383,9 @@ std::string BagFrames::why_unknown(const std::string& frame) const {
 
 std::vector<std::string> BagFrames::left_out() const {
   std::vector<std::string> clauses = account_.clauses(transforms_.frames(), options_.bag.point_times);
+  if (!depth_units_.empty())
+    clauses.push_back("has depth in steps of " + short_text(depth_step_.value()) + " m, by its topic " +
+                      quote(depth_units_) + "; `source: {depth: {scale: …}}` states others");
   if (options_.bag.fixed_frame.empty() && !transforms_.frames().empty())
     clauses.push_back(
         "has transforms, but its sensors are taken to stand still: the setup names no "

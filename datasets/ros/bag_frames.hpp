@@ -48,6 +48,7 @@ class BagFrames {
   std::vector<RosTransform> transforms_in(const BagMessage& message) const;
   void learn();
   void learn_camera(const std::string& topic, const RosCameraInfo& info);
+  void learn_step(const std::string& topic, double step);
   /// What a sensor saw: one frame, or the parts of a sweep.
   std::vector<Frame> frames_in(const BagMessage& message);
   Frame frame_of(const BagMessage& message);
@@ -76,6 +77,8 @@ class BagFrames {
   TransformTree transforms_;
   std::optional<RosCamera> camera_, depth_camera_;  ///< where images or depth have one
   std::vector<Eigen::Vector2d> depth_rays_;         ///< of the depth camera
+  std::optional<double> depth_step_;                ///< m, where the setup or the bag states it
+  std::string depth_units_;                         ///< the topic that does
   std::map<std::string, bool> are_driven_in_;       ///< of a cloud's frame: is_driven_in
   LeftOut account_;
 };

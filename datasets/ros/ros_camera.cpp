@@ -7,6 +7,7 @@
 #include <span>
 #include <stdexcept>
 
+#include "datasets/cameras/realsense_lens.hpp"
 #include "datasets/sources/lens.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -37,6 +38,13 @@ CameraIntrinsics pinhole(const RosCameraInfo& info, std::span<const double> matr
 }
 
 void set_lens_of(const RosCameraInfo& info, CameraIntrinsics& camera) {
+  if (is_realsense_lens(info.distortion_model)) {  // bags of its SDK
+    try {
+      return set_realsense_lens(camera, info.distortion_model, info.d);
+    } catch (const std::runtime_error& error) {
+      throw std::runtime_error(std::string("of its distortion, ") + error.what());
+    }
+  }
   const auto lens = lens_named(info.distortion_model);
   if (lens == LensModel::fisheye && info.d.size() < 4)
     throw std::runtime_error("its distortion " + quote(info.distortion_model) + " has " +

@@ -79,15 +79,18 @@ Number number_at(std::span<const std::uint8_t> data, std::size_t at, bool is_big
 }
 
 /// Metres at a pixel of a depth image; 0: no return.
-double depth_at(const RosImage& image, std::size_t at, bool is_float) {
+double depth_at(const RosImage& image, std::size_t at, bool is_float, double step) {
   const double depth = is_float ? double{number_at<float>(image.data, at, image.is_bigendian)}
-                                : 1e-3 * number_at<std::uint16_t>(image.data, at, image.is_bigendian);
+                                : step * number_at<std::uint16_t>(image.data, at, image.is_bigendian);
   return std::isfinite(depth) && depth > 0.0 ? depth : 0.0;
 }
 
 void require_points(const RosPointCloud& cloud) {
-  if (cloud.width > 0 && (cloud.row_step / cloud.width < cloud.point_step ||
-                          (cloud.row_step > 0 && cloud.data.size() / cloud.row_step < cloud.height)))
+  const bool is_one_row = cloud.height == 1 && cloud.row_step == 0;  // some leave it unset
+  if (is_one_row
+          ? cloud.data.size() / std::max(cloud.point_step, 1U) < cloud.width
+          : cloud.width > 0 && (cloud.row_step / cloud.width < cloud.point_step ||
+                                (cloud.row_step > 0 && cloud.data.size() / cloud.row_step < cloud.height)))
     throw std::runtime_error("its data is shorter than its size says");
 }
 
@@ -164,7 +167,7 @@ Eigen::Isometry3d optical_from_sensor() {
 }
 
 CloudFrame depth_cloud(const RosImage& image, const CameraIntrinsics& camera,
-                       const std::vector<Eigen::Vector2d>& rays) {
+                       const std::vector<Eigen::Vector2d>& rays, double step) {
   const bool is_float = image.encoding == "32FC1";
   if (!is_float && image.encoding != "16UC1" && image.encoding != "mono16")
     throw std::runtime_error("its encoding " + quote(image.encoding) +
@@ -177,7 +180,7 @@ CloudFrame depth_cloud(const RosImage& image, const CameraIntrinsics& camera,
   cloud.kind = "depth";
   for (std::size_t row = 0; row < image.height; ++row) {
     for (std::size_t column = 0; column < image.width; ++column) {
-      const double depth = depth_at(image, row * image.step + column * size, is_float);
+      const double depth = depth_at(image, row * image.step + column * size, is_float, step);
       const Eigen::Vector2d& ray = rays[row * image.width + column];
       if (depth == 0.0 || !ray.allFinite()) continue;
       cloud.points.emplace_back(static_cast<float>(depth), static_cast<float>(-depth * ray.x()),
@@ -217,8 +220,11 @@ class PlaceReader {
   std::array<const RosPointField*, 3> fields_;
 };
 
-/// s of one step of times that span so much, as a sweep of a sensor does.
-double unit_of(double span, double last, bool is_integer) {
+/// s of one step of times that span so much, as a sweep of a sensor does. Ouster's `t` and Livox's
+/// `offset_time` are ns, of however small a part of a sweep.
+double unit_of(const RosPointField& field, double span, double last) {
+  const bool is_integer = field.datatype < 7;
+  if (is_integer && (field.name == "t" || field.name == "offset_time")) return 1e-9;
   for (const double unit : {1.0, 1e-3, 1e-6, 1e-9})
     if (unit * span >= 0.01 && unit * span <= 0.5) return unit;
   return is_integer || std::abs(last) >= 1e15 ? 1e-9 : 1.0;
@@ -248,7 +254,7 @@ std::optional<PointTimes> point_times(const RosPointCloud& cloud) {
   out.raw_span = are_finite ? *last - *first : HUGE_VAL;
   if (out.raw_span == 0.0) return std::nullopt;
   constexpr double longest = 10.0;  // s
-  const double unit = unit_of(out.raw_span, *last, field->datatype < 7);
+  const double unit = unit_of(*field, out.raw_span, *last);
   const double from = std::abs(unit * *first) > longest ? cloud.header.time : 0.0;
   const double since = unit * *first - from, until = unit * *last - from;
   const bool is_sound = are_finite && until - since <= longest && std::abs(since) <= longest;

@@ -18,11 +18,11 @@ GrayImage gray_image(const RosImage& image);
 /// PNG and JPEG.
 GrayImage gray_image(const RosCompressedImage& image);
 
-/// A depth image: 16UC1 (mono16) in millimetres or 32FC1 in metres, along the optical axis; 0 and NaN are no
+/// A depth image: 16UC1 (mono16) in steps, or 32FC1 in metres, along the optical axis; 0 and NaN are no
 /// returns. The points are in the sensor's own axes (x forward), which the optical frame's pose turns into.
-/// @param rays of that camera (depth_rays)
+/// @param rays of that camera (depth_rays) @param step metres
 CloudFrame depth_cloud(const RosImage& image, const CameraIntrinsics& camera,
-                       const std::vector<Eigen::Vector2d>& rays);
+                       const std::vector<Eigen::Vector2d>& rays, double step = 1e-3);
 /// The pose of the axes x forward, y left, z up in the optical ones: z forward, x right, y down.
 Eigen::Isometry3d optical_from_sensor();
 

@@ -85,6 +85,7 @@ struct DepthOptions {
   double max_range = 0;              ///< m, of the sensor; 0: not known
   std::optional<CameraIntrinsics> camera;  ///< of the depth pictures; empty: the setup's camera
   std::filesystem::path camera_file;       ///< where `camera` is from, if it was found in the folder
+  std::filesystem::path scale_file;        ///< the setup's camera file, which may say `scale` of a folder's
   bool rectified = false;                  ///< pictures of a folder were freed of the lens's distortion
   std::filesystem::path poses;             ///< TUM text, world_from_camera; empty: what lies in the folder
   double tolerance = 0.02;                 ///< s between a picture and a pose

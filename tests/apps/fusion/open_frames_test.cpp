@@ -7,10 +7,12 @@
 #include <functional>
 
 #include "apps/fusion/fusion.hpp"
+#include "datasets/descriptions/load_setup.hpp"
 #include "datasets/descriptions/scene.hpp"
 #include "datasets/simulation/simulate.hpp"
 #include "mapping/files/cloud_file.hpp"
 #include "mapping/files/map_file.hpp"
+#include "mapping/system/number_text.hpp"
 #include "tests/apps/run_command.hpp"
 #include "tests/worlds/picture_bytes.hpp"
 #include "tests/worlds/small_scene.hpp"
@@ -368,6 +370,51 @@ TEST(DepthFolderCameras, OfReplicaSayTheScaleToo) {
     const Eigen::Vector3f expected(2.0F, -2.0F * 10 / 50, 2.0F * 8 / 52);
     EXPECT_LT((std::get<CloudFrame>(frame->content).points.at(10 * 48 + 34) - expected).norm(), 1e-5F);
     EXPECT_NE(source->warnings().at(0).find("m, by '"), std::string::npos) << source->warnings().at(0);
+  }
+}
+
+/// Beside the pictures, or the file that the setup names as their camera; the setup's own word comes first.
+TEST(DepthFolderCameras, FilesThatSayTheScaleAreHeardInTheWordsOfTheirTools) {
+  const std::string open3d =
+      R"({"width": 48, "height": 36, "intrinsic_matrix": [50, 0, 0, 0, 52, 0, 24, 18, 1], "depth_scale": )";
+  const std::string orb =
+      "%YAML:1.0\n---\nCamera.fx: 50.0\nCamera.fy: 52.0\nCamera.cx: 24.0\nCamera.cy: 18.0\nCamera.width: 48\n"
+      "Camera.height: 36\n";
+  for (const auto& [name, text, step] : std::vector<std::tuple<std::string, std::string, double>>{
+           {"intrinsic.json", open3d + "4000.0}", 0.00025},
+           {"intrinsic.json", R"({"width": 48, "height": 36, "fx": 50, "fy": 52, "ppx": 24, "ppy": 18,
+                                  "model": "none", "depth_scale": 0.0001})",
+            0.0001},
+           {"camera.json", R"({"width": 48, "height": 36, "fx": 50, "fy": 52, "cx": 24, "cy": 18,
+                               "depth_scale": 0.1})",
+            0.0001},
+           {"camera.yaml", orb + "DepthMapFactor: 5000.0\n", 0.0002},
+           {"camera.yaml", orb + "RGBD.DepthMapFactor: 1000.0\n", 0.001}}) {
+    const TemporaryFolder folder;
+    std::filesystem::create_directories(folder / "depth");
+    folder.write("depth/0.png", picture_bytes(cv::Mat(36, 48, CV_16UC1, cv::Scalar(8000)), ".png"));
+    folder.write("depth.txt", "0 depth/0.png\n");  // without such a word: TUM's
+    folder.write("poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n");
+    const auto depth_of = [&](const SourceOptions& options, const std::string& told) {
+      const auto source = open_frames(folder.path(), options);
+      const auto frame = source->next();
+      std::string all;
+      for (const std::string& warning : source->warnings()) all += warning + "\n";
+      EXPECT_NE(all.find(told), std::string::npos) << all;
+      return std::get<CloudFrame>(frame.value().content).points.at(10 * 48 + 34).x();
+    };
+    folder.write("k." + name.substr(name.find('.') + 1), text);
+    const std::string setup = "camera: {file: k." + name.substr(name.find('.') + 1) + "}\n";
+    const std::string told = "steps of depth are " + short_text(step) + " m, by '";
+    EXPECT_FLOAT_EQ(depth_of(load_setup(folder.write("s.yaml", setup)).source, told), 8000 * step);
+    const std::string of_depth =
+        "source: {depth: {camera: {file: k." + name.substr(name.find('.') + 1) + "}}}\n";
+    EXPECT_FLOAT_EQ(depth_of(load_setup(folder.write("s.yaml", of_depth)).source, told), 8000 * step);
+    EXPECT_FLOAT_EQ(
+        depth_of(load_setup(folder.write("s.yaml", setup + "source: {depth: {scale: 0.002}}\n")).source, ""),
+        16.0F);
+    folder.write(name, text);
+    EXPECT_FLOAT_EQ(depth_of({}, told), 8000 * step);
   }
 }
 

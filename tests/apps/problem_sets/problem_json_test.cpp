@@ -108,13 +108,36 @@ TEST_F(Import, JointNamesOfAProblemSayWhoseValuesTheseAre) {
   EXPECT_EQ(problem.goals[0], (std::vector<double>{0.5, -0.1, 0.02}));
   for (const auto& [run, why] :
        {std::pair(with({"grip", "elbow"}, {0.01, 0.1, -0.2}),
-                  "expected 2 values, one for each of 'joint_names'"),
+                  "expected 2 values, one for each of the joints that the file names"),
         std::pair(with({"grip", "elbow", "grip"}, {0.01, 0.1, -0.2}), "expected each name once"),
         std::pair(with({"grip", "elbow", "wrist"}, {0.01, 0.1, -0.2}),
                   "its goal names joint 'wrist', which robot 'arm' does not have")}) {
     EXPECT_EQ(run.status, exit_bad_input) << why;
     EXPECT_NE(run.log.find(why), std::string::npos) << run.log;
   }
+}
+
+/// VAMP's problem sets name the joints once for the file; a problem's own names count before these.
+TEST_F(Import, JointsOfAProblemSetSayWhoseValuesTheseAre) {
+  const Json plain = {{"start", {0.01, 0.1, -0.2}}, {"goals", {{0.02, -0.1, 0.5}}}};
+  const Json named = {{"start", {-0.2, 0.1, 0.01}},
+                      {"goals", {{0.5, -0.1, 0.02}}},
+                      {"joint_names", {"shoulder", "elbow", "grip"}}};
+  const Json set = {
+      {"robot", "arm"}, {"joints", {"grip", "elbow", "shoulder"}}, {"problems", {{"a", {plain, named}}}}};
+  const auto run = import("json", {folder_.write("a.json", set.dump())}, {"--json"});
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  EXPECT_EQ(Json::parse(run.out)["left_out"], Json{"'robot'"});
+  for (const SuiteProblem& problem : load_suite(folder_.path() / "out/suite.yaml").experiments[0].problems) {
+    EXPECT_EQ(problem.start, (std::vector<double>{-0.2, 0.1, 0.01}));
+    EXPECT_EQ(problem.goals[0], (std::vector<double>{0.5, -0.1, 0.02}));
+  }
+  std::filesystem::remove_all(folder_.path() / "out");
+  Json elsewhere = set;
+  elsewhere["base_pose"] = {1, 0, 0};
+  const auto refused = import("json", {folder_.write("b.json", elsewhere.dump())});
+  EXPECT_EQ(refused.status, exit_bad_input);
+  EXPECT_NE(refused.log.find("base_pose"), std::string::npos) << refused.log;
 }
 
 }  // namespace import_test

@@ -65,7 +65,7 @@ TEST(ForeignCameras, CoefficientsAreFoundByTheNamesInUseAndOtherNamesRefused) {
   const std::string k =
       "camera_matrix: [[458.6, 0, 367.2], [0, 457.2, 248.3], [0, 0, 1]]\nwidth: 752\nheight: 480\n";
   for (const char* key : {"dist_coeff", "dist_coefs", "distortion_coefficients", "dist", "D", "dist_coeffs",
-                          "distortion_coeffs"})
+                          "distortion_coeffs", "kc"})
     for (const char* list : {"[-0.28, 0.07, 0.0001, -0.0002, 0.01]", "[[-0.28, 0.07, 0.0001, -0.0002, 0.01]]",
                              "[[-0.28], [0.07], [0.0001], [-0.0002], [0.01]]"})
       EXPECT_EQ(parse_camera_file(k + key + ": " + list + "\n", "c.yaml", ""), bent) << key << list;
@@ -135,6 +135,24 @@ TEST(ForeignCameras, EurocsSensorAndReplicasCameraAreRead) {
                                   "scale": 6553.5}})",
                         "cam_params.json", ""),
       (CameraIntrinsics{752, 480, 458.6, 457.2, 367.2, 248.3, {}}));
+}
+
+/// Double sphere, extended unified, a rational lens, a thin prism: none is a pinhole without its numbers.
+TEST(ForeignCameras, NumbersOfLensesThatAPlumbBobDoesNotHaveAreRefused) {
+  const std::string plain =
+      R"("width": 752, "height": 480, "fx": 458.6, "fy": 457.2, "cx": 367.2, "cy": 248.3)";
+  const CameraIntrinsics pinhole{752, 480, 458.6, 457.2, 367.2, 248.3, {}};
+  for (const char* more : {R"("xi": -0.2, "alpha": 0.5)", R"("camera_model": "eucm")", R"("model": "ds")",
+                           R"("k1": 0.1, "k5": 0.1)", R"("k6": 0.1)", R"("r1": 0.1, "t1": 0.2)",
+                           R"("skew": 3)", R"("camera_model": "unified")", R"("s1": 0.01)"})
+    for (const char* form : {"{%}", R"({"camera": {%}})"}) {
+      std::string text = form;
+      text.replace(text.find('%'), 1, plain + ", " + more);
+      EXPECT_NE(refusal_of(text), "") << text;
+    }
+  for (const char* more :
+       {R"("k4": 0, "k5": 0.0)", R"("skew": 0)", R"("model": "D435")", R"("alpha": "none")"})
+    EXPECT_EQ(parse_camera_file("{" + plain + ", " + more + "}", "c.json", ""), pinhole) << more;
 }
 
 TEST(ForeignCameras, AnInfoFileHasTwoCamerasAndNamesWhatIsWrong) {

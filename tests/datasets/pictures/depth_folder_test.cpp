@@ -102,6 +102,78 @@ TEST_F(DepthFolders, StepsAreStatedOrTumsOrMillimetresAndWhoDidNotSayIsTold) {
   EXPECT_FLOAT_EQ(depth_of(0.001, "", ""), 10.0F);
 }
 
+/// OpenLORIS and others write TUM's tables beside pictures in millimetres.
+TEST_F(DepthFolders, WhatTumsTablesSayOfTheStepsIsAskedForWhereAllWouldBeNear) {
+  make("depth");
+  folder_.write("depth.txt", "10.0 depth/10.0.png\n");
+  folder_.write("groundtruth.txt", "9.99 0 0 0 0 0 0 1\n10.01 0 0 0 0 0 0 1\n");
+  SourceOptions silent = options();
+  silent.depth.scale = {};
+  for (const auto& [units, is_asked] : {std::pair{9000, true}, std::pair{11000, false}}) {
+    folder_.write("depth/10.0.png", depth_png(static_cast<std::uint16_t>(units)));
+    const std::string refusal = complaint([&] { open(silent); });
+    EXPECT_EQ(refusal.find("expected `source: {depth: {scale: …}}` in the setup, 0.0002 or 0.001") !=
+                  std::string::npos,
+              is_asked)
+        << refusal;
+    EXPECT_EQ(complaint([&] { open(options(0.001)); }).find("scale"), std::string::npos);
+  }
+  // One of many: a room that is seen to its end now and then. And a damaged one is told as ever.
+  for (int i = 11; i < 40; ++i)
+    folder_.write("depth/" + std::to_string(i) + ".0.png", depth_png(i % 5 == 0 ? 20000 : 4000));
+  folder_.write("depth/10.0.png", "no picture");
+  EXPECT_EQ(complaint([&] { open(silent); }), "");
+}
+
+/// Its camera has fy = -480: the y axis points up, in the poses, too. By hand: the pixel (34, 10) is 8 rows
+/// above the middle, and so at y = +8 / 52 of its depth.
+TEST_F(DepthFolders, ACameraWhoseYAxisPointsUpIsThatOfIclNuim) {
+  make("depth");
+  folder_.write("depth/0.png", depth_png(10000));
+  folder_.write("poses.txt", "0 0 1 5 -1 0 0 6 0 -1 0 7\n");
+  SourceOptions up = options();
+  up.depth.camera = camera;
+  up.depth.camera->fy = -52;
+  const auto frame = open(up)->next();
+  const auto& cloud = std::get<CloudFrame>(frame.value().content);
+  Eigen::Matrix<double, 3, 4> world_from_camera;
+  world_from_camera << 0, 0, 1, 5, -1, 0, 0, 6, 0, -1, 0, 7;
+  const Eigen::Vector3d expected = world_from_camera * Eigen::Vector4d(1.0 * 10 / 50, 1.0 * 8 / 52, 1.0, 1.0);
+  EXPECT_LT((cloud.world_from_sensor * cloud.points[10 * 48 + 34 - 2].cast<double>() - expected).norm(),
+            1e-6);
+}
+
+/// 3RScan's, among JPEG colours. What is not grey of 16 bits is damage, as of PNG.
+TEST_F(DepthFolders, DepthMayBePgm) {
+  const std::string pixels = [] {
+    std::string bytes;
+    for (int i = 0; i < 48 * 36; ++i) bytes += std::string("\x07\xd0", 2);  // 2000, the upper byte first
+    return bytes;
+  }();
+  folder_.write("frame-000000.depth.pgm", "P5\n# a comment\n48 36\n65535\n" + pixels);
+  folder_.write("frame-000001.depth.pgm", "P5 48 36 255\n" + pixels);
+  folder_.write("frame-000000.color.jpg",
+                picture_bytes(cv::Mat(36, 48, CV_8UC3, cv::Scalar(9, 9, 9)), ".jpg"));
+  for (const char* number : {"0", "1"})
+    folder_.write(std::string("frame-00000") + number + ".pose.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+  EXPECT_EQ(picture_size(folder_ / "frame-000000.depth.pgm"), (ImageSize{48, 36}));
+  const auto source = open(options(0.001));
+  int colours = 0, clouds = 0;
+  while (const auto frame = source->next()) {
+    const auto* cloud = std::get_if<CloudFrame>(&frame->content);
+    if (cloud == nullptr) {
+      ++colours;
+      continue;
+    }
+    ++clouds;
+    ASSERT_EQ(cloud->points.size(), 48U * 36U);
+    EXPECT_FLOAT_EQ(cloud->points.front().x(), 2.0F);
+  }
+  EXPECT_EQ(colours, 1);
+  EXPECT_EQ(clouds, 1);
+  EXPECT_NE(source->damage().value_or("").find("not a grey picture of 16 bits"), std::string::npos);
+}
+
 TEST_F(DepthFolders, AMatrixForEachPictureAndColoursBesideThem) {
   for (const char* number : {"000000", "000001"}) {
     const std::string name = std::string("frame-") + number;

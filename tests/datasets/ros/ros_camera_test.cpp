@@ -52,6 +52,20 @@ TEST(RosCamera, CameraInfoNamesItsLens) {
   EXPECT_EQ(lens_of(info_of("rational_polynomial", {0.1, 0.2, 0.3, 0.4, 0.5, 0, 0, 0})), expected);
 }
 
+/// In the words of librealsense (rs2_distortion_to_string), as its own bags have them.
+TEST(RosCamera, TheLensesOfRealsensesBagsAreKnown) {
+  CameraIntrinsics expected{64, 48, 20, 21, 31.5, 23.5, {0.1, 0.2, 0.3, 0.4, 0.5}};
+  EXPECT_EQ(lens_of(info_of("Brown Conrady", {0.1, 0.2, 0.3, 0.4, 0.5})), expected);
+  expected.distortion = {};
+  for (const char* name : {"Inverse Brown Conrady", "Modified Brown Conrady", "None"})
+    EXPECT_EQ(lens_of(info_of(name, {0, 0, 0, 0, 0})), expected) << name;
+  expected.lens = LensModel::fisheye;
+  expected.distortion = {0.1, 0.2, 0.3, 0.4};
+  EXPECT_EQ(lens_of(info_of("Kannala Brandt4", {0.1, 0.2, 0.3, 0.4, 0})), expected);
+  const std::string inverse = refusal_of(info_of("Inverse Brown Conrady", {0.1, 0, 0, 0, 0}));
+  EXPECT_NE(inverse.find("'Inverse Brown Conrady' is none of OpenCV's"), std::string::npos) << inverse;
+}
+
 TEST(RosCamera, OtherLensesAreRefusedWithThoseThatAreKnown) {
   const std::string other = refusal_of(info_of("omni", {0.1}));
   EXPECT_NE(other.find("'omni' is not known here, expected plumb_bob"), std::string::npos) << other;

@@ -44,6 +44,37 @@ TEST(SensorFrames, DepthImagesOfAFisheyeLieOnTheRaysThatOpenCvFinds) {
   }
 }
 
+/// Two points as of ouster_ros and others. @param kind of the time's field: 6 is uint32, 7 float32
+PointTimes times_of(const std::string& field, std::uint8_t kind, double from, double to) {
+  static std::vector<std::uint8_t> data;
+  data.assign(32, 0);
+  for (const auto& [at, time] : {std::pair{0U, from}, std::pair{16U, to}}) {
+    const float x = 1.0F, as_float = static_cast<float>(time);
+    const auto whole = static_cast<std::uint32_t>(time);
+    std::memcpy(&data[at], &x, 4);
+    std::memcpy(&data[at + 12], kind == 7 ? static_cast<const void*>(&as_float) : &whole, 4);
+  }
+  RosPointCloud cloud;
+  cloud.header.time = 100.0;
+  cloud.fields = {{"x", 0, 1, 7}, {"y", 4, 1, 7}, {"z", 8, 1, 7}, {field, 12, 1, kind}};
+  cloud.width = 2;
+  cloud.height = 1;
+  cloud.point_step = 16;
+  cloud.row_step = 0;  // left unset, as some do of one row
+  cloud.data = data;
+  EXPECT_EQ(points_cloud(cloud).points.size(), 2U);
+  return point_times(cloud).value();
+}
+
+/// A packet of a sweep spans less than a sweep does: 0.37 ms would be 0.37 s of microseconds.
+TEST(SensorFrames, TimesOfPointsOfDriversThatCountNanosecondsAreThese) {
+  for (const char* field : {"t", "offset_time"})
+    for (const double span : {1e8, 370'000.0, 20'000.0})
+      EXPECT_NEAR(times_of(field, 6, 1000, 1000 + span).times.at(1), (1000 + span) * 1e-9, 1e-12) << span;
+  EXPECT_NEAR(times_of("time", 7, 0, 0.1).times.at(1), 0.1, 1e-8);
+  EXPECT_NEAR(times_of("timestamp", 6, 0, 100'000).times.at(1), 0.1, 1e-9);  // us
+}
+
 TEST(SensorFrames, OfALasersBeamsInfinityMetNothingAndNanSaysNothing) {
   const std::vector<float> ranges{1.0F, INFINITY, NAN, -INFINITY, 0.0F, -1.0F, 0.05F, INFINITY};
   RosLaserScan scan;

@@ -88,6 +88,12 @@ class CameraBag {
     std::memcpy(data.data(), pixels.data(), data.size());
     add("Image", topic, time, out.list(data));
   }
+  /// A std_msgs/Float32.
+  void number(const std::string& topic, double time, float value) {
+    MessageBytes out(is_ros1_);
+    out.add(value);
+    records_.push_back({topic, is_ros1_ ? "std_msgs/Float32" : "std_msgs/msg/Float32", time, out.bytes()});
+  }
   /// Where a frame stands in "map". @param turn x, y, z, w
   void place(const std::string& frame, double time, const std::array<double, 3>& translation,
              const std::array<double, 4>& turn) {
