@@ -8,7 +8,7 @@
 #include "apps/check/trajectory_entries.hpp"
 #include "apps/console/parse.hpp"
 #include "apps/problem_sets/scene_fields.hpp"
-#include "datasets/descriptions/yaml_fields.hpp"
+#include "datasets/yaml/yaml_fields.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 

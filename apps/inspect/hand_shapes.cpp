@@ -5,7 +5,7 @@
 
 #include "apps/console/parse.hpp"
 #include "apps/suites/suite_cells.hpp"
-#include "datasets/descriptions/yaml_fields.hpp"
+#include "datasets/yaml/yaml_fields.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/geometry/shape.hpp"
 

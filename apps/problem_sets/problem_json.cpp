@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "apps/problem_sets/planning_scene.hpp"
-#include "datasets/descriptions/yaml_fields.hpp"
+#include "datasets/yaml/yaml_fields.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/files/json_field.hpp"
 #include "planning/files/json_text.hpp"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "apps/problem_sets/planning_scene.hpp"
-#include "datasets/descriptions/yaml_fields.hpp"
+#include "datasets/yaml/yaml_fields.hpp"
 
 namespace clearway {
 

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "apps/problem_sets/problem_set.hpp"
-#include "datasets/descriptions/yaml_fields.hpp"
+#include "datasets/yaml/yaml_fields.hpp"
 
 namespace clearway {
 

@@ -8,7 +8,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "datasets/descriptions/yaml_fields.hpp"
+#include "datasets/yaml/yaml_fields.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/nearest_name.hpp"
 #include "mapping/system/number_text.hpp"

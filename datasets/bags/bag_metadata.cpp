@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "datasets/bags/bag_source.hpp"
-#include "datasets/descriptions/yaml_gate.hpp"
+#include "datasets/yaml/yaml_gate.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 

@@ -11,9 +11,9 @@
 #include "datasets/cameras/realsense_lens.hpp"
 #include "datasets/cameras/sensor_info.hpp"
 #include "datasets/descriptions/setup.hpp"
-#include "datasets/descriptions/yaml_fields.hpp"
 #include "datasets/ros/ros_camera.hpp"
 #include "datasets/sources/lens.hpp"
+#include "datasets/yaml/yaml_fields.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {

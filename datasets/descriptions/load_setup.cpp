@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "datasets/descriptions/setup.hpp"
-#include "datasets/descriptions/yaml_fields.hpp"
+#include "datasets/yaml/yaml_fields.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 

@@ -1,6 +1,6 @@
 #include "datasets/descriptions/query_fields.hpp"
 
-#include "datasets/descriptions/yaml_fields.hpp"
+#include "datasets/yaml/yaml_fields.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {

@@ -9,7 +9,7 @@
 #include "datasets/descriptions/probe_motion.hpp"
 #include "datasets/descriptions/scene_sensing.hpp"
 #include "datasets/descriptions/setup_tracking.hpp"
-#include "datasets/descriptions/yaml_fields.hpp"
+#include "datasets/yaml/yaml_fields.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "datasets/descriptions/scene.hpp"
-#include "datasets/descriptions/yaml_fields.hpp"
+#include "datasets/yaml/yaml_fields.hpp"
 
 namespace clearway {
 

@@ -8,7 +8,7 @@
 
 #include "datasets/descriptions/query_fields.hpp"
 #include "datasets/descriptions/setup_tracking.hpp"
-#include "datasets/descriptions/yaml_fields.hpp"
+#include "datasets/yaml/yaml_fields.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 

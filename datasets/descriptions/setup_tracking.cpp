@@ -4,8 +4,8 @@
 #include <set>
 
 #include "datasets/descriptions/camera_file.hpp"
-#include "datasets/descriptions/yaml_fields.hpp"
 #include "datasets/sources/lens.hpp"
+#include "datasets/yaml/yaml_fields.hpp"
 
 namespace clearway {
 namespace {

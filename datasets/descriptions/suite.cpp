@@ -7,7 +7,7 @@
 #include "datasets/descriptions/query_fields.hpp"
 #include "datasets/descriptions/suite_limits.hpp"
 #include "datasets/descriptions/suite_strokes.hpp"
-#include "datasets/descriptions/yaml_fields.hpp"
+#include "datasets/yaml/yaml_fields.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "datasets/descriptions/yaml_fields.hpp"
+#include "datasets/yaml/yaml_fields.hpp"
 
 namespace clearway {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "datasets/descriptions/random_numbers.hpp"
-#include "datasets/descriptions/yaml_fields.hpp"
+#include "datasets/yaml/yaml_fields.hpp"
 
 namespace clearway {
 namespace {

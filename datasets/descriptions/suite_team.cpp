@@ -4,7 +4,7 @@
 #include <set>
 
 #include "datasets/descriptions/query_fields.hpp"
-#include "datasets/descriptions/yaml_fields.hpp"
+#include "datasets/yaml/yaml_fields.hpp"
 
 namespace clearway {
 namespace {

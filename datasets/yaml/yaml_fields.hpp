@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/descriptions/yaml_gate.hpp"
+#include "datasets/yaml/yaml_gate.hpp"
 
 namespace YAML {
 class Node;

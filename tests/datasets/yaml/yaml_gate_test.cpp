@@ -1,4 +1,4 @@
-#include "datasets/descriptions/yaml_gate.hpp"
+#include "datasets/yaml/yaml_gate.hpp"
 
 #include <gtest/gtest.h>
 

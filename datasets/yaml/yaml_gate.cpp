@@ -1,4 +1,4 @@
-#include "datasets/descriptions/yaml_gate.hpp"
+#include "datasets/yaml/yaml_gate.hpp"
 
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>

@@ -2,7 +2,7 @@
 
 #include <numbers>
 
-#include "datasets/descriptions/yaml_fields.hpp"
+#include "datasets/yaml/yaml_fields.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {

@@ -1,4 +1,4 @@
-#include "datasets/descriptions/yaml_fields.hpp"
+#include "datasets/yaml/yaml_fields.hpp"
 
 #include <yaml-cpp/yaml.h>
 
