@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "datasets/cameras/colmap_camera.hpp"
 #include "datasets/cameras/matrix_text.hpp"
 #include "datasets/cameras/opencv_xml.hpp"
 #include "datasets/cameras/realsense_lens.hpp"
@@ -375,6 +376,35 @@ CameraIntrinsics read_plain(const YamlFields& fields, std::optional<ImageSize> g
   return only_camera(fields, camera, is_rectified);
 }
 
+/// camodocal's, which VINS takes: a pinhole with a plumb bob, or Kannala and Brandt's, whose coefficients
+/// count from k2 (camodocal, EquidistantCamera.cc).
+CameraIntrinsics read_camodocal(const YamlFields& file, std::optional<ImageSize> given, bool is_rectified) {
+  const std::string type = file.text("model_type", "PINHOLE");
+  const bool is_fisheye = type == "KANNALA_BRANDT";
+  if (!is_fisheye && type != "PINHOLE")
+    file.fail("model_type", "expected PINHOLE or KANNALA_BRANDT, got " + quote(type));
+  const ImageSize size = read_size(file, given);
+  const YamlFields of = file.map("projection_parameters");
+  const auto number = [&](const char* plain, const char* wide, Bounds bounds) {
+    return of.number(is_fisheye ? wide : plain, bounds);
+  };
+  CameraIntrinsics camera{size.width,
+                          size.height,
+                          number("fx", "mu", positive),
+                          number("fy", "mv", positive),
+                          number("cx", "u0", within_reach),
+                          number("cy", "v0", within_reach),
+                          {}};
+  std::array<double, 4> coefficients{};
+  const char* const plain[] = {"k1", "k2", "p1", "p2"};
+  const char* const wide[] = {"k2", "k3", "k4", "k5"};
+  const YamlFields lens = is_fisheye ? of : file.map("distortion_parameters");
+  for (std::size_t i = 0; i < coefficients.size(); ++i)
+    coefficients[i] = lens.number(is_fisheye ? wide[i] : plain[i], within_reach);
+  set_lens(camera, is_fisheye ? LensModel::fisheye : LensModel::plumb_bob, coefficients);
+  return only_camera(file, camera, is_rectified);
+}
+
 /// How the names of an ORB-SLAM's camera begin; empty: it is none of its settings.
 std::string orb_slam_prefix(const YamlFields& fields) {
   for (const char* prefix : {"Camera1.", "Camera."})
@@ -459,6 +489,7 @@ CameraIntrinsics read_any(const YamlFields& file, const std::string& camera, Bes
   const bool is_rectified = beside.is_rectified;
   if (is_echo(file)) return read_echo(file, is_rectified);
   if (file.is_list("intrinsics") && file.is_list("resolution")) return read_chain_camera(file, is_rectified);
+  if (file.is_map("projection_parameters")) return read_camodocal(file, beside.size, is_rectified);
   if (file.has("image_width") || has_any_matrix(file)) return read_camera_info(file, camera, beside);
   if (const std::string prefix = orb_slam_prefix(file); !prefix.empty())
     return read_orb_slam(file, prefix, beside.size, is_rectified);
@@ -474,7 +505,7 @@ CameraIntrinsics read_any(const YamlFields& file, const std::string& camera, Bes
             "expected kalibr's camchain (`cam0`), ROS's camera_info or OpenCV's calibration (`image_width`, "
             "`camera_matrix`), a CameraInfo as `ros2 topic echo` prints it (`width`, `k`), librealsense's "
             "intrinsics (`fx`, `ppx`), Open3D's (`intrinsic_matrix`), EuRoC's sensor.yaml, ORB-SLAM's "
-            "settings (`Camera.fx`, `Camera1.fx`), Replica's "
+            "settings (`Camera.fx`, `Camera1.fx`), camodocal's (`projection_parameters`), Replica's "
             "cam_params.json (`fx`, `cx`), or a matrix alone");
 }
 
@@ -517,6 +548,15 @@ CameraIntrinsics parse_camera_file(const std::string& text, const std::string& n
                                    std::string* note) {
   const std::string called = "camera file " + quote_path(name);
   if (is_sensor_info(text)) return camera_of_info(text, called, camera, is_rectified, size);
+  if (is_colmap_cameras(text)) {
+    CameraIntrinsics read = camera_of_colmap(text, called, camera);
+    if (is_rectified && has_distortion(read))
+      throw std::invalid_argument(
+          called + " has a camera with a distortion: expected that of the rectified pictures.");
+    read.is_rectified = is_rectified;
+    if (size) require_size(read, *size, called);
+    return read;
+  }
   if (is_numbers_alone(text)) {
     CameraIntrinsics pinhole = camera_of_matrix_text(text, called, size);
     pinhole.is_rectified = is_rectified;
@@ -547,7 +587,7 @@ std::optional<double> depth_scale_of_file(const std::filesystem::path& file) {
   const std::string text = read_text(file, "camera file"),
                     called = "camera file " + quote_path(file.string());
   if (is_sensor_info(text)) return 1.0 / parse_sensor_info(text, called).steps_per_metre;
-  if (is_numbers_alone(text)) return std::nullopt;
+  if (is_numbers_alone(text) || is_colmap_cameras(text)) return std::nullopt;
   const YamlFields whole = fields_of(text, called);
   const YamlFields fields = whole.is_map("camera") ? whole.map("camera") : whole;
   std::optional<double> steps;  // in a metre

@@ -16,7 +16,8 @@ namespace clearway {
 /// - OpenCV's FileStorage as YAML, XML or JSON, by the names that people give the matrix (camera_matrix,
 ///   cameraMatrix, Camera_Matrix, K, or of two M1, …) and what belongs to it; five coefficients: plumb bob,
 ///   more: rational, `fisheye_model`: fisheye;
-/// - EuRoC's sensor.yaml;
+/// - EuRoC's sensor.yaml; camodocal's (VINS): PINHOLE and KANNALA_BRANDT;
+/// - COLMAP's cameras.txt (camera_of_colmap);
 /// - librealsense's intrinsics as JSON (set_realsense_lens), Open3D's and Replica's, also inside other maps;
 /// - a matrix alone (camera_of_matrix_text).
 ///
