@@ -111,7 +111,13 @@ void require_files(const PlanOptions& options) {
 
 void report_degrees(const PlanOptions& options, const Robot& robot, const Configuration& start,
                     const std::vector<Configuration>& goals, Console& console) {
-  if (options.degrees) return;
+  if (options.degrees) {
+    const bool has_turn =
+        std::any_of(options.goal_poses.poses.begin(), options.goal_poses.poses.end(),
+                    [](const std::string& pose) { return parse_numbers(pose, "").size() > 3; });
+    if (has_turn) console.warn("--degrees is of joint values; the angles of --goal-pose are radians");
+    return;
+  }
   std::string hint = degrees_hint(robot, start, "--start");
   for (std::size_t i = 0; i < goals.size() && hint.empty(); ++i)
     hint = degrees_hint(robot, goals[i], "--goal");

@@ -16,7 +16,8 @@ Eigen::VectorXd parse_configuration(const std::string& text, const std::string& 
                                     const std::vector<std::string>& joints,
                                     const std::vector<bool>& is_prismatic, bool degrees);
 
-/// x,y,z[,roll,pitch,yaw] as a pose, Rz(yaw) Ry(pitch) Rx(roll).
+/// x,y,z[,roll,pitch,yaw] as a pose, Rz(yaw) Ry(pitch) Rx(roll), m and rad; angles beyond a whole turn are
+/// refused, as they are meant in degrees.
 Eigen::Isometry3d pose_from_numbers(const std::vector<double>& numbers, const std::string& what);
 
 /// The six numbers of a pose, for messages and files.

@@ -16,6 +16,7 @@
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/nearest_name.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/files/load_json.hpp"
 #include "planning/robot_files/srdf_file.hpp"
@@ -202,6 +203,26 @@ class SuiteWriter {
     if (goal.pose) require(goal.pose->link, links, "link");
   }
 
+  /// Takes out of a goal the joints that mimic others (a gripper's second finger): they agree with these, or
+  /// say where these are. @throws std::invalid_argument when they do not agree
+  void resolve_followers(const ForeignProblem& problem, ForeignGoal& goal) const {
+    auto& values = goal.joints.by_joint;
+    for (const Link& link : whole_.links) {
+      if (link.joint < 0 || link.multiplier == 0.0) continue;
+      const std::string& master = whole_.joints[static_cast<std::size_t>(link.joint)].name;
+      const auto found = values.find(link.joint_name);
+      if (link.joint_name == master || found == values.end()) continue;
+      const double value = found->second;
+      values.erase(found);
+      const double at = values.try_emplace(master, (value - link.offset) / link.multiplier).first->second;
+      const double follows = link.multiplier * at + link.offset;
+      if (std::abs(follows - value) <= 1e-3) continue;
+      throw std::invalid_argument("problem " + quote(problem.name) + ": its goal has joint " +
+                                  quote(link.joint_name) + " at " + short_text(value) + ", which follows " +
+                                  quote(master) + " and stands at " + short_text(follows));
+    }
+  }
+
   /// Leaves out the goals for which `work` throws, as any of the others counts; throws when none is left.
   template <typename Work>
   void keep_goals(ForeignProblem& problem, const Work& work) {
@@ -260,7 +281,10 @@ class SuiteWriter {
       leave(problem, "it has no goal of joint values or of a pose");
       return std::nullopt;
     }
-    keep_goals(problem, [&](const ForeignGoal& goal) { require_known(problem, goal); });
+    keep_goals(problem, [&](ForeignGoal& goal) {
+      resolve_followers(problem, goal);
+      require_known(problem, goal);
+    });
     ReadyProblem ready{index, motion_of(problem), {}};
     const Robot& robot = robot_of(ready.motion);
     ready.question = {problem.name, configuration(values(robot, problem, problem.start, "start")), {}, {}};

@@ -63,6 +63,7 @@ void keep_mimic_limits(const std::filesystem::path& file, const MimicJoint& mimi
   double lower = (mimic.joint.lower - link.offset) / link.multiplier;
   double upper = (mimic.joint.upper - link.offset) / link.multiplier;
   if (link.multiplier < 0.0) std::swap(lower, upper);
+  lower += 0.0, upper += 0.0;  // no "-0"
   if (lower > master.lower) master.lower = lower, master.lower_follower = mimic.joint.name;
   if (upper < master.upper) master.upper = upper, master.upper_follower = mimic.joint.name;
   for (double Joint::*limit : {&Joint::max_velocity, &Joint::max_acceleration, &Joint::max_jerk}) {

@@ -302,6 +302,13 @@ std::vector<std::string> unit_notes(const Robot& robot) {
       notes.push_back("joint " + quote(joint.name) + " turns by " + short_text(turned, 3) +
                       " rad: are its limits in degrees? URDF has radians");
   }
+  for (const Joint& joint : robot.joints) {
+    const std::string& follower = joint.lower_follower.empty() ? joint.upper_follower : joint.lower_follower;
+    if (!follower.empty())
+      notes.push_back("joint " + quote(joint.name) + " keeps from " + short_text(joint.lower, 4) + " to " +
+                      short_text(joint.upper, 4) + ": joint " + quote(follower) +
+                      ", which mimics it, has such limits");
+  }
   const auto larger = [](const Body& a, const Body& b) {
     return a.shape.bounding_radius() < b.shape.bounding_radius();
   };

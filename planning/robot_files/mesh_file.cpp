@@ -24,6 +24,12 @@ constexpr std::size_t megabyte = std::size_t{1} << 20U;
 constexpr std::size_t most_bytes = 100 * megabyte;
 constexpr std::size_t most_corners = 20'000;
 
+/// The kind of a mesh by its name: that of .stl is also called .stlb or .stla by some.
+std::string kind_of(const fs::path& file) {
+  const std::string kind = extension_of(file);
+  return kind == ".stlb" || kind == ".stla" ? ".stl" : kind;
+}
+
 /// Why a file is not even opened, or "".
 std::string refusal(const fs::path& file) {
   const std::array<std::string_view, 4> kinds{".dae", ".obj", ".ply", ".stl"};
@@ -36,7 +42,7 @@ std::string refusal(const fs::path& file) {
     return "is glTF, whose y axis some programs turn to z and others do not, expected the mesh as .dae, "
            ".obj, "
            ".ply or .stl, in the link's axes";
-  if (std::find(kinds.begin(), kinds.end(), extension_of(file)) == kinds.end())
+  if (std::find(kinds.begin(), kinds.end(), kind_of(file)) == kinds.end())
     return "is not a mesh of a known kind, expected .dae, .obj, .ply or .stl";
   if (fs::file_size(file, error) > most_bytes) return "is larger than 100 MB";
   return "";
@@ -55,7 +61,7 @@ ChildLimits limits_of(const std::vector<ScaledMesh>& meshes) {
 std::string read_hull(const ScaledMesh& mesh) {
   try {
     const std::vector<Eigen::Vector3d> corners =
-        hull_of_mesh(mesh.file, extension_of(mesh.file).substr(1), mesh.scale);
+        hull_of_mesh(mesh.file, kind_of(mesh.file).substr(1), mesh.scale);
     if (corners.size() > most_corners) return "Fits convex hull has more than 20,000 corners";
     std::string bytes(1 + corners.size() * sizeof(corners[0]), 'R');
     std::memcpy(bytes.data() + 1, corners.front().data(), bytes.size() - 1);
@@ -189,7 +195,7 @@ MeshTriangles read_mesh_triangles(const ScaledMesh& mesh) {
   const ChildOutcome read = run_in_child(
       [&]() -> std::string {
         try {
-          const auto corners = triangles_of_mesh(place, extension_of(place).substr(1), mesh.scale);
+          const auto corners = triangles_of_mesh(place, kind_of(place).substr(1), mesh.scale);
           if (corners.size() > 3 * most_triangles) return "Fit has more than 2,000,000 triangles";
           std::string bytes(1 + corners.size() * sizeof(corners[0]), 'R');
           if (!corners.empty()) std::memcpy(bytes.data() + 1, corners.front().data(), bytes.size() - 1);

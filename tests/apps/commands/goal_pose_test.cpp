@@ -82,12 +82,24 @@ TEST_F(GoalPoses, FlagsThatDoNotGoTogetherAreRefusedInOneSentence) {
         Arguments{"--goal", start, "--turn-tolerance", "0.1"}, Arguments{"--goal", start, "--tip", "link5"},
         Arguments{"--goal", start, "--goal-pose=0.4,0,0.4"},
         Arguments{"--goal-pose=0.4,0,0.4", "--free-axis", "w"},
+        Arguments{"--goal-pose=0.4,0,0.4", "--base=0,0,0,0,0,-90"},
         Arguments{"--goal-pose=0.4,0,0.4", "--turn-tolerance", "4"},
         Arguments{"--goal-pose=9,0,0.4", "--position-tolerance", "0.1"}}) {
     const CommandRun run = plan(more);
     EXPECT_EQ(run.status, exit_bad_input) << more[1];
     EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
   }
+}
+
+TEST_F(GoalPoses, AnglesInDegreesAreRefusedAndWhoMayHaveMeantThemIsTold) {
+  const CommandRun wide = plan({"--goal-pose=0.4,0.35,0.3,180,0,0"});
+  EXPECT_EQ(wide.status, exit_bad_input);
+  EXPECT_NE(wide.log.find("--goal-pose: expected angles in radians, each within a whole turn, got 180 (as "
+                          "degrees: 3.14"),
+            std::string::npos)
+      << wide.log;
+  const CommandRun small = plan({"--goal-pose=0.4,0.35,0.3,3.141592653589793,0,0", "--degrees"});
+  EXPECT_NE(small.log.find("--degrees is of joint values"), std::string::npos) << small.log;
 }
 
 TEST_F(GoalPoses, OfASetupsQueryAreTheSameForItsPlannersAndCheckedUnderItsRecord) {

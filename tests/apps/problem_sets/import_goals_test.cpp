@@ -62,6 +62,32 @@ TEST_F(Import, AGoalOfAPoseBecomesTheFreeConfigurationNearestToTheStart) {
   EXPECT_EQ(compared(folder_)["valid"], 1);
 }
 
+/// Both fingers of a gripper stand in MoveIt's requests, though one follows the other.
+TEST_F(Import, JointsThatMimicOthersAreTakenByTheseWhereTheyAgree) {
+  std::string urdf = worlds::arm_with_finger();
+  urdf.insert(urdf.rfind("</robot>"),
+              worlds::urdf_link("second", "0.1 0 0", "<sphere radius='0.01'/>") +
+                  worlds::urdf_joint("follow", "prismatic", "lower", "second", "0.4 0.2 0", "1 0 0",
+                                     worlds::urdf_limit(0, 0.1) + "<mimic joint='grip'/>"));
+  robot_ = folder_.write("arm.urdf", urdf);
+  const std::string scene = folder_.write("scene.yaml", "world: {collision_objects: []}");
+  const auto goal_of = [&](const std::string& fingers) {
+    std::filesystem::remove_all(folder_.path() / "out");
+    return import("mbm", {scene, folder_.write("request.yaml", arm_request + fingers)}, {"--json"});
+  };
+  const std::string second = "      - {joint_name: follow, position: ";
+  for (const std::string& fingers :
+       {second + "0.03}\n", "      - {joint_name: grip, position: 0.03}\n" + second + "0.0302}\n"}) {
+    const CommandRun run = goal_of(fingers);
+    ASSERT_EQ(run.status, exit_done) << run.log;
+    const SuiteProblem problem = load_suite(folder_ / "out/suite.yaml").experiments[0].problems[0];
+    EXPECT_EQ(problem.goals[0].back(), 0.03) << run.out;
+  }
+  const CommandRun apart = goal_of("      - {joint_name: grip, position: 0.01}\n" + second + "0.03}\n");
+  EXPECT_EQ(apart.status, exit_bad_input);
+  EXPECT_NE(apart.log.find("which follows 'grip' and stands at 0.01"), std::string::npos) << apart.log;
+}
+
 TEST_F(Import, APoseOutOfReachOrOfALinkThatIsNoneLeavesTheProblemOut) {
   robot_ = "panda";
   const std::string scene = folder_.write("scene.yaml", "world: {collision_objects: []}");

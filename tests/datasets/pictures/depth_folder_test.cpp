@@ -5,6 +5,7 @@
 
 #include <opencv2/calib3d.hpp>
 
+#include "datasets/pictures/picture_file.hpp"
 #include "tests/datasets/complaint.hpp"
 #include "tests/worlds/picture_bytes.hpp"
 #include "tests/worlds/temporary_folder.hpp"

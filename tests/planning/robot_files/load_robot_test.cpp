@@ -288,6 +288,24 @@ TEST_F(RobotFile, MeshesBecomeTheirHullsAndPackagesAreSearchedUpwards) {
   EXPECT_LT((robot.bodies[0].shape.edges() - Eigen::Vector3d(0.2, 0.4, 0.6)).norm(), 1e-6);
 }
 
+/// As of a gripper whose two fingers have the same limits though one is to run against the other.
+TEST_F(RobotFile, LimitsThatAFollowerSetsAreTold) {
+  const auto notes = [&](const std::string& limits) {
+    std::ofstream(folder_ / "r.urdf")
+        << "<robot name='r'><link name='base'/><link name='left'/><link name='right'/>"
+        << "<joint name='l' type='prismatic'><parent link='base'/><child link='left'/><axis xyz='0 1 0'/>"
+        << "<limit lower='0' upper='0.025' effort='1' velocity='1'/></joint>"
+        << "<joint name='r' type='prismatic'><parent link='base'/><child link='right'/><axis xyz='0 1 0'/>"
+        << "<mimic joint='l' multiplier='-1'/><limit " << limits
+        << " effort='1' velocity='1'/></joint></robot>";
+    return robot_notes(load_robot((folder_ / "r.urdf").string()));
+  };
+  EXPECT_EQ(
+      notes("lower='0' upper='0.025'"),
+      (std::vector<std::string>{"joint 'l' keeps from 0 to 0: joint 'r', which mimics it, has such limits"}));
+  EXPECT_TRUE(notes("lower='-0.025' upper='0'").empty());
+}
+
 TEST_F(RobotFile, LimitsInDegreesAndMeshesInMillimetresAreTold) {
   const auto notes = [&](double turn, double size) {
     const std::string limit = std::to_string(turn), side = std::to_string(size);

@@ -51,7 +51,8 @@ TEST_F(MeshFile, EveryKindOfFileGivesTheSameHullTimesItsScaleInOneGo) {
   std::vector<ScaledMesh> meshes;
   for (const auto& [name, content] : all_mesh_files(sample_))
     meshes.push_back({folder_.write(name, content), scale});
-  meshes.push_back({folder_.write("UPPER.STL", as_stl(sample_)), scale});
+  for (const char* name : {"UPPER.STL", "ros.stlb"})
+    meshes.push_back({folder_.write(name, as_stl(sample_)), scale});
   meshes.push_back({folder_.write("appended.stl", as_stl(sample_) + "made by a CAD program"), scale});
   const std::vector<MeshHull> hulls = read_mesh_hulls(meshes);
   ASSERT_EQ(hulls.size(), meshes.size());
