@@ -50,6 +50,17 @@ std::string turns_sentence(const Robot& robot, const Configuration& start, const
   return {};
 }
 
+/// What is to be said of two parts that touch, of which one has a mesh: a robot whose links are hollow or
+/// bent may touch itself by its hulls alone.
+std::string hull_clause(const Robot& robot, const Verdict& verdict) {
+  if (verdict.obstruction != Obstruction::self_collision) return {};
+  const bool has_hull = std::any_of(robot.bodies.begin(), robot.bodies.end(), [&](const Body& body) {
+    return body.shape.kind() == Shape::Kind::convex &&
+           (body.part == verdict.part || body.part == verdict.other);
+  });
+  return has_hull ? ", where a mesh counts as its convex hull" : "";
+}
+
 /// Why `q` cannot be an end of a path; empty when it can.
 std::string refusal(const ConfigurationSpace& space, const Configuration& q) {
   const auto dof = static_cast<Eigen::Index>(space.robot().dof());
@@ -60,7 +71,8 @@ std::string refusal(const ConfigurationSpace& space, const Configuration& q) {
   const Verdict verdict = space.check(q);
   if (verdict.is_free()) return limit_violation(space.robot(), q);  // joints without limits have one, too
   const bool is_past_limit = verdict.obstruction == Obstruction::joint_limit;
-  return is_past_limit ? limit_sentence(space.robot(), verdict.other, q) : verdict.sentence();
+  if (is_past_limit) return limit_sentence(space.robot(), verdict.other, q);
+  return verdict.sentence() + hull_clause(space.robot(), verdict);
 }
 
 }  // namespace

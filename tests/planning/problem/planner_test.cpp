@@ -11,6 +11,7 @@
 #include "planning/check/path_check.hpp"
 #include "planning/planner_table.hpp"
 #include "planning/robot_files/load_robot.hpp"
+#include "tests/worlds/urdf_robots.hpp"
 #include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
@@ -204,6 +205,32 @@ TEST(Planner, PrintedOptionsMakeTheSamePlanner) {
     EXPECT_FALSE(planner->options().empty()) << entry.name;
     EXPECT_EQ(make_planner(entry.name, planner->options())->options(), planner->options()) << entry.name;
   }
+}
+
+/// The user sees in another program that the parts are apart, and is told why they touch here.
+TEST(CheckEnds, PartsThatTouchByTheHullOfAMeshAreSaidToDoSo) {
+  Robot robot = worlds::whip().robot();
+  const Snapshot map;
+  const auto sentence = [&] {
+    const ConfigurationSpace space(robot, map, {.critical_by_default = false});
+    const PathCost cost(robot);
+    for (double q = -1.5; q < 1.5; q += 0.01) {
+      const Configuration at = Configuration::Constant(1, q);
+      if (space.check(at).obstruction == Obstruction::self_collision)
+        return check_ends({space, cost, at, at}).explanation;
+    }
+    return std::string("nothing touches");
+  };
+  const std::string clause = ", where a mesh counts as its convex hull";
+  EXPECT_NE(sentence().find(" touches "), std::string::npos) << sentence();
+  EXPECT_EQ(sentence().find(clause), std::string::npos) << sentence();
+  const auto post = std::find_if(robot.bodies.begin(), robot.bodies.end(),
+                                 [](const Body& body) { return body.part == "post"; });
+  ASSERT_NE(post, robot.bodies.end());
+  post->shape = Shape::convex({{-0.05, -0.05, -0.05}, {0.05, -0.05, -0.05}, {0, 0.05, -0.05}, {0, 0, 0.05}});
+  post->cover = {{post->link_from_shape.translation(), 0.1}};
+  EXPECT_NE(sentence().find(" touches "), std::string::npos) << sentence();
+  EXPECT_NE(sentence().find(clause), std::string::npos) << sentence();
 }
 
 }  // namespace planner_test
