@@ -58,7 +58,7 @@ std::string hull_clause(const Robot& robot, const Verdict& verdict) {
     return body.shape.kind() == Shape::Kind::convex &&
            (body.part == verdict.part || body.part == verdict.other);
   });
-  return has_hull ? ", where a mesh counts as its convex hull" : "";
+  return has_hull ? ", where a mesh counts as its convex hull (mesh_pieces in its settings splits it)" : "";
 }
 
 /// Why `q` cannot be an end of a path; empty when it can.

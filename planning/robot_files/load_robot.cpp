@@ -342,7 +342,8 @@ Robot load_robot(const RobotRequest& request) {
   if (!is_urdf || is_input_there(settings_file)) settings = read_robot_settings(settings_file);
   const fs::path urdf = urdf_of(file, settings);
 
-  Robot robot = read_urdf(urdf, request.packages, xacro_arguments(request, settings, file, urdf));
+  Robot robot =
+      read_urdf(urdf, request.packages, xacro_arguments(request, settings, file, urdf), settings.mesh_pieces);
   apply_settings(settings, settings_file, robot);
   robot.name = file.stem().string();
   robot.source = file;

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <iterator>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
@@ -53,18 +55,25 @@ ChildLimits limits_of(const std::vector<ScaledMesh>& meshes) {
   std::error_code error;
   for (const ScaledMesh& mesh : meshes) size += fs::file_size(mesh.file, error);
   const std::size_t largest_hull = 3 * sizeof(double) * most_corners + megabyte;
-  return {128 * megabyte + 20 * size, meshes.size() * largest_hull,
-          4 + static_cast<int>(size / (2 * megabyte))};
+  const auto split = static_cast<int>(
+      std::count_if(meshes.begin(), meshes.end(), [](const ScaledMesh& mesh) { return mesh.pieces > 1; }));
+  const int seconds_of_one = 4 + static_cast<int>(size / (2 * megabyte));
+  return {128 * megabyte + 20 * size, meshes.size() * largest_hull, seconds_of_one * (1 + split)};
 }
 
 /// Runs in the child: 'R' and the corners of the hull, or 'F' and why there is none.
 std::string read_hull(const ScaledMesh& mesh) {
   try {
-    const std::vector<Eigen::Vector3d> corners =
-        hull_of_mesh(mesh.file, kind_of(mesh.file).substr(1), mesh.scale);
-    if (corners.size() > most_corners) return "Fits convex hull has more than 20,000 corners";
-    std::string bytes(1 + corners.size() * sizeof(corners[0]), 'R');
-    std::memcpy(bytes.data() + 1, corners.front().data(), bytes.size() - 1);
+    std::string bytes = "R";
+    std::size_t all = 0;
+    for (const std::vector<Eigen::Vector3d>& corners :
+         hulls_of_mesh(mesh.file, kind_of(mesh.file).substr(1), mesh.scale, mesh.pieces)) {
+      all += corners.size();
+      if (all > most_corners) return "Fits convex hull has more than 20,000 corners";
+      const std::uint64_t count = corners.size();
+      bytes.append(reinterpret_cast<const char*>(&count), sizeof count);
+      bytes.append(reinterpret_cast<const char*>(corners.data()), corners.size() * sizeof(corners[0]));
+    }
     return bytes;
   } catch (const std::runtime_error& error) {
     return std::string("F") + error.what();
@@ -79,14 +88,23 @@ MeshHull damaged(const fs::path& file, const std::string& reason) {
 MeshHull checked_hull(const fs::path& file, std::string_view answer) {
   if (answer.empty() || answer.front() != 'R') return damaged(file, std::string(answer.substr(1)));
   answer.remove_prefix(1);
-  MeshHull hull;
-  if (answer.empty() || answer.size() % sizeof(Eigen::Vector3d) != 0 ||
-      answer.size() / sizeof(Eigen::Vector3d) > most_corners) {
-    return damaged(file, "its reader crashed");
+  std::vector<std::vector<Eigen::Vector3d>> hulls;
+  while (!answer.empty()) {
+    std::uint64_t count = 0;
+    if (answer.size() < sizeof count) return damaged(file, "its reader crashed");
+    std::memcpy(&count, answer.data(), sizeof count);
+    answer.remove_prefix(sizeof count);
+    if (count == 0 || count > most_corners || answer.size() / sizeof(Eigen::Vector3d) < count)
+      return damaged(file, "its reader crashed");
+    hulls.emplace_back(count);
+    std::memcpy(hulls.back().front().data(), answer.data(), count * sizeof(Eigen::Vector3d));
+    answer.remove_prefix(count * sizeof(Eigen::Vector3d));
+    if (!are_sensible(hulls.back())) return damaged(file, "its reader crashed");
   }
-  hull.corners.resize(answer.size() / sizeof(Eigen::Vector3d));
-  std::memcpy(hull.corners.front().data(), answer.data(), answer.size());
-  if (!are_sensible(hull.corners)) return damaged(file, "its reader crashed");
+  if (hulls.empty()) return damaged(file, "its reader crashed");
+  MeshHull hull;
+  hull.corners = std::move(hulls.front());
+  hull.further.assign(std::make_move_iterator(hulls.begin() + 1), std::make_move_iterator(hulls.end()));
   return hull;
 }
 
@@ -158,7 +176,7 @@ std::vector<MeshHull> read_mesh_hulls(const std::vector<ScaledMesh>& meshes) {
   std::vector<MeshHull> hulls(meshes.size());
   std::vector<ScaledMesh> usable;
   for (std::size_t i = 0; i < meshes.size(); ++i) {
-    const ScaledMesh placed{input_place(meshes[i].file), meshes[i].scale};
+    const ScaledMesh placed{input_place(meshes[i].file), meshes[i].scale, meshes[i].pieces};
     const std::string reason = refusal(placed.file);
     if (reason.empty())
       usable.push_back(placed);

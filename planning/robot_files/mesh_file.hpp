@@ -12,6 +12,7 @@ namespace clearway {
 struct ScaledMesh {
   std::filesystem::path file;
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();  ///< finite
+  std::size_t pieces = 1;  ///< as how many convex bodies at most it counts; more than one: convex_pieces
 
   bool operator==(const ScaledMesh&) const = default;
 };
@@ -21,6 +22,7 @@ struct MeshHull {
   std::vector<Eigen::Vector3d> corners;  ///< metres, in the file's own axes times the scale
   std::string failure;                   ///< not empty: one sentence that names the file
   bool is_damaged = false;               ///< the file is of the right kind, but its content is not usable
+  std::vector<std::vector<Eigen::Vector3d>> further{};  ///< corners of the pieces behind the first
 };
 
 /// Reads mesh files (.dae, .obj, .ply, .stl, through assimp; node transforms applied; a COLLADA up direction

@@ -14,6 +14,7 @@
 #include <stdexcept>
 
 #include "planning/geometry/convex_hull.hpp"
+#include "planning/geometry/convex_pieces.hpp"
 #include "planning/robot_files/collada_check.hpp"
 #include "planning/robot_files/mesh_numbers.hpp"
 #include "planning/robot_files/whole_mesh.hpp"
@@ -140,6 +141,23 @@ std::vector<Eigen::Vector3d> hull_of_mesh(const std::filesystem::path& file, con
     return kind == "obj" ? vertices_of_obj(content) : vertices_of(scene);
   };
   return hull_corners(points_of_mesh(file, kind, scale, aiProcess_PreTransformVertices, all_vertices));
+}
+
+std::vector<std::vector<Eigen::Vector3d>> hulls_of_mesh(const std::filesystem::path& file,
+                                                        const std::string& kind, const Eigen::Vector3d& scale,
+                                                        std::size_t pieces) {
+  if (pieces <= 1) return {hull_of_mesh(file, kind, scale)};
+  const std::vector<Eigen::Vector3d> triangles = triangles_of_mesh(file, kind, scale);
+  // Vertices of no triangle count, as they do for one hull: where one is a corner of that, nothing is split.
+  const std::vector<Eigen::Vector3d> whole = hull_of_mesh(file, kind, scale);
+  const double rounding = 1e-6 * largest_extent(whole);
+  const std::vector<Eigen::Vector3d> corners = hull_corners(triangles);
+  const bool has_all = std::all_of(whole.begin(), whole.end(), [&](const Eigen::Vector3d& corner) {
+    return std::any_of(corners.begin(), corners.end(),
+                       [&](const Eigen::Vector3d& other) { return (corner - other).norm() <= rounding; });
+  });
+  if (!has_all) return {whole};
+  return convex_pieces(triangles, pieces);
 }
 
 std::vector<Eigen::Vector3d> triangles_of_mesh(const std::filesystem::path& file, const std::string& kind,

@@ -13,6 +13,11 @@ namespace clearway {
 std::vector<Eigen::Vector3d> hull_of_mesh(const std::filesystem::path& file, const std::string& kind,
                                           const Eigen::Vector3d& scale);
 
+/// The same of at most `pieces` hulls that together contain the mesh (convex_pieces).
+std::vector<std::vector<Eigen::Vector3d>> hulls_of_mesh(const std::filesystem::path& file,
+                                                        const std::string& kind, const Eigen::Vector3d& scale,
+                                                        std::size_t pieces);
+
 /// The corners of the mesh's triangles, three by three, times `scale`; polygons are cut into triangles. As
 /// hull_of_mesh in all else.
 std::vector<Eigen::Vector3d> triangles_of_mesh(const std::filesystem::path& file, const std::string& kind,

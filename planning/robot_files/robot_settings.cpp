@@ -138,6 +138,18 @@ PerJoint per_joint(const std::filesystem::path& file, const Section& section, co
   return result;
 }
 
+MeshPieces mesh_pieces_of(const std::filesystem::path& file, const Section& section) {
+  const PerJoint given = per_joint(file, section, "mesh_pieces", 1.0);
+  const auto whole = [&](double number) {
+    if (number != std::round(number) || number > 64.0)
+      section.refuse("mesh_pieces", "whole numbers from 1 to 64");
+    return static_cast<std::size_t>(number);
+  };
+  MeshPieces pieces{given.all ? whole(*given.all) : 1};
+  for (const auto& [link, number] : given.by_name) pieces.of_link[link] = whole(number);
+  return pieces;
+}
+
 std::map<std::string, std::string> xacro_of(const std::filesystem::path& file, const YAML::Node& node) {
   const Section section(file, "xacro.", node, {});
   std::map<std::string, std::string> arguments;
@@ -153,7 +165,7 @@ RobotSettings settings_of(const std::filesystem::path& file, const YAML::Node& r
   const Section section(file, "", root,
                         {"description", "urdf", "scale", "base", "tip", "critical_parts", "friction", "step",
                          "max_acceleration", "max_jerk", "position_accuracy", "inverse_kinematics", "exempt",
-                         "srdf", "group", "fixed", "standing", "xacro"});
+                         "srdf", "group", "fixed", "standing", "xacro", "mesh_pieces"});
   RobotSettings settings;
   settings.description = section.text("description", "");
   settings.urdf = section.text("urdf", "");
@@ -200,6 +212,7 @@ RobotSettings settings_of(const std::filesystem::path& file, const YAML::Node& r
     if (!list.IsSequence()) section.refuse("standing", "a list of links");
     for (const YAML::Node& link : list) settings.standing.push_back(link.as<std::string>(""));
   }
+  if (section.has("mesh_pieces")) settings.mesh_pieces = mesh_pieces_of(file, section);
   if (section.has("xacro")) settings.xacro = xacro_of(file, section.node("xacro"));
   return settings;
 }

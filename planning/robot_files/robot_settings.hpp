@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "planning/robot/robot.hpp"
+#include "planning/robot_files/urdf_file.hpp"
 
 namespace clearway {
 
@@ -38,6 +39,7 @@ struct RobotSettings {
   std::map<std::string, double> fixed;       ///< joints that stand still, rad or m
   std::vector<std::string> standing;         ///< links on such joints that may touch what the robot stands on
   std::map<std::string, std::string> xacro;  ///< arguments of the .xacro
+  MeshPieces mesh_pieces{};
 };
 
 /// Reads a robot's .yaml. @throws std::invalid_argument naming file, key and what was expected; an unknown

@@ -31,8 +31,8 @@ Eigen::Isometry3d isometry(const urdf::Pose& pose) {
 class Reader {
  public:
   Reader(const std::filesystem::path& file, const UrdfDocument& document, const urdf::ModelInterface& model,
-         const PackageFolders& packages)
-      : file_(file), document_(document), model_(model), packages_(packages) {
+         const PackageFolders& packages, const MeshPieces& pieces)
+      : file_(file), document_(document), model_(model), packages_(packages), pieces_(pieces) {
     robot_.name = robot_.model = model.getName();
     robot_.source = file;
     robot_.only_seen = document.only_seen;
@@ -40,6 +40,10 @@ class Reader {
 
   Robot robot() {
     add_link(*model_.getRoot(), -1);
+    for (const auto& [link, pieces] : pieces_.of_link)
+      if (std::none_of(meshes_.begin(), meshes_.end(),
+                       [&](const NamedMesh& named) { return robot_.bodies[named.body].part == link; }))
+        refuse("has no link " + quote(link) + " with a mesh, which mesh_pieces of its settings name");
     read_meshes();
     resolve_mimics(file_, mimics_, robot_);
     if (robot_.joints.empty()) refuse("no joint can move, expected at least one revolute or prismatic joint");
@@ -161,7 +165,8 @@ class Reader {
     const auto& mesh = static_cast<const urdf::Mesh&>(geometry);
     try {
       return {find_mesh(mesh.filename, file_.parent_path(), packages_),
-              {mesh.scale.x, mesh.scale.y, mesh.scale.z}};
+              {mesh.scale.x, mesh.scale.y, mesh.scale.z},
+              pieces_.of_link.contains(link) ? pieces_.of_link.at(link) : pieces_.of_all};
     } catch (const std::invalid_argument& error) {
       refuse("link " + quote(link) + ": " + error.what());
     }
@@ -175,6 +180,7 @@ class Reader {
         distinct.push_back(named.mesh);
     }
     const std::vector<MeshHull> hulls = read_mesh_hulls(distinct);
+    std::vector<std::pair<Body, std::vector<Eigen::Vector3d>>> further;  // behind all others
     for (const NamedMesh& named : meshes_) {
       const auto found = std::find(distinct.begin(), distinct.end(), named.mesh);
       const MeshHull& hull = hulls[static_cast<std::size_t>(found - distinct.begin())];
@@ -183,6 +189,11 @@ class Reader {
       if (hull.is_damaged) throw DamagedFile(sentence);
       if (!hull.failure.empty()) throw std::invalid_argument(sentence);
       body.shape = Shape::convex(hull.corners);
+      for (const std::vector<Eigen::Vector3d>& corners : hull.further) further.push_back({body, corners});
+    }
+    for (auto& [body, corners] : further) {
+      body.shape = Shape::convex(corners);
+      robot_.bodies.push_back(body);
     }
   }
 
@@ -200,6 +211,7 @@ class Reader {
   const UrdfDocument& document_;
   const urdf::ModelInterface& model_;
   const PackageFolders& packages_;
+  const MeshPieces& pieces_;
   Robot robot_;
   std::vector<MimicJoint> mimics_;
   std::vector<NamedMesh> meshes_;
@@ -208,7 +220,7 @@ class Reader {
 }  // namespace
 
 Robot read_urdf(const std::filesystem::path& file, const PackageFolders& packages,
-                const XacroArguments& arguments) {
+                const XacroArguments& arguments, const MeshPieces& pieces) {
   const UrdfDocument document = read_urdf_document(file, arguments);
   if (document.joint_order.empty()) throw std::invalid_argument(file.string() + ": has no joints");
   const KeptMessages messages;  // dropped: they name urdfdom's functions
@@ -219,7 +231,7 @@ Robot read_urdf(const std::filesystem::path& file, const PackageFolders& package
   }
   if (!model || !model->getRoot())
     throw std::invalid_argument(file.string() + ": is not a URDF of links, joints and shapes");
-  Robot robot = Reader(file, document, *model, packages).robot();
+  Robot robot = Reader(file, document, *model, packages, pieces).robot();
   robot.xacro = arguments;
   return robot;
 }

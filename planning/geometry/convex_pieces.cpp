@@ -1,0 +1,267 @@
+#include "planning/geometry/convex_pieces.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+#include "planning/geometry/convex_hull.hpp"
+
+namespace clearway {
+namespace {
+
+using Points = std::vector<Eigen::Vector3d>;
+
+constexpr int cuts_of_an_axis = 7;
+constexpr double least_gain = 0.01;        ///< of the first hulls' volume; less is not worth a hull
+constexpr std::size_t most_judged = 3000;  ///< triangles by which a cut is judged
+constexpr std::size_t directions_to_judge = 64;
+
+double volume_of(const Points& points) {
+  double volume = 0.0;
+  for (const auto& [a, b, c] : hull_triangles(points)) {
+    const auto at = [&](int i) -> Eigen::Vector3d { return points[static_cast<std::size_t>(i)] - points[0]; };
+    volume += at(a).dot(at(b).cross(at(c))) / 6.0;
+  }
+  return volume;
+}
+
+/// Evenly over the sphere (a Fibonacci lattice).
+const Points& judging_directions() {
+  static const Points all = [] {
+    Points directions;
+    for (std::size_t i = 0; i < directions_to_judge; ++i) {
+      const double z = 1.0 - (2.0 * static_cast<double>(i) + 1.0) / directions_to_judge;
+      const double turn = std::numbers::pi * (3.0 - std::sqrt(5.0)) * static_cast<double>(i);
+      directions.emplace_back(std::sqrt(1.0 - z * z) * std::cos(turn),
+                              std::sqrt(1.0 - z * z) * std::sin(turn), z);
+    }
+    return directions;
+  }();
+  return all;
+}
+
+/// Of the hull of the points that lie farthest in many directions: a little less than that of all.
+double judged_volume(const Points& points) {
+  Points farthest;
+  for (const Eigen::Vector3d& direction : judging_directions())
+    farthest.push_back(*std::max_element(points.begin(), points.end(), [&](const auto& a, const auto& b) {
+      return a.dot(direction) < b.dot(direction);
+    }));
+  return volume_of(hull_corners(std::move(farthest)));
+}
+
+/// A plane across an axis.
+struct Cut {
+  int axis = 0;
+  double at = 0.0;
+};
+
+/// Counter-clockwise hull of points of a plane across `axis` (Andrew's monotone chain).
+Points hull_of_plane(Points points, int axis) {
+  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+  const auto key = [&](const Eigen::Vector3d& p) { return std::pair(p[u], p[v]); };
+  std::sort(points.begin(), points.end(), [&](const auto& a, const auto& b) { return key(a) < key(b); });
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  if (points.size() < 3) return points;
+  Points hull;
+  const auto add_half = [&](auto begin, auto end) {
+    const std::size_t first = hull.size();
+    for (auto p = begin; p != end; ++p) {
+      const auto turns_right = [&] {
+        const Eigen::Vector3d &a = hull[hull.size() - 2], &b = hull.back();
+        return (b[u] - a[u]) * ((*p)[v] - a[v]) - (b[v] - a[v]) * ((*p)[u] - a[u]) <= 0.0;
+      };
+      while (hull.size() >= first + 2 && turns_right()) hull.pop_back();
+      hull.push_back(*p);
+    }
+    hull.pop_back();
+  };
+  add_half(points.begin(), points.end());
+  add_half(points.rbegin(), points.rend());
+  return hull;
+}
+
+void add_polygon(const Points& corners, Points& triangles) {
+  for (std::size_t i = 2; i < corners.size(); ++i)
+    triangles.insert(triangles.end(), {corners[0], corners[i - 1], corners[i]});
+}
+
+/// Below and above the plane, both closed by the hull of the cut.
+std::array<Points, 2> cut_by(const Points& triangles, const Cut& cut) {
+  std::array<Points, 2> sides;
+  Points section;
+  for (std::size_t i = 0; i + 2 < triangles.size(); i += 3) {
+    std::array<Points, 2> polygons;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Eigen::Vector3d &a = triangles[i + k], &b = triangles[i + (k + 1) % 3];
+      const bool is_above = a[cut.axis] >= cut.at;
+      polygons[is_above].push_back(a);
+      if (is_above == (b[cut.axis] >= cut.at)) continue;
+      Eigen::Vector3d crossing = a + (cut.at - a[cut.axis]) / (b[cut.axis] - a[cut.axis]) * (b - a);
+      crossing[cut.axis] = cut.at;
+      for (Points& polygon : polygons) polygon.push_back(crossing);
+      section.push_back(crossing);
+    }
+    for (std::size_t side = 0; side < 2; ++side) add_polygon(polygons[side], sides[side]);
+  }
+  const Points cap = hull_of_plane(std::move(section), cut.axis);
+  for (Points& side : sides) add_polygon(cap, side);
+  return sides;
+}
+
+/// A part of the mesh, and how it is cut best.
+struct Piece {
+  Points triangles;
+  bool may_be_cut = true;
+  double volume = 0.0;  ///< of its hull, as it is judged
+  double gain = 0.0;    ///< volume that the best cut saves
+  Cut best{};
+  std::array<std::size_t, 2> sides{};  ///< where these are, once it is cut
+  bool is_cut() const { return sides[0] != sides[1]; }
+};
+
+/// Every n-th triangle of many.
+Points judged_part(const Points& triangles) {
+  const std::size_t count = triangles.size() / 3, stride = count / most_judged + 1;
+  Points part;
+  for (std::size_t i = 0; i < count; i += stride)
+    part.insert(part.end(), {triangles[3 * i], triangles[3 * i + 1], triangles[3 * i + 2]});
+  return part;
+}
+
+void judge(Piece& piece) {
+  const Points part = judged_part(piece.triangles);
+  piece.volume = judged_volume(part);
+  if (!piece.may_be_cut) return;
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& point : part) box.extend(point);
+  piece.gain = -std::numeric_limits<double>::infinity();
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int i = 1; i <= cuts_of_an_axis; ++i) {
+      const Cut cut{axis, box.min()[axis] + box.sizes()[axis] * i / (cuts_of_an_axis + 1)};
+      const auto sides = cut_by(part, cut);
+      if (sides[0].empty() || sides[1].empty()) continue;
+      const double gain = piece.volume - judged_volume(sides[0]) - judged_volume(sides[1]);
+      if (gain > piece.gain) piece.gain = gain, piece.best = cut;
+    }
+  }
+  piece.may_be_cut = std::isfinite(piece.gain);
+}
+
+/// How much a piece is worth being cut: by what that saves, and, as a ring has to be cut twice before it
+/// saves anything, by its size.
+double worth(const Piece& piece) {
+  constexpr double of_size = 0.05;
+  return !piece.may_be_cut || piece.is_cut() ? -1.0 : std::max(piece.gain, 0.0) + of_size * piece.volume;
+}
+
+/// Adds up the hulls of a piece: its own, or those of its sides where they are smaller by what is worth it.
+double collect(std::vector<Piece>& pieces, std::size_t index, double least, std::vector<Points>& hulls) {
+  Piece& piece = pieces[index];
+  if (piece.is_cut()) {
+    std::vector<Points> of_sides;
+    const double first = collect(pieces, piece.sides[0], least, of_sides);
+    const double sum = first + collect(pieces, piece.sides[1], least, of_sides);
+    if (sum < piece.volume - least) {
+      std::move(of_sides.begin(), of_sides.end(), std::back_inserter(hulls));
+      return sum;
+    }
+  }
+  hulls.push_back(hull_corners(piece.triangles));
+  return piece.volume;
+}
+
+/// Numbers of the mesh's connected parts, one for each triangle, and which of these are closed.
+struct Parts {
+  std::vector<std::size_t> of_triangle;
+  std::vector<bool> are_closed;
+};
+
+Parts parts_of(const Points& triangles) {
+  std::map<std::tuple<double, double, double>, std::size_t> numbers;
+  std::vector<std::size_t> corner;  // the number of each corner's vertex
+  for (const Eigen::Vector3d& p : triangles)
+    corner.push_back(numbers.try_emplace({p.x(), p.y(), p.z()}, numbers.size()).first->second);
+  std::vector<std::size_t> above(numbers.size());
+  std::iota(above.begin(), above.end(), std::size_t{0});
+  const auto root = [&](std::size_t vertex) {
+    while (above[vertex] != vertex) vertex = above[vertex] = above[above[vertex]];
+    return vertex;
+  };
+  std::map<std::pair<std::size_t, std::size_t>, int> uses;  // of each edge
+  const std::size_t count = triangles.size() / 3;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::array<std::size_t, 3> c{corner[3 * i], corner[3 * i + 1], corner[3 * i + 2]};
+    above[root(c[1])] = root(c[0]);
+    above[root(c[2])] = root(c[0]);
+    if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0]) continue;
+    for (std::size_t k = 0; k < 3; ++k) ++uses[std::minmax(c[k], c[(k + 1) % 3])];
+  }
+  std::map<std::size_t, std::size_t> part_of_root;
+  Parts parts;
+  for (std::size_t i = 0; i < count; ++i)
+    parts.of_triangle.push_back(
+        part_of_root.try_emplace(root(corner[3 * i]), part_of_root.size()).first->second);
+  parts.are_closed.assign(part_of_root.size(), true);
+  for (const auto& [edge, times] : uses)
+    if (times % 2 != 0) parts.are_closed[part_of_root.at(root(edge.first))] = false;
+  return parts;
+}
+
+/// The closed parts each for itself (all in one where they are more than hulls are wanted), and the rest.
+std::vector<Piece> first_pieces(const Points& triangles, std::size_t most) {
+  const Parts parts = parts_of(triangles);
+  const auto closed =
+      static_cast<std::size_t>(std::count(parts.are_closed.begin(), parts.are_closed.end(), true));
+  const bool are_apart = closed + (closed < parts.are_closed.size() ? 1 : 0) <= most;
+  std::map<std::pair<bool, std::size_t>, Piece> pieces;
+  for (std::size_t i = 0; i < parts.of_triangle.size(); ++i) {
+    const std::size_t part = parts.of_triangle[i];
+    const bool is_closed = parts.are_closed[part];
+    Piece& piece = pieces[{is_closed, is_closed && are_apart ? part : 0}];
+    piece.may_be_cut = is_closed;
+    piece.triangles.insert(piece.triangles.end(),
+                           {triangles[3 * i], triangles[3 * i + 1], triangles[3 * i + 2]});
+  }
+  std::vector<Piece> found;
+  for (auto& [key, piece] : pieces) found.push_back(std::move(piece));
+  return found;
+}
+
+}  // namespace
+
+std::vector<std::vector<Eigen::Vector3d>> convex_pieces(const std::vector<Eigen::Vector3d>& triangles,
+                                                        std::size_t most) {
+  std::vector<Piece> pieces = first_pieces(triangles, most);
+  if (pieces.size() > most) pieces = {{triangles, false}};  // of one hull, the closed ones and the rest
+  const std::size_t roots = pieces.size();
+  for (Piece& piece : pieces)
+    if (roots < most) judge(piece);
+  for (std::size_t hulls = roots; hulls < most; ++hulls) {
+    const auto next = std::max_element(pieces.begin(), pieces.end(),
+                                       [](const Piece& a, const Piece& b) { return worth(a) < worth(b); });
+    if (worth(*next) <= 0.0) break;
+    const auto index = static_cast<std::size_t>(next - pieces.begin());
+    auto sides = cut_by(next->triangles, next->best);
+    pieces[index].sides = {pieces.size(), pieces.size() + 1};
+    for (Points& side : sides) {
+      pieces.push_back({std::move(side)});
+      judge(pieces.back());
+    }
+  }
+  double volume = 0.0;
+  for (std::size_t i = 0; i < roots; ++i) volume += pieces[i].volume;
+  std::vector<Points> hulls;
+  for (std::size_t i = 0; i < roots; ++i) collect(pieces, i, least_gain * volume, hulls);
+  return hulls;
+}
+
+}  // namespace clearway
