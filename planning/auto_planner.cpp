@@ -142,7 +142,8 @@ PlanResult AutoPlanner::plan(const PlanProblem& problem) const {
       best = std::move(*found[round]);
   }
   if (!is_solved) best.status = problem.out_of_time() ? PlanStatus::timed_out : PlanStatus::no_path;
-  if (best.explanation.empty()) best.explanation = "Out of time before a first try ended.";
+  if (best.status == PlanStatus::timed_out && best.explanation.empty())
+    best.explanation = "Out of time before a first try ended.";
   best.configurations_checked = configurations;
   best.edges_checked = edges;
   best.statistics["rounds"] = static_cast<double>(found.size());

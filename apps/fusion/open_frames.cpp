@@ -106,15 +106,22 @@ SourceOptions with_camera_beside(const DepthLayout& layout, SourceOptions option
   return options;
 }
 
-/// Where the setup says nothing of the scale of depth pictures: that of a camera file that has one, the
-/// setup's or one in the folder.
-SourceOptions with_scale_beside(const DepthLayout& layout, SourceOptions options) {
-  for (const fs::path& file : {options.depth.scale_file, layout.camera}) {
-    if (options.depth.scale || file.empty()) continue;
-    options.depth.scale = depth_scale_of_file(file);
-    if (options.depth.scale)
-      options.notes.push_back("steps of depth are " + short_text(*options.depth.scale) + " m, by " +
-                              quote_path(file.string()) + "; `source: {depth: {scale: …}}` states others.");
+/// What the file of the depth pictures' camera says of their scale: the setup's, or the one in the folder
+/// that is in use. Replica's and those of BundleFusion say it of the folder, whatever camera is.
+SourceOptions with_scale_of_file(const DepthLayout& layout, SourceOptions options) {
+  DepthOptions& depth = options.depth;
+  if (depth.scale) return options;
+  const fs::path name = layout.camera.filename();
+  const bool is_of_folder = name == "cam_params.json" || name == "info.txt" || name == "_info.txt";
+  const bool is_in_use = !layout.camera.empty() && depth.camera_file == layout.camera;
+  for (const auto& [file, camera] :
+       {std::pair{depth.scale_file, depth.scale_camera},
+        std::pair{is_of_folder || is_in_use ? layout.camera : fs::path(), std::string()}}) {
+    if (depth.scale_of_file || file.empty()) continue;
+    depth.scale_of_file = depth_scale_of_file(file, camera);
+    if (depth.scale_of_file)
+      depth.scale_note = "steps of depth are " + short_text(*depth.scale_of_file) + " m, by " +
+                         quote_path(file.string()) + "; `source: {depth: {scale: …}}` states others.";
   }
   return options;
 }
@@ -157,7 +164,7 @@ std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOpt
                                 " cannot be read: " + failure.code().message());
   }
   if (depth) {
-    const SourceOptions whole = with_scale_beside(*depth, with_camera_beside(*depth, options));
+    const SourceOptions whole = with_scale_of_file(*depth, with_camera_beside(*depth, options));
     const std::vector<std::string> notes(
         whole.notes.begin() + static_cast<std::ptrdiff_t>(options.notes.size()), whole.notes.end());
     auto source = open_depth_folder(folder, *depth, whole);

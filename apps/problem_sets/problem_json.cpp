@@ -172,11 +172,37 @@ std::vector<std::string> unknown_keys_of_problem(const JsonField& problem) {
   return unknown;
 }
 
-/// Of the file: what it says beside its problems, as that of one of them.
+/// Whether a key of the file would be of all its problems: things that stand about, or where they do.
+bool tells_of_all(const std::string& key) {
+  static const std::set<std::string> telling{
+      "sphere",   "cylinder",    "capsule",  "box",        "cuboid",      "mesh",
+      "obstacle", "object",      "world",    "scene",      "collision",   "shape",
+      "octomap",  "voxel",       "cloud",    "pointcloud", "environment", "pose",
+      "position", "orientation", "rotation", "offset",     "origin",      "frame",
+      "base",     "transform",   "unit",     "scale",      "quaternion",  "translation"};
+  std::string word;
+  const auto is_telling = [&] {
+    const std::string one = word.ends_with("xes") ? word.substr(0, word.size() - 2)
+                            : word.ends_with("s") ? word.substr(0, word.size() - 1)
+                                                  : word;
+    return telling.contains(one);
+  };
+  for (const char c : key) {
+    if (std::isalpha(static_cast<unsigned char>(c)) != 0) {
+      word += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+      continue;
+    }
+    if (is_telling()) return true;
+    word.clear();
+  }
+  return is_telling();
+}
+
+/// Of the file: what it says beside its problems.
 void leave_out_rest(const JsonField& root, ForeignSet& set) {
   for (const auto& [key, value] : root.members()) {
     if (key == "problems" || key == "joints" || value.is_null()) continue;
-    if (value.is_composed() && tells_of_space(key))
+    if (tells_of_all(key))
       value.refuse("no such key, as what it holds would be lost, or one of joints, problems");
     set.left_out.push_back(quote(key));
   }

@@ -1,6 +1,7 @@
 #include "datasets/cameras/colmap_camera.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <sstream>
 #include <stdexcept>
@@ -68,7 +69,8 @@ CameraIntrinsics camera_of_words(const std::vector<std::string>& words, const st
   std::vector<double> numbers;
   for (std::size_t i = 2; i < words.size(); ++i) {
     const auto number = finite_number(words[i]);
-    if (!number) refuse("expected a finite number, got " + quote(shortened(words[i])));
+    if (!number || std::abs(*number) > 1e6)
+      refuse("expected a number from -1e6 to 1e6, got " + quote(shortened(words[i])));
     numbers.push_back(*number);
   }
   const auto& [focal_lengths, lens, places] = model->second;
@@ -77,11 +79,11 @@ CameraIntrinsics camera_of_words(const std::vector<std::string>& words, const st
     refuse("expected " + std::to_string(count) + " numbers behind " + words[1] + ", got " +
            std::to_string(numbers.size()));
   for (const std::size_t i : {std::size_t{0}, std::size_t{1}})
-    if (!(numbers[i] >= 1 && numbers[i] <= 20000 && numbers[i] == static_cast<int>(numbers[i])))
-      refuse("expected a width and a height of 1 to 20000 pixels");
+    if (!(numbers[i] >= 32 && numbers[i] <= 20000 && numbers[i] == std::round(numbers[i])))
+      refuse("expected a width and a height of 32 to 20000 pixels");
   const double* focal = &numbers[2];
   const double* centre = focal + focal_lengths;
-  if (!(focal[0] > 0.0 && focal[focal_lengths - 1] > 0.0)) refuse("expected focal lengths above 0");
+  if (!(focal[0] >= 1e-9 && focal[focal_lengths - 1] >= 1e-9)) refuse("expected focal lengths above 0");
   CameraIntrinsics camera{static_cast<int>(numbers[0]),
                           static_cast<int>(numbers[1]),
                           focal[0],
@@ -101,7 +103,7 @@ bool is_colmap_cameras(const std::string& text) {
   const auto lines = lines_of(text);
   return !lines.empty() && std::all_of(lines.begin(), lines.end(), [](const auto& line) {
     const std::vector<std::string>& words = line.second;
-    return words.size() >= 5 && is_model_word(words[1]) &&
+    return words.size() >= 2 && (words.size() >= 5 ? is_model_word(words[1]) : models().contains(words[1])) &&
            std::all_of(words[0].begin(), words[0].end(), [](char c) { return c >= '0' && c <= '9'; });
   });
 }
@@ -111,7 +113,7 @@ CameraIntrinsics camera_of_colmap(const std::string& text, const std::string& na
   std::vector<std::string> ids;
   const auto lines = lines_of(text);
   for (const auto& [number, words] : lines) {
-    if (lines.size() == 1 || words[0] == wanted)
+    if (words[0] == wanted || (wanted.empty() && lines.size() == 1))
       return camera_of_words(words, name + ", line " + std::to_string(number));
     ids.push_back(quote(words[0]));
   }

@@ -15,6 +15,7 @@
 #include "datasets/ros/ros_camera.hpp"
 #include "datasets/sources/lens.hpp"
 #include "datasets/yaml/yaml_fields.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -379,10 +380,11 @@ CameraIntrinsics read_plain(const YamlFields& fields, std::optional<ImageSize> g
 /// camodocal's, which VINS takes: a pinhole with a plumb bob, or Kannala and Brandt's, whose coefficients
 /// count from k2 (camodocal, EquidistantCamera.cc).
 CameraIntrinsics read_camodocal(const YamlFields& file, std::optional<ImageSize> given, bool is_rectified) {
-  const std::string type = file.text("model_type", "PINHOLE");
-  const bool is_fisheye = type == "KANNALA_BRANDT";
-  if (!is_fisheye && type != "PINHOLE")
-    file.fail("model_type", "expected PINHOLE or KANNALA_BRANDT, got " + quote(type));
+  const std::string type = lower_case(file.text("model_type", "MEI"));  // there MEI is what it stands for
+  const bool is_fisheye = type == "kannala_brandt";
+  if (!is_fisheye && type != "pinhole")
+    file.fail("model_type",
+              "expected PINHOLE or KANNALA_BRANDT, got " + quote(file.text("model_type", "none")));
   const ImageSize size = read_size(file, given);
   const YamlFields of = file.map("projection_parameters");
   const auto number = [&](const char* plain, const char* wide, Bounds bounds) {
@@ -398,9 +400,10 @@ CameraIntrinsics read_camodocal(const YamlFields& file, std::optional<ImageSize>
   std::array<double, 4> coefficients{};
   const char* const plain[] = {"k1", "k2", "p1", "p2"};
   const char* const wide[] = {"k2", "k3", "k4", "k5"};
-  const YamlFields lens = is_fisheye ? of : file.map("distortion_parameters");
+  const YamlFields lens =
+      is_fisheye || !file.is_map("distortion_parameters") ? of : file.map("distortion_parameters");
   for (std::size_t i = 0; i < coefficients.size(); ++i)
-    coefficients[i] = lens.number(is_fisheye ? wide[i] : plain[i], within_reach);
+    coefficients[i] = lens.number(is_fisheye ? wide[i] : plain[i], within_reach, 0.0);
   set_lens(camera, is_fisheye ? LensModel::fisheye : LensModel::plumb_bob, coefficients);
   return only_camera(file, camera, is_rectified);
 }
@@ -548,8 +551,15 @@ CameraIntrinsics parse_camera_file(const std::string& text, const std::string& n
                                    std::string* note) {
   const std::string called = "camera file " + quote_path(name);
   if (is_sensor_info(text)) return camera_of_info(text, called, camera, is_rectified, size);
+  const auto require_lens = [&](const CameraIntrinsics& read) {
+    const bool is_other = lens && (read.lens == LensModel::fisheye) != (*lens == LensModel::fisheye);
+    if (is_other && !is_rectified)
+      throw std::invalid_argument(called + ": its lens is " + lens_name(read.lens) + ", expected " +
+                                  lens_name(*lens) + ", as `lens` beside `file` says.");
+  };
   if (is_colmap_cameras(text)) {
     CameraIntrinsics read = camera_of_colmap(text, called, camera);
+    require_lens(read);
     if (is_rectified && has_distortion(read))
       throw std::invalid_argument(
           called + " has a camera with a distortion: expected that of the rectified pictures.");
@@ -568,10 +578,7 @@ CameraIntrinsics parse_camera_file(const std::string& text, const std::string& n
   BesideFile beside{is_rectified, size, lens, ""};
   const CameraIntrinsics read = read_any(file, camera, beside);
   if (note != nullptr && !beside.note.empty()) *note = called + " " + beside.note;
-  const bool is_other = lens && (read.lens == LensModel::fisheye) != (*lens == LensModel::fisheye);
-  if (is_other && !is_rectified)
-    file.fail("", "its lens is " + lens_name(read.lens) + ", expected " + lens_name(*lens) +
-                      ", as `lens` beside `file` says");
+  require_lens(read);
   if (size) require_size(read, *size, called);
   return read;
 }
@@ -583,23 +590,45 @@ CameraIntrinsics load_camera_file(const std::filesystem::path& file, const std::
                            note);
 }
 
-std::optional<double> depth_scale_of_file(const std::filesystem::path& file) {
+namespace {
+
+/// What no camera's file should mean: a step of less than a micrometre or more than 2 cm.
+double plausible_step(const YamlFields& fields, const std::string& key, double step) {
+  if (!(step >= 1e-6 && step <= 0.02))
+    fields.fail(key, "it makes steps of depth " + short_text(step) +
+                         " m: expected `source: {depth: {scale: …}}` in the setup to state them");
+  return step;
+}
+
+/// m, by `depth_scale` of whoever writes cameras as `camera` is written.
+double step_of_depth_scale(const YamlFields& fields, const YamlFields& camera) {
+  const double scale = fields.number("depth_scale", {1e-7, 1e7});
+  const bool is_of_bop = is_plain(camera) && scale >= 0.01 && scale <= 10.0;
+  const double step = is_of_bop       ? 1e-3 * scale  // mm
+                      : scale <= 0.02 ? scale         // m, as librealsense has it
+                                      : 1.0 / scale;  // steps in a metre, as Open3D has it
+  return plausible_step(fields, "depth_scale", step);
+}
+
+}  // namespace
+
+std::optional<double> depth_scale_of_file(const std::filesystem::path& file, const std::string& name) {
   const std::string text = read_text(file, "camera file"),
                     called = "camera file " + quote_path(file.string());
   if (is_sensor_info(text)) return 1.0 / parse_sensor_info(text, called).steps_per_metre;
   if (is_numbers_alone(text) || is_colmap_cameras(text)) return std::nullopt;
   const YamlFields whole = fields_of(text, called);
-  const YamlFields fields = whole.is_map("camera") ? whole.map("camera") : whole;
-  std::optional<double> steps;  // in a metre
-  if (file.filename() == "cam_params.json") steps = fields.optional_number("scale", {1, 1e7});
-  for (const char* key : {"DepthMapFactor", "RGBD.DepthMapFactor"})
-    if (!steps) steps = fields.optional_number(key, {1, 1e7});
-  if (steps) return 1.0 / *steps;
-  const auto scale = fields.optional_number("depth_scale", {1e-7, 1e7});
-  if (!scale) return std::nullopt;
-  if (fields.has("intrinsic_matrix")) return 1.0 / *scale;  // Open3D: steps in a metre
-  if (fields.has("ppx")) return *scale;                     // librealsense: m
-  if (fields.has("fx")) return 1e-3 * *scale;               // BOP: mm
+  const std::optional<YamlFields> camera = json_camera(whole, name);
+  const YamlFields inner = whole.is_map("camera") ? whole.map("camera") : whole;
+  if (file.filename() == "cam_params.json")
+    if (const auto steps = inner.optional_number("scale", {1, 1e7})) return 1.0 / *steps;
+  for (const char* key : {"DepthMapFactor", "RGBD.DepthMapFactor"}) {
+    const auto steps = whole.optional_number(key, {0, 1e7});
+    // Up to 1 it says that depth is in metres already, as pictures of floats are (ORB-SLAM2, Tracking.cc).
+    if (steps && *steps > 1.0) return plausible_step(whole, key, 1.0 / *steps);
+  }
+  for (const YamlFields& fields : {camera.value_or(whole), inner, whole})
+    if (fields.has("depth_scale")) return step_of_depth_scale(fields, camera.value_or(whole));
   return std::nullopt;
 }
 

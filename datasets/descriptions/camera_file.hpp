@@ -43,11 +43,11 @@ CameraIntrinsics load_camera_file(const std::filesystem::path& file, const std::
                                   std::optional<LensModel> lens = {}, std::string* note = nullptr);
 
 /// m per step of depth pictures, by what a camera's file says beside: steps in a metre as `scale` of
-/// Replica's cam_params.json, `m_depthShift` of an info.txt, `depth_scale` of Open3D's intrinsic.json
-/// (`intrinsic_matrix`) and `DepthMapFactor` or `RGBD.DepthMapFactor` of ORB-SLAM's settings; `depth_scale`
-/// beside `ppx` is metres in a step (librealsense), beside `fx` millimetres (BOP's camera.json). Nothing: it
-/// says none.
-/// @throws std::invalid_argument when it cannot be read, or says what cannot be
-std::optional<double> depth_scale_of_file(const std::filesystem::path& file);
+/// Replica's cam_params.json, `m_depthShift` of an info.txt and `DepthMapFactor` or `RGBD.DepthMapFactor` of
+/// ORB-SLAM's settings; `depth_scale` in a camera or beside it, which is metres in a step (librealsense),
+/// steps in a metre (Open3D) or, from 0.01 to 10 beside `fx` and `cx`, millimetres in a step (BOP's
+/// camera.json). Nothing: it says none. @param name the one of several cameras
+/// @throws std::invalid_argument when it cannot be read, or says what no camera has
+std::optional<double> depth_scale_of_file(const std::filesystem::path& file, const std::string& name = "");
 
 }  // namespace clearway

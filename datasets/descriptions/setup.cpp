@@ -147,6 +147,7 @@ DepthOptions read_depth(const YamlFields& fields, const std::filesystem::path& f
     depth.camera = read_camera_of_setup(camera, folder, is_depth_rectified(bag, depth), notes,
                                         bag.depth.empty() ? CameraAxes::y_down_or_up : CameraAxes::y_down);
     if (camera.has("file")) depth.scale_file = folder / camera.file("file");
+    if (camera.has("name")) depth.scale_camera = camera.text("name");
   }
   if (fields.has("poses")) depth.poses = folder / fields.file("poses");
   depth.tolerance = fields.number("tolerance", {1e-6, 1e3}, depth.tolerance);
@@ -227,6 +228,7 @@ void read_cameras(const YamlFields& fields, const std::filesystem::path& folder,
     source.depth.camera = read_camera_of_setup(fields, folder, of_depth, source.notes);
   const bool is_of_depth = fields.has("file") && source.depth.scale_file.empty();
   if (is_of_depth) source.depth.scale_file = folder / fields.file("file");
+  if (is_of_depth && fields.has("name")) source.depth.scale_camera = fields.text("name");
 }
 
 RobotSetup read_robot(const YamlFields& fields, const std::filesystem::path& folder) {

@@ -224,6 +224,7 @@ class DepthFolder final : public FrameSource {
   std::vector<std::string> warnings() const override {
     std::vector<std::string> sentences = timed_.warnings;
     if (!camera_note_.empty()) sentences.push_back(camera_note_);
+    if (!options_.depth.scale_note.empty()) sentences.push_back(options_.depth.scale_note);
     if (!is_scale_stated_ && !why_of_tum_.empty())
       sentences.push_back("steps of depth are 0.0002 m, as " + why_of_tum_ +
                           "; `source: {depth: {scale: …}}` states others.");
@@ -352,7 +353,11 @@ std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const Dep
   const auto depth_size = picture_size(layout.depth.front());
   const auto path = path_of(
       layout.poses, {depth_size, layout.colour.empty() ? depth_size : picture_size(layout.colour.front())});
-  const SourceOptions whole = path ? with_path(options, *path) : options;
+  SourceOptions whole = path ? with_path(options, *path) : options;
+  if (whole.depth.scale)
+    whole.depth.scale_note.clear();  // nobody asks the camera's file
+  else
+    whole.depth.scale = whole.depth.scale_of_file;
   const auto& stated = options.depth.camera ? options.depth.camera : options.camera;
   if (!stated && !(path && path->has_cameras()))
     throw std::invalid_argument(name +

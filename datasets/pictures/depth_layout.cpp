@@ -17,16 +17,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// 3RScan's depth is PGM.
-bool is_depth_file(const fs::path& file) { return is_picture_file(file) || extension_of(file) == ".pgm"; }
-
 /// What is called like a picture; one that is no file is refused when it is read.
-std::vector<fs::path> pictures_in(const fs::path& folder, bool (*is_wanted)(const fs::path&)) {
+std::vector<fs::path> pictures_in(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
   if (!fs::is_directory(folder, error)) return files;
   for (const auto& entry : fs::directory_iterator(folder))
-    if (is_wanted(entry.path())) files.push_back(entry.path());
+    if (is_picture_file(entry.path())) files.push_back(entry.path());
+  return files;
+}
+
+/// 3RScan's depth is PGM.
+std::vector<fs::path> pgm_in(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (extension_of(entry.path()) == ".pgm") files.push_back(entry.path());
   return files;
 }
 
@@ -72,22 +78,24 @@ bool has_pose_files(const fs::path& folder) {
 /// As the folders of data sets are called, or by the pictures' names.
 DepthLayout layout_by_names(const fs::path& folder) {
   DepthLayout layout;
-  layout.depth = pictures_in(folder / "depth", is_depth_file);
+  layout.depth = pictures_in(folder / "depth");
+  if (layout.depth.empty()) layout.depth = pgm_in(folder / "depth");
   if (!layout.depth.empty()) {
     const fs::path colour = first_there(folder, {"rgb", "color", "colour", "image", "images"});
-    if (!colour.empty()) layout.colour = pictures_in(colour, is_picture_file);
+    if (!colour.empty()) layout.colour = pictures_in(colour);
     layout.pose_folder = first_there(folder, {"pose", "poses"});
     layout.tum_table = first_there(
         folder, {"depth.txt", "associations.txt", "association.txt", "associate.txt", "associated.txt"});
     return layout;
   }
   for (const fs::path& flat : {folder, folder / "results", folder / "data", folder / "sequence"}) {
-    const std::vector<fs::path> pictures = pictures_in(flat, is_depth_file);
+    const std::vector<fs::path> pictures = pictures_in(flat);
     layout.depth = called(pictures, {"depth"});
+    if (layout.depth.empty()) layout.depth = called(pgm_in(flat), {"depth"});
     if (layout.depth.empty()) continue;
     std::vector<fs::path> others;
     for (const fs::path& picture : pictures)  // frame-000000.depth.png is none of the frames
-      if (!name_beside(picture, "depth") && is_picture_file(picture)) others.push_back(picture);
+      if (!name_beside(picture, "depth")) others.push_back(picture);
     layout.colour = called(others, {"color", "colour", "rgb", "image", "frame"});
     layout.pose_folder = first_there(folder, {"pose", "poses"});
     if (layout.pose_folder.empty() && has_pose_files(flat)) layout.pose_folder = flat;

@@ -86,6 +86,9 @@ struct DepthOptions {
   std::optional<CameraIntrinsics> camera;  ///< of the depth pictures; empty: the setup's camera
   std::filesystem::path camera_file;       ///< where `camera` is from, if it was found in the folder
   std::filesystem::path scale_file;        ///< the setup's camera file, which may say `scale` of a folder's
+  std::string scale_camera;                ///< the one of several cameras in it
+  std::optional<double> scale_of_file;     ///< what a camera's file says of `scale`; others come before
+  std::string scale_note;                  ///< what is to be told where it counts
   bool rectified = false;                  ///< pictures of a folder were freed of the lens's distortion
   std::filesystem::path poses;             ///< TUM text, world_from_camera; empty: what lies in the folder
   double tolerance = 0.02;                 ///< s between a picture and a pose

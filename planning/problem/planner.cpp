@@ -55,7 +55,8 @@ std::string turns_sentence(const Robot& robot, const Configuration& start, const
 std::string hull_clause(const Robot& robot, const Verdict& verdict) {
   if (verdict.obstruction != Obstruction::self_collision) return {};
   const bool has_hull = std::any_of(robot.bodies.begin(), robot.bodies.end(), [&](const Body& body) {
-    return body.shape.kind() == Shape::Kind::convex &&
+    const bool is_of_link = body.part == robot.links[static_cast<std::size_t>(body.link)].name;  // no load's
+    return is_of_link && body.shape.kind() == Shape::Kind::convex &&
            (body.part == verdict.part || body.part == verdict.other);
   });
   return has_hull ? ", where a mesh counts as its convex hull (mesh_pieces in its settings splits it)" : "";

@@ -303,11 +303,14 @@ std::vector<std::string> unit_notes(const Robot& robot) {
                       " rad: are its limits in degrees? URDF has radians");
   }
   for (const Joint& joint : robot.joints) {
-    const std::string& follower = joint.lower_follower.empty() ? joint.upper_follower : joint.lower_follower;
-    if (!follower.empty())
-      notes.push_back("joint " + quote(joint.name) + " keeps from " + short_text(joint.lower, 4) + " to " +
-                      short_text(joint.upper, 4) + ": joint " + quote(follower) +
-                      ", which mimics it, has such limits");
+    const std::string &below = joint.lower_follower, &above = joint.upper_follower;
+    if (below.empty() && above.empty()) continue;
+    const bool are_two = !below.empty() && !above.empty() && below != above;
+    notes.push_back("joint " + quote(joint.name) + " keeps from " + short_text(joint.lower, 4) + " to " +
+                    short_text(joint.upper, 4) + ": " +
+                    (are_two ? "joints " + quote(below) + " and " + quote(above) + ", which mimic it, have"
+                             : "joint " + quote(below.empty() ? above : below) + ", which mimics it, has") +
+                    " such limits");
   }
   const auto larger = [](const Body& a, const Body& b) {
     return a.shape.bounding_radius() < b.shape.bounding_radius();

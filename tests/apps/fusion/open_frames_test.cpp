@@ -388,6 +388,16 @@ TEST(DepthFolderCameras, FilesThatSayTheScaleAreHeardInTheWordsOfTheirTools) {
            {"camera.json", R"({"width": 48, "height": 36, "fx": 50, "fy": 52, "cx": 24, "cy": 18,
                                "depth_scale": 0.1})",
             0.0001},
+           {"intrinsic.json", open3d + "0.001}", 0.001},
+           {"camera.json", R"({"width": 48, "height": 36, "fx": 50, "fy": 52, "cx": 24, "cy": 18,
+                               "depth_scale": 0.001})",
+            0.001},
+           {"camera.json", R"({"width": 48, "height": 36, "fx": 50, "fy": 52, "cx": 24, "cy": 18,
+                               "depth_scale": 4000})",
+            0.00025},
+           {"camera.json", R"({"depth": {"width": 48, "height": 36, "fx": 50, "fy": 52, "ppx": 24, "ppy": 18,
+                                         "model": "none", "depth_scale": 0.0001}})",
+            0.0001},
            {"camera.yaml", orb + "DepthMapFactor: 5000.0\n", 0.0002},
            {"camera.yaml", orb + "RGBD.DepthMapFactor: 1000.0\n", 0.001}}) {
     const TemporaryFolder folder;
@@ -416,6 +426,39 @@ TEST(DepthFolderCameras, FilesThatSayTheScaleAreHeardInTheWordsOfTheirTools) {
     folder.write(name, text);
     EXPECT_FLOAT_EQ(depth_of({}, told), 8000 * step);
   }
+}
+
+/// ORB-SLAM's factors of float pictures; a step of 5 cm; a file that is no camera of these pictures; poses
+/// that say the scale themselves.
+TEST(DepthFolderCameras, FilesThatSayNoScaleOfThesePicturesAreNotHeard) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "depth");
+  folder.write("depth/0.png", picture_bytes(cv::Mat(36, 48, CV_16UC1, cv::Scalar(8000)), ".png"));
+  folder.write("poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n");
+  const std::string orb =
+      "Camera.fx: 50.0\nCamera.fy: 52.0\nCamera.cx: 24.0\nCamera.cy: 18.0\nCamera.width: 48\nCamera.height: "
+      "36\nDepthMapFactor: ";
+  const auto depth_of = [&](const std::string& setup) {
+    const auto source = open_frames(folder.path(), load_setup(folder.write("s.yaml", setup)).source);
+    return std::get<CloudFrame>(source->next().value().content).points.at(10 * 48 + 34).x();
+  };
+  for (const char* factor : {"0.0", "1.0"}) {
+    folder.write("k.yaml", orb + factor + "\n");
+    EXPECT_FLOAT_EQ(depth_of("camera: {file: k.yaml}\n"), 8.0F) << factor;
+  }
+  folder.write("intrinsics.txt", "fx 50\nfy 50\n");
+  EXPECT_FLOAT_EQ(depth_of("camera: {width: 48, height: 36, fx: 50, fy: 52, cx: 24, cy: 18}\n"), 8.0F);
+  std::filesystem::remove(folder / "intrinsics.txt");
+  folder.write("k.json", R"({"width": 48, "height": 36, "fx": 50, "fy": 52, "cx": 24, "cy": 18,
+                             "depth_scale": 20})");
+  EXPECT_THROW(depth_of("camera: {file: k.json}\n"), std::invalid_argument);
+  folder.write("k.yaml", orb + "5000.0\n");
+  EXPECT_FLOAT_EQ(depth_of("camera: {file: k.yaml}\n"), 1.6F);
+  std::filesystem::remove(folder / "poses.txt");
+  folder.write("transforms.json", R"({"integer_depth_scale": 0.001, "frames": [{"file_path": "rgb/0.png",
+      "depth_file_path": "depth/0.png",
+      "transform_matrix": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]}]})");
+  EXPECT_FLOAT_EQ(depth_of("camera: {file: k.yaml}\n"), 8.0F);
 }
 
 TEST(DepthFolderCameras, OfTumsRecordingsIsThatOfTumsTools) {

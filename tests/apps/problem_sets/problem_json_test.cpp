@@ -128,16 +128,31 @@ TEST_F(Import, JointsOfAProblemSetSayWhoseValuesTheseAre) {
   const auto run = import("json", {folder_.write("a.json", set.dump())}, {"--json"});
   ASSERT_EQ(run.status, exit_done) << run.log;
   EXPECT_EQ(Json::parse(run.out)["left_out"], Json{"'robot'"});
-  for (const SuiteProblem& problem : load_suite(folder_.path() / "out/suite.yaml").experiments[0].problems) {
+  const Suite suite = load_suite(folder_.path() / "out/suite.yaml");
+  ASSERT_EQ(suite.experiments[0].problems.size(), 2U);
+  for (const SuiteProblem& problem : suite.experiments[0].problems) {
     EXPECT_EQ(problem.start, (std::vector<double>{-0.2, 0.1, 0.01}));
     EXPECT_EQ(problem.goals[0], (std::vector<double>{0.5, -0.1, 0.02}));
   }
   std::filesystem::remove_all(folder_.path() / "out");
-  Json elsewhere = set;
-  elsewhere["base_pose"] = {1, 0, 0};
-  const auto refused = import("json", {folder_.write("b.json", elsewhere.dump())});
-  EXPECT_EQ(refused.status, exit_bad_input);
-  EXPECT_NE(refused.log.find("base_pose"), std::string::npos) << refused.log;
+  for (const auto& [key, value] :
+       std::vector<std::pair<std::string, Json>>{{"base_pose", {1, 0, 0}},
+                                                 {"sphere", Json::array()},
+                                                 {"boxes", {{"a", 1}}},
+                                                 {"unit", "mm"},
+                                                 {"collision_objects", Json::array()}}) {
+    Json elsewhere = set;
+    elsewhere[key] = value;
+    const auto refused = import("json", {folder_.write("b.json", elsewhere.dump())});
+    EXPECT_EQ(refused.status, exit_bad_input) << key;
+    EXPECT_NE(refused.log.find(key), std::string::npos) << refused.log;
+  }
+  Json about = set;
+  about["repository"] = {{"name", "x"}};
+  about["exposition"] = 3;
+  const auto taken = import("json", {folder_.write("b.json", about.dump())}, {"--json"});
+  ASSERT_EQ(taken.status, exit_done) << taken.log;
+  EXPECT_EQ(Json::parse(taken.out)["left_out"].size(), 3U);
 }
 
 }  // namespace import_test

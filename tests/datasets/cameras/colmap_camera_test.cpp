@@ -55,6 +55,11 @@ TEST(ColmapCamera, ProjectsAsColmapDoesButForTheHalfPixel) {
   const double wide = angle *
                       (1 + 0.1 * t2 - 0.02 * t2 * t2 + 0.01 * std::pow(t2, 3) + 0.003 * std::pow(t2, 4)) /
                       std::sqrt(r2);
+  const double radial_wide = angle * (1 + 0.1 * t2 - 0.02 * t2 * t2) / std::sqrt(r2);
+  expect_pixel(read("1 RADIAL_FISHEYE 640 480 500 320 240 0.1 -0.02\n"), 500 * radial_wide * ray + centre,
+               ray);
+  expect_pixel(read("1 SIMPLE_RADIAL_FISHEYE 640 480 500 320 240 0.1\n"),
+               500 * angle * (1 + 0.1 * t2) / std::sqrt(r2) * ray + centre, ray);
   expect_pixel(read("1 OPENCV_FISHEYE 640 480 500 510 320 240 0.1 -0.02 0.01 0.003\n"),
                {500 * wide * x + 320, 510 * wide * y + 240}, ray);
 }
@@ -63,15 +68,18 @@ TEST(ColmapCamera, OneOfSeveralIsNamedAndWhatIsNoneIsRefusedInOneSentence) {
   const std::string two = head + "1 PINHOLE 640 480 500 500 320 240\n7 PINHOLE 64 48 50 50 32 24\n";
   EXPECT_EQ(read(two, "7").width, 64);
   for (const auto& [text, name, why] : std::vector<std::array<std::string, 3>>{
-           {two, "", "has cameras '1' and '7': expected `camera: {file: …, name: …}`"},
+           {two, "", "has cameras '1', '7': expected `camera: {file: …, name: …}`"},
            {two, "2", "none called '2'"},
            {"1 FOV 640 480 500 500 320 240 0.9\n", "",
             "line 1: the camera model 'FOV' is not known here, expected"},
            {head + "1 PINHOLE 640 480 500 500 320\n", "", "line 3: expected 6 numbers behind PINHOLE, got 5"},
-           {"1 PINHOLE 640 480 500 x 320 240\n", "", "expected a finite number, got 'x'"},
-           {"1 PINHOLE 640 480 500 nan 320 240\n", "", "expected a finite number"},
-           {"1 PINHOLE 640.5 480 500 500 320 240\n", "", "a width and a height of 1 to 20000"},
-           {"1 PINHOLE 1e9 480 500 500 320 240\n", "", "a width and a height of 1 to 20000"},
+           {"1 PINHOLE 640 480 500 x 320 240\n", "", "expected a number from -1e6 to 1e6, got 'x'"},
+           {"1 PINHOLE 640 480 500 nan 320 240\n", "", "expected a number from -1e6 to 1e6, got 'nan'"},
+           {"1 PINHOLE 640 480 500 1e7 320 240\n", "", "expected a number from -1e6 to 1e6"},
+           {"1 PINHOLE 640 480\n", "", "expected 6 numbers behind PINHOLE, got 2"},
+           {"1 PINHOLE 640.5 480 500 500 320 240\n", "", "a width and a height of 32 to 20000"},
+           {"1 PINHOLE 1e5 480 500 500 320 240\n", "", "a width and a height of 32 to 20000"},
+           {"1 PINHOLE 640 480 500 500 320 240\n", "7", "none called '7'"},
            {"1 SIMPLE_PINHOLE 640 480 -500 320 240\n", "", "focal lengths above 0"}}) {
     const std::string sentence = refusal(text, name);
     EXPECT_NE(sentence.find(why), std::string::npos) << sentence;
@@ -79,14 +87,29 @@ TEST(ColmapCamera, OneOfSeveralIsNamedAndWhatIsNoneIsRefusedInOneSentence) {
   }
 }
 
-/// CataCamera of camodocal, as VINS takes it.
+TEST(ColmapCamera, TheLensThatTheSetupStatesHasToAgree) {
+  const std::string text = "1 PINHOLE 640 480 500 500 320 240\n";
+  EXPECT_NE(complaint([&] {
+              parse_camera_file(text, "cameras.txt", "", false, {}, LensModel::fisheye);
+            }).find("its lens is plumb_bob, expected fisheye"),
+            std::string::npos);
+}
+
+/// PinholeCamera and EquidistantCamera of camodocal, as VINS takes them; the names in any letters.
 TEST(ColmapCamera, CamodocalsPinholeAndItsFisheyeAreKnown) {
   const std::string size = "%YAML:1.0\n---\ncamera_name: camera\nimage_width: 752\nimage_height: 480\n";
   const CameraIntrinsics pinhole{752, 480, 461.6, 460.3, 363, 248.1, {-0.29, 0.08, 5e-05, -1.5e-04}};
   const std::string parameters =
       "distortion_parameters:\n   k1: -0.29\n   k2: 0.08\n   p1: 5.0e-05\n   p2: -1.5e-04\n"
       "projection_parameters:\n   fx: 461.6\n   fy: 460.3\n   cx: 363\n   cy: 248.1\n";
-  EXPECT_EQ(read(size + "model_type: PINHOLE\n" + parameters), pinhole);
+  for (const char* type : {"PINHOLE", "pinhole"})
+    EXPECT_EQ(read(size + "model_type: " + type + "\n" + parameters), pinhole);
+  CameraIntrinsics straight = pinhole;
+  straight.distortion = {};
+  EXPECT_EQ(read(size + "model_type: PINHOLE\n" + parameters.substr(parameters.find("projection"))),
+            straight);
+  EXPECT_NE(refusal(size + parameters).find("expected PINHOLE or KANNALA_BRANDT, got 'none'"),
+            std::string::npos);
   CameraIntrinsics wide{752, 480, 461.6, 460.3, 363, 248.1, {0.1, -0.02, 0.01, 0.003}};
   wide.lens = LensModel::fisheye;
   EXPECT_EQ(read(size +

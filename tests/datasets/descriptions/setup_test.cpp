@@ -206,7 +206,8 @@ TEST(Setup, EveryMistakeIsOneSentenceNamingFileLineKeyAndExpectation) {
       {"camera: {width: 4, height: 4, fx: 1, fy: -1, cx: 2, cy: 2}", "line 1", "camera.fy",
        "that of depth alone: `source: {depth: {camera: …}}`"},
       {"camera: {width: 4, height: 4, fx: 1, fy: 0, cx: 2, cy: 2}", "line 1", "camera.fy", "not 0"},
-      {"source: {depth: {camera: {width: 4, height: 4, fx: 1, fy: -1, cx: 2, cy: 2, distortion: [0.1]}}}",
+      {"source: {depth: {camera: {width: 4, height: 4, fx: 1, fy: -1, cx: 2, cy: 2, distortion: [0.1, 0, 0, "
+       "0, 0]}}}",
        "line 1", "fy", "expected a positive number beside a distortion"},
       {"source: {bag: {depth: /d}, depth: {camera: {width: 4, height: 4, fx: 1, fy: -1, cx: 2, cy: 2}}}",
        "line 1", "fy", "expected a positive number"},

