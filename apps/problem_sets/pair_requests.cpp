@@ -68,12 +68,17 @@ std::size_t world_without(const std::set<std::string>& objects, std::size_t scen
 std::size_t scene_of(const std::filesystem::path& request, std::span<const ForeignWorld> scenes) {
   const std::string name = request.stem().string(), digits = digits_of(name);
   std::vector<std::size_t> found, beside;  // sets of several folders count from 1 in each
+  std::string twin = name;  // of MotionBenchMaker's folders, which have scene_sensed0001 as well
+  if (const std::size_t at = twin.find("request"); at != std::string::npos) twin.replace(at, 7, "scene");
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     if (scenes.size() > 1 && (digits.empty() || digits_of(scenes[i].name) != digits)) continue;
     found.push_back(i);
     if (scenes[i].folder == request.parent_path()) beside.push_back(i);
   }
-  if (beside.size() == 1) found = beside;
+  if (!beside.empty()) found = beside;
+  const auto is_twin = [&](std::size_t i) { return scenes[i].name == twin; };
+  if (found.size() > 1 && std::count_if(found.begin(), found.end(), is_twin) == 1)
+    found = {*std::find_if(found.begin(), found.end(), is_twin)};
   if (found.size() != 1) {
     std::vector<std::string> names;
     for (const std::size_t i : found)

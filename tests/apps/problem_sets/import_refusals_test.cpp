@@ -106,12 +106,18 @@ TEST_F(Import, ScenesOfOneNumberAreNamedAndOtherFilesAreSaidToBeLeftOut) {
   const std::string sensed = folder_.write("scene_sensed0001.yaml", "world: {collision_objects: []}");
   const std::string config = folder_.write("config.yaml", "robot: {name: arm}\nsamples: 100\n");
   const std::string request = folder_.write("request0001.yaml", arm_request);
-  const CommandRun both = import("mbm", {config, request, scene, sensed});
+  const std::string other = folder_.write("table0001.yaml", "world: {collision_objects: []}");
+  const CommandRun both = import("mbm", {config, request, other, sensed});
   EXPECT_EQ(both.status, exit_bad_input);
   EXPECT_TRUE(both.complains_in_one_sentence()) << both.log;
   EXPECT_NE(both.log.find("2 scenes have names that end in its number, "), std::string::npos) << both.log;
-  EXPECT_NE(both.log.find("/scene0001', '"), std::string::npos) << both.log;
+  EXPECT_NE(both.log.find("/table0001', '"), std::string::npos) << both.log;
   EXPECT_NE(both.log.find("/scene_sensed0001', expected one"), std::string::npos) << both.log;
+  const CommandRun folder = import("mbm", {config, request, sensed, scene});  // as the shell has DIR/*.yaml
+  EXPECT_EQ(folder.status, exit_done) << folder.log;
+  const Json made = Json::parse(read_file(folder_.file("out/import.json")));
+  EXPECT_EQ(made["problems"][0]["world"], "scene0001") << made;
+  std::filesystem::remove_all(folder_.path() / "out");
   const CommandRun one = import("mbm", {config, request, scene});
   EXPECT_EQ(one.status, exit_done) << one.log;
   EXPECT_NE(one.out.find("config.yaml: neither a scene with 'world' nor a request with 'goal_constraints'"),
