@@ -206,6 +206,11 @@ class DepthFolder final : public FrameSource {
     if (!camera)
       camera_note_ = "the depth pictures' cameras are those of " + quote_path(layout.poses.string()) +
                      "; `source: {depth: {camera: …}}` states another.";
+    if (extension_of(layout.poses) == ".freiburg" && camera && camera->fy > 0.0)
+      icl_note_ =
+          "poses " + quote_path(layout.poses.string()) +
+          " are called as ICL-NUIM's, whose y axis points up (fy = -480): with the camera's fy above 0 they "
+          "place its pictures wrongly; `source: {depth: {camera: …}}` states it.";
     if (!layout.colour.empty()) colour_ = open_pictures(layout.colour, "colour", options);
   }
   bool has_poses() const { return poses_.are_there(); }
@@ -224,6 +229,7 @@ class DepthFolder final : public FrameSource {
   std::vector<std::string> warnings() const override {
     std::vector<std::string> sentences = timed_.warnings;
     if (!camera_note_.empty()) sentences.push_back(camera_note_);
+    if (!icl_note_.empty()) sentences.push_back(icl_note_);
     if (!options_.depth.scale_note.empty()) sentences.push_back(options_.depth.scale_note);
     if (!is_scale_stated_ && !why_of_tum_.empty())
       sentences.push_back("steps of depth are 0.0002 m, as " + why_of_tum_ +
@@ -315,7 +321,7 @@ class DepthFolder final : public FrameSource {
   std::unique_ptr<FrameSource> colour_;
   std::optional<Frame> next_depth_, next_colour_;
   std::size_t at_ = 0, unposed_ = 0, unnamed_ = 0;
-  std::string camera_note_;
+  std::string camera_note_, icl_note_;
   FolderDamage damage_;
 };
 

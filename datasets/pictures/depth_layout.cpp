@@ -78,8 +78,10 @@ bool has_pose_files(const fs::path& folder) {
 /// As the folders of data sets are called, or by the pictures' names.
 DepthLayout layout_by_names(const fs::path& folder) {
   DepthLayout layout;
-  layout.depth = pictures_in(folder / "depth");
-  if (layout.depth.empty()) layout.depth = pgm_in(folder / "depth");
+  for (const char* name : {"depth", "aligned_depth", "depths", "depth_images"}) {
+    if (layout.depth.empty()) layout.depth = pictures_in(folder / name);
+    if (layout.depth.empty()) layout.depth = pgm_in(folder / name);
+  }
   if (!layout.depth.empty()) {
     const fs::path colour = first_there(folder, {"rgb", "color", "colour", "image", "images"});
     if (!colour.empty()) layout.colour = pictures_in(colour);
@@ -172,8 +174,8 @@ std::optional<DepthLayout> depth_layout(const fs::path& folder, const fs::path& 
   const fs::path above = fs::weakly_canonical(folder, error).parent_path();
   if (layout.camera.empty())
     layout.camera = first_there(above, {"cam_params.json"});  // Replica's, of all its rooms
-  layout.poses =
-      first_there(folder, {"groundtruth.txt", "poses.txt", "trajectory.txt", "trajectory.log", "traj.txt"});
+  layout.poses = first_there(folder, {"groundtruth.txt", "poses.txt", "trajectory.txt", "trajectory.log",
+                                      "traj.txt", "scene/trajectory.log"});
   for (const char* kind : {".log", ".freiburg"})
     if (layout.poses.empty()) layout.poses = only_file(folder, kind);
   if (layout.poses.empty() && layout.pose_folder.empty())
