@@ -29,21 +29,24 @@ struct Encoding {
 };
 
 const std::map<std::string, Encoding>& encodings() {
-  static const std::map<std::string, Encoding> known{{"mono8", {CV_8UC1, -1}},
-                                                     {"8UC1", {CV_8UC1, -1}},
-                                                     {"rgb8", {CV_8UC3, cv::COLOR_RGB2GRAY}},
-                                                     {"bgr8", {CV_8UC3, cv::COLOR_BGR2GRAY}},
-                                                     {"8UC3", {CV_8UC3, cv::COLOR_BGR2GRAY}},
-                                                     {"rgba8", {CV_8UC4, cv::COLOR_RGBA2GRAY}},
-                                                     {"bgra8", {CV_8UC4, cv::COLOR_BGRA2GRAY}},
-                                                     {"yuv422", {CV_8UC2, cv::COLOR_YUV2GRAY_UYVY}},
-                                                     {"uyvy", {CV_8UC2, cv::COLOR_YUV2GRAY_UYVY}},
-                                                     {"yuv422_yuy2", {CV_8UC2, cv::COLOR_YUV2GRAY_YUY2}},
-                                                     {"yuyv", {CV_8UC2, cv::COLOR_YUV2GRAY_YUY2}},
-                                                     {"bayer_rggb8", {CV_8UC1, cv::COLOR_BayerBG2GRAY}},
-                                                     {"bayer_bggr8", {CV_8UC1, cv::COLOR_BayerRG2GRAY}},
-                                                     {"bayer_gbrg8", {CV_8UC1, cv::COLOR_BayerGR2GRAY}},
-                                                     {"bayer_grbg8", {CV_8UC1, cv::COLOR_BayerGB2GRAY}}};
+  static const std::map<std::string, Encoding> known{
+      {"mono8", {CV_8UC1, -1}},
+      {"8UC1", {CV_8UC1, -1}},
+      {"rgb8", {CV_8UC3, cv::COLOR_RGB2GRAY}},
+      {"bgr8", {CV_8UC3, cv::COLOR_BGR2GRAY}},
+      {"8UC3", {CV_8UC3, cv::COLOR_BGR2GRAY}},
+      {"rgba8", {CV_8UC4, cv::COLOR_RGBA2GRAY}},
+      {"bgra8", {CV_8UC4, cv::COLOR_BGRA2GRAY}},
+      {"yuv422", {CV_8UC2, cv::COLOR_YUV2GRAY_UYVY}},
+      {"uyvy", {CV_8UC2, cv::COLOR_YUV2GRAY_UYVY}},
+      {"yuv422_yuy2", {CV_8UC2, cv::COLOR_YUV2GRAY_YUY2}},
+      {"yuyv", {CV_8UC2, cv::COLOR_YUV2GRAY_YUY2}},
+      {"YUYV", {CV_8UC2, cv::COLOR_YUV2GRAY_YUY2}},  // librealsense
+      {"8UC4", {CV_8UC4, cv::COLOR_BGRA2GRAY}},
+      {"bayer_rggb8", {CV_8UC1, cv::COLOR_BayerBG2GRAY}},
+      {"bayer_bggr8", {CV_8UC1, cv::COLOR_BayerRG2GRAY}},
+      {"bayer_gbrg8", {CV_8UC1, cv::COLOR_BayerGR2GRAY}},
+      {"bayer_grbg8", {CV_8UC1, cv::COLOR_BayerGB2GRAY}}};
   return known;
 }
 

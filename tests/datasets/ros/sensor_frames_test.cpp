@@ -44,6 +44,23 @@ TEST(SensorFrames, DepthImagesOfAFisheyeLieOnTheRaysThatOpenCvFinds) {
   }
 }
 
+/// Two pixels each: the brightness stands first in YUYV and second in UYVY; of 8UC4 it is made of all three.
+TEST(SensorFrames, ImagesOfPackedColoursAreTheirBrightness) {
+  for (const auto& [encoding, bytes] : std::vector<std::pair<std::string, std::vector<std::uint8_t>>>{
+           {"YUYV", {10, 128, 20, 128}},
+           {"yuv422_yuy2", {10, 128, 20, 128}},
+           {"yuv422", {128, 10, 128, 20}},
+           {"8UC4", {10, 10, 10, 255, 20, 20, 20, 255}}}) {
+    RosImage image;
+    image.width = 2;
+    image.height = 1;
+    image.step = static_cast<std::uint32_t>(bytes.size());
+    image.encoding = encoding;
+    image.data = bytes;
+    EXPECT_EQ(gray_image(image).pixels, (std::vector<std::uint8_t>{10, 20})) << encoding;
+  }
+}
+
 /// Two points as of ouster_ros and others. @param kind of the time's field: 6 is uint32, 7 float32
 PointTimes times_of(const std::string& field, std::uint8_t kind, double from, double to) {
   static std::vector<std::uint8_t> data;
