@@ -19,10 +19,11 @@ namespace {
 
 using Points = std::vector<Eigen::Vector3d>;
 
-constexpr int cuts_of_an_axis = 7;
-constexpr double least_gain = 0.01;        ///< of the first hulls' volume; less is not worth a hull
-constexpr std::size_t most_judged = 3000;  ///< triangles by which a cut is judged
-constexpr std::size_t directions_to_judge = 64;
+constexpr int cuts_of_an_axis = 5;
+constexpr double least_gain = 0.01;       ///< of the first hulls' volume; less is not worth a hull
+constexpr std::size_t most_judged = 700;  ///< triangles by which a cut is judged
+constexpr std::size_t directions_to_judge = 48;
+constexpr double largest_hole = 0.2;  ///< of the extent of the part that has it; such a one is closed
 
 double volume_of(const Points& points) {
   double volume = 0.0;
@@ -94,26 +95,87 @@ void add_polygon(const Points& corners, Points& triangles) {
     triangles.insert(triangles.end(), {corners[0], corners[i - 1], corners[i]});
 }
 
-/// Below and above the plane, both closed by the hull of the cut.
+/// Sets of numbers that belong together.
+class Together {
+ public:
+  explicit Together(std::size_t count) : above_(count) {
+    std::iota(above_.begin(), above_.end(), std::size_t{0});
+  }
+  std::size_t root(std::size_t i) {
+    while (above_[i] != i) i = above_[i] = above_[above_[i]];
+    return i;
+  }
+  void join(std::size_t a, std::size_t b) { above_[root(a)] = root(b); }
+
+ private:
+  std::vector<std::size_t> above_;
+};
+
+/// Where a plane cuts triangles.
+class Section {
+ public:
+  /// Where it crosses an edge, the same for both triangles that have it.
+  Eigen::Vector3d crossing(const Eigen::Vector3d& from, const Eigen::Vector3d& to, const Cut& cut) const {
+    const bool is_ordered = key(from) < key(to);
+    const Eigen::Vector3d &a = is_ordered ? from : to, &b = is_ordered ? to : from;
+    if (a[cut.axis] == cut.at) return a;
+    if (b[cut.axis] == cut.at) return b;
+    Eigen::Vector3d point = a + (cut.at - a[cut.axis]) / (b[cut.axis] - a[cut.axis]) * (b - a);
+    point[cut.axis] = cut.at;
+    return point;
+  }
+  void add(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    if (a != b) segments_.emplace_back(number(a), number(b));
+  }
+  /// Hulls that cover what the mesh encloses of the plane: one for each curve, where all are closed; else
+  /// one.
+  std::vector<Points> caps(int axis) const {
+    Together curves(points_.size());
+    std::vector<int> ends(points_.size(), 0);
+    for (const auto& [a, b] : segments_) curves.join(a, b), ++ends[a], ++ends[b];
+    const bool are_closed = std::all_of(ends.begin(), ends.end(), [](int count) { return count % 2 == 0; });
+    std::map<std::size_t, Points> of_curve;
+    for (std::size_t i = 0; i < points_.size(); ++i)
+      of_curve[are_closed ? curves.root(i) : 0].push_back(points_[i]);
+    std::vector<Points> hulls;
+    for (auto& [root, points] : of_curve) hulls.push_back(hull_of_plane(std::move(points), axis));
+    return hulls;
+  }
+
+ private:
+  static std::tuple<double, double, double> key(const Eigen::Vector3d& p) { return {p.x(), p.y(), p.z()}; }
+  std::size_t number(const Eigen::Vector3d& point) {
+    const auto [at, is_new] = numbers_.try_emplace(key(point), points_.size());
+    if (is_new) points_.push_back(point);
+    return at->second;
+  }
+  std::map<std::tuple<double, double, double>, std::size_t> numbers_;
+  Points points_;
+  std::vector<std::pair<std::size_t, std::size_t>> segments_;
+};
+
+/// Below and above the plane, both closed by hulls of the section. A boundary that leads from the mesh over
+/// to the cap of an earlier cut ends at that one's rim, which no curve goes on from: then there is one hull
+/// of all.
 std::array<Points, 2> cut_by(const Points& triangles, const Cut& cut) {
   std::array<Points, 2> sides;
-  Points section;
+  Section section;
   for (std::size_t i = 0; i + 2 < triangles.size(); i += 3) {
     std::array<Points, 2> polygons;
+    Points crossings;
     for (std::size_t k = 0; k < 3; ++k) {
       const Eigen::Vector3d &a = triangles[i + k], &b = triangles[i + (k + 1) % 3];
       const bool is_above = a[cut.axis] >= cut.at;
       polygons[is_above].push_back(a);
       if (is_above == (b[cut.axis] >= cut.at)) continue;
-      Eigen::Vector3d crossing = a + (cut.at - a[cut.axis]) / (b[cut.axis] - a[cut.axis]) * (b - a);
-      crossing[cut.axis] = cut.at;
-      for (Points& polygon : polygons) polygon.push_back(crossing);
-      section.push_back(crossing);
+      crossings.push_back(section.crossing(a, b, cut));
+      for (Points& polygon : polygons) polygon.push_back(crossings.back());
     }
+    if (crossings.size() == 2) section.add(crossings[0], crossings[1]);
     for (std::size_t side = 0; side < 2; ++side) add_polygon(polygons[side], sides[side]);
   }
-  const Points cap = hull_of_plane(std::move(section), cut.axis);
-  for (Points& side : sides) add_polygon(cap, side);
+  for (const Points& cap : section.caps(cut.axis))
+    for (Points& side : sides) add_polygon(cap, side);
   return sides;
 }
 
@@ -179,46 +241,71 @@ double collect(std::vector<Piece>& pieces, std::size_t index, double least, std:
   return piece.volume;
 }
 
-/// Numbers of the mesh's connected parts, one for each triangle, and which of these are closed.
+/// The mesh with its small holes closed, by a fan about one of each one's corners; the number of the
+/// connected part of each triangle, and which parts are closed.
 struct Parts {
+  Points triangles;
   std::vector<std::size_t> of_triangle;
   std::vector<bool> are_closed;
 };
 
+double extent_of(const Eigen::AlignedBox3d& box) { return box.isEmpty() ? 0.0 : box.sizes().maxCoeff(); }
+
 Parts parts_of(const Points& triangles) {
+  using Edge = std::pair<std::size_t, std::size_t>;
   std::map<std::tuple<double, double, double>, std::size_t> numbers;
   std::vector<std::size_t> corner;  // the number of each corner's vertex
-  for (const Eigen::Vector3d& p : triangles)
+  Points vertices;
+  for (const Eigen::Vector3d& p : triangles) {
     corner.push_back(numbers.try_emplace({p.x(), p.y(), p.z()}, numbers.size()).first->second);
-  std::vector<std::size_t> above(numbers.size());
-  std::iota(above.begin(), above.end(), std::size_t{0});
-  const auto root = [&](std::size_t vertex) {
-    while (above[vertex] != vertex) vertex = above[vertex] = above[above[vertex]];
-    return vertex;
-  };
-  std::map<std::pair<std::size_t, std::size_t>, int> uses;  // of each edge
+    if (corner.back() == vertices.size()) vertices.push_back(p);
+  }
+  Together parts(vertices.size()), holes(vertices.size());
+  std::map<Edge, int> uses;
   const std::size_t count = triangles.size() / 3;
   for (std::size_t i = 0; i < count; ++i) {
     const std::array<std::size_t, 3> c{corner[3 * i], corner[3 * i + 1], corner[3 * i + 2]};
-    above[root(c[1])] = root(c[0]);
-    above[root(c[2])] = root(c[0]);
+    parts.join(c[1], c[0]);
+    parts.join(c[2], c[0]);
     if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0]) continue;
     for (std::size_t k = 0; k < 3; ++k) ++uses[std::minmax(c[k], c[(k + 1) % 3])];
   }
   std::map<std::size_t, std::size_t> part_of_root;
-  Parts parts;
-  for (std::size_t i = 0; i < count; ++i)
-    parts.of_triangle.push_back(
-        part_of_root.try_emplace(root(corner[3 * i]), part_of_root.size()).first->second);
-  parts.are_closed.assign(part_of_root.size(), true);
+  std::vector<Eigen::AlignedBox3d> boxes;  // of the parts
+  Parts found{triangles, {}, {}};
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto [at, is_new] = part_of_root.try_emplace(parts.root(corner[3 * i]), part_of_root.size());
+    if (is_new) boxes.emplace_back();
+    found.of_triangle.push_back(at->second);
+    for (std::size_t k = 0; k < 3; ++k) boxes[at->second].extend(triangles[3 * i + k]);
+  }
+  found.are_closed.assign(boxes.size(), true);
   for (const auto& [edge, times] : uses)
-    if (times % 2 != 0) parts.are_closed[part_of_root.at(root(edge.first))] = false;
-  return parts;
+    if (times % 2 != 0) holes.join(edge.first, edge.second);
+  std::map<std::size_t, std::vector<Edge>> rims;
+  for (const auto& [edge, times] : uses)
+    if (times % 2 != 0) rims[holes.root(edge.first)].push_back(edge);
+  for (const auto& [root, rim] : rims) {
+    const std::size_t part = part_of_root.at(parts.root(root)), middle = rim.front().first;
+    Eigen::AlignedBox3d box;
+    for (const auto& [a, b] : rim) box.extend(vertices[a]), box.extend(vertices[b]);
+    if (extent_of(box) > largest_hole * extent_of(boxes[part])) {
+      found.are_closed[part] = false;
+      continue;
+    }
+    for (const auto& [a, b] : rim) {
+      if (a == middle || b == middle) continue;
+      found.triangles.insert(found.triangles.end(), {vertices[middle], vertices[a], vertices[b]});
+      found.of_triangle.push_back(part);
+    }
+  }
+  return found;
 }
 
 /// The closed parts each for itself (all in one where they are more than hulls are wanted), and the rest.
-std::vector<Piece> first_pieces(const Points& triangles, std::size_t most) {
-  const Parts parts = parts_of(triangles);
+std::vector<Piece> first_pieces(const Points& mesh, std::size_t most) {
+  const Parts parts = parts_of(mesh);
+  const Points& triangles = parts.triangles;
   const auto closed =
       static_cast<std::size_t>(std::count(parts.are_closed.begin(), parts.are_closed.end(), true));
   const bool are_apart = closed + (closed < parts.are_closed.size() ? 1 : 0) <= most;

@@ -9,6 +9,7 @@
 
 #include "planning/geometry/convex_hull.hpp"
 #include "tests/worlds/random_world.hpp"
+#include "tests/worlds/trials.hpp"
 
 namespace clearway {
 namespace convex_pieces_test {
@@ -167,7 +168,7 @@ void expect_contained(const Points& mesh, const std::vector<Points>& pieces, Ran
 
 TEST(ConvexPieces, TogetherContainWhatTheMeshEnclosesAndAreSmallerThanItsHull) {
   Random random(12);
-  for (int trial = 0; trial < 4; ++trial) {
+  for (int trial = 0; trial < trials(2, 12); ++trial) {
     const Eigen::Matrix3d turn =
         trial % 3 == 0
             ? Eigen::Matrix3d::Identity()
@@ -184,6 +185,55 @@ TEST(ConvexPieces, TogetherContainWhatTheMeshEnclosesAndAreSmallerThanItsHull) {
         expect_contained(mesh, hulls, random);
       }
       EXPECT_LT(least, 0.97 * whole);  // cuts go along axes
+    }
+  }
+}
+
+/// Cubes of a grid of 6 x 6 x 6, whose faces lie in the planes that cut them; some touch by edges and corners
+/// alone.
+TEST(ConvexPieces, OfCubesWhoseFacesLieInThePlanesOfCutsAllAreContained) {
+  constexpr int n = 6;
+  Random random(77);
+  for (int trial = 0; trial < trials(3, 25); ++trial) {
+    const double share = random.between(0.1, 0.9);
+    std::vector<bool> cells(n * n * n);
+    for (std::size_t i = 0; i < cells.size(); ++i) cells[i] = random.unit() < share;
+    const auto is_full = [&](const Eigen::Vector3i& c) {
+      return c.minCoeff() >= 0 && c.maxCoeff() < n &&
+             cells[static_cast<std::size_t>((c.x() * n + c.y()) * n + c.z())];
+    };
+    Points mesh;
+    std::vector<Eigen::Vector3i> full;
+    for (int x = 0; x < n; ++x)
+      for (int y = 0; y < n; ++y)
+        for (int z = 0; z < n; ++z) {
+          const Eigen::Vector3i cell(x, y, z);
+          if (!is_full(cell)) continue;
+          full.push_back(cell);
+          for (int axis = 0; axis < 3; ++axis)
+            for (const int side : {0, 1}) {
+              Eigen::Vector3i beside = cell;
+              beside[axis] += side == 1 ? 1 : -1;
+              if (is_full(beside)) continue;
+              const auto at = [&](int u, int v) {
+                Eigen::Vector3d corner = cell.cast<double>();
+                corner[axis] += side, corner[(axis + 1) % 3] += u, corner[(axis + 2) % 3] += v;
+                return corner;
+              };
+              add_quad(mesh, at(0, 0), at(1, 0), at(1, 1), at(0, 1));
+            }
+        }
+    for (const std::size_t most : {3U, 12U, 40U}) {
+      const std::vector<Points> pieces = convex_pieces(mesh, most);
+      EXPECT_LE(pieces.size(), most);
+      const Hulls hulls(pieces);
+      for (const Eigen::Vector3i& cell : full)
+        for (int i = 0; i < 12; ++i) {
+          const Eigen::Vector3d corner(i & 1, (i >> 1) & 1, (i >> 2) & 1);
+          const Eigen::Vector3d inside =
+              i < 8 ? corner : Eigen::Vector3d(random.unit(), random.unit(), random.unit());
+          EXPECT_TRUE(hulls.hold(cell.cast<double>() + inside)) << trial << ": " << cell.transpose();
+        }
     }
   }
 }
@@ -226,8 +276,26 @@ TEST(ConvexPieces, WhatIsNotClosedStaysInOneHull) {
   EXPECT_FALSE(is_held(mixed, {3.0, 0.5, 0.5}));
   EXPECT_EQ(convex_pieces(both, 1).size(), 1U);
   Points open = channel(0.5);
-  open.resize(open.size() - 3);
+  open.resize(open.size() - 3);  // half of a wall's end
   EXPECT_EQ(convex_pieces(open, 8).size(), 1U);
+}
+
+/// Exporters leave some triangles out.
+TEST(ConvexPieces, SmallHolesAreClosed) {
+  Random random(8);
+  const Points whole = torus(random, 40, 20);
+  Points holed;
+  for (std::size_t i = 0; i < whole.size(); i += 3)
+    if (i % 300 != 0 && i != 303) holed.insert(holed.end(), {whole[i], whole[i + 1], whole[i + 2]});
+  const std::vector<Points> hulls = convex_pieces(holed, 16);
+  EXPECT_GT(hulls.size(), 4U);
+  EXPECT_FALSE(is_held(hulls, Eigen::Vector3d::Zero()));
+  const Hulls held(hulls);
+  for (int i = 0; i < 300; ++i) {
+    const Eigen::Vector3d point = random.point(1.3);
+    if (is_enclosed(whole, point) && is_enclosed(holed, point))
+      EXPECT_TRUE(held.hold(point)) << point.transpose();
+  }
 }
 
 TEST(ConvexPieces, OfMorePartsThanHullsAreStillAllThere) {
