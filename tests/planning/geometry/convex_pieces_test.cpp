@@ -293,8 +293,8 @@ TEST(ConvexPieces, SmallHolesAreClosed) {
   const Hulls held(hulls);
   for (int i = 0; i < 300; ++i) {
     const Eigen::Vector3d point = random.point(1.3);
-    if (is_enclosed(whole, point) && is_enclosed(holed, point))
-      EXPECT_TRUE(held.hold(point)) << point.transpose();
+    if (!is_enclosed(whole, point) || !is_enclosed(holed, point)) continue;
+    EXPECT_TRUE(held.hold(point)) << point.transpose();
   }
 }
 
