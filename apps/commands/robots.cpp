@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <ostream>
+#include <set>
 
 #include "apps/console/commands.hpp"
 #include "apps/console/named_places.hpp"
@@ -155,7 +156,9 @@ class Description {
     for (const Body& body : robot_.bodies) json["bodies"].push_back(body_json(body));
     json["tested_pairs"] = tested_pairs_;
     json["exempt_pairs"] = Json::array();
-    for (const auto& [a, b] : robot_.exempt) json["exempt_pairs"].push_back({part(a), part(b)});
+    std::set<std::pair<std::string, std::string>> exempt;  // of parts, which may have several bodies each
+    for (const auto& [a, b] : robot_.exempt)
+      if (exempt.emplace(part(a), part(b)).second) json["exempt_pairs"].push_back({part(a), part(b)});
     json["touching"] = touching_;
     json["notes"] = notes_;
     return json;

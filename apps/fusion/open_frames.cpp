@@ -118,7 +118,11 @@ SourceOptions with_scale_of_file(const DepthLayout& layout, SourceOptions option
        {std::pair{depth.scale_file, depth.scale_camera},
         std::pair{is_of_folder || is_in_use ? layout.camera : fs::path(), std::string()}}) {
     if (depth.scale_of_file || file.empty()) continue;
-    depth.scale_of_file = depth_scale_of_file(file, camera);
+    try {
+      depth.scale_of_file = depth_scale_of_file(file, camera);
+    } catch (const std::invalid_argument& error) {
+      depth.scale_note = error.what();
+    }
     if (depth.scale_of_file)
       depth.scale_note = "steps of depth are " + short_text(*depth.scale_of_file) + " m, by " +
                          quote_path(file.string()) + "; `source: {depth: {scale: …}}` states others.";

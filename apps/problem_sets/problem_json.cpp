@@ -172,37 +172,36 @@ std::vector<std::string> unknown_keys_of_problem(const JsonField& problem) {
   return unknown;
 }
 
-/// Whether a key of the file would be of all its problems: things that stand about, or where they do.
+/// Whether a number or word of the file would be of all its problems: where things are, and in what units.
 bool tells_of_all(const std::string& key) {
   static const std::set<std::string> telling{
-      "sphere",   "cylinder",    "capsule",  "box",        "cuboid",      "mesh",
-      "obstacle", "object",      "world",    "scene",      "collision",   "shape",
-      "octomap",  "voxel",       "cloud",    "pointcloud", "environment", "pose",
-      "position", "orientation", "rotation", "offset",     "origin",      "frame",
-      "base",     "transform",   "unit",     "scale",      "quaternion",  "translation"};
+      "pose", "pos",        "position", "orientation", "rotation", "rot",   "rpy",       "euler",
+      "quat", "quaternion", "offset",   "origin",      "frame",    "base",  "transform", "translation",
+      "unit", "units",      "scale",    "height",      "ground",   "floor", "table",     "wall"};
   std::string word;
-  const auto is_telling = [&] {
-    const std::string one = word.ends_with("xes") ? word.substr(0, word.size() - 2)
-                            : word.ends_with("s") ? word.substr(0, word.size() - 1)
-                                                  : word;
-    return telling.contains(one);
-  };
+  bool was_small = false;
   for (const char c : key) {
-    if (std::isalpha(static_cast<unsigned char>(c)) != 0) {
-      word += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-      continue;
+    const bool is_letter = std::isalpha(static_cast<unsigned char>(c)) != 0;
+    const bool is_capital = std::isupper(static_cast<unsigned char>(c)) != 0;
+    if (!is_letter || (is_capital && was_small)) {  // basePose is two words
+      if (telling.contains(word)) return true;
+      word.clear();
     }
-    if (is_telling()) return true;
-    word.clear();
+    if (is_letter) word += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    was_small = is_letter && !is_capital;
   }
-  return is_telling();
+  return telling.contains(word);
 }
 
-/// Of the file: what it says beside its problems.
+/// Of the file: what it says beside its problems. Lists and objects may be things that stand about in all.
 void leave_out_rest(const JsonField& root, ForeignSet& set) {
+  static const std::set<std::string> about{"metadata",   "meta",     "info",    "notes",      "tags",
+                                           "repository", "config",   "configs", "statistics", "stats",
+                                           "results",    "settings", "args",    "params",     "parameters",
+                                           "planner",    "planners", "author",  "authors",    "license"};
   for (const auto& [key, value] : root.members()) {
     if (key == "problems" || key == "joints" || value.is_null()) continue;
-    if (tells_of_all(key))
+    if (value.is_composed() ? !about.contains(key) : tells_of_all(key))
       value.refuse("no such key, as what it holds would be lost, or one of joints, problems");
     set.left_out.push_back(quote(key));
   }

@@ -488,6 +488,12 @@ bool has_any_matrix(const YamlFields& file) {
                      [&file](const MatrixKey& key) { return file.has(key.matrix); });
 }
 
+/// Whether it is a file of json_camera's kinds, and of no other that is looked for before.
+bool is_json_camera(const YamlFields& file) {
+  return !is_echo(file) && !file.is_list("intrinsics") && !file.is_map("projection_parameters") &&
+         !file.has("image_width") && !has_any_matrix(file) && orb_slam_prefix(file).empty();
+}
+
 CameraIntrinsics read_any(const YamlFields& file, const std::string& camera, BesideFile& beside) {
   const bool is_rectified = beside.is_rectified;
   if (is_echo(file)) return read_echo(file, is_rectified);
@@ -618,7 +624,7 @@ std::optional<double> depth_scale_of_file(const std::filesystem::path& file, con
   if (is_sensor_info(text)) return 1.0 / parse_sensor_info(text, called).steps_per_metre;
   if (is_numbers_alone(text) || is_colmap_cameras(text)) return std::nullopt;
   const YamlFields whole = fields_of(text, called);
-  const std::optional<YamlFields> camera = json_camera(whole, name);
+  const std::optional<YamlFields> camera = is_json_camera(whole) ? json_camera(whole, name) : std::nullopt;
   const YamlFields inner = whole.is_map("camera") ? whole.map("camera") : whole;
   if (file.filename() == "cam_params.json")
     if (const auto steps = inner.optional_number("scale", {1, 1e7})) return 1.0 / *steps;

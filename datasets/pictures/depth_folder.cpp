@@ -228,9 +228,9 @@ class DepthFolder final : public FrameSource {
   }
   std::vector<std::string> warnings() const override {
     std::vector<std::string> sentences = timed_.warnings;
+    if (!options_.depth.scale_note.empty()) sentences.push_back(options_.depth.scale_note);
     if (!camera_note_.empty()) sentences.push_back(camera_note_);
     if (!icl_note_.empty()) sentences.push_back(icl_note_);
-    if (!options_.depth.scale_note.empty()) sentences.push_back(options_.depth.scale_note);
     if (!is_scale_stated_ && !why_of_tum_.empty())
       sentences.push_back("steps of depth are 0.0002 m, as " + why_of_tum_ +
                           "; `source: {depth: {scale: …}}` states others.");
@@ -364,6 +364,8 @@ std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const Dep
     whole.depth.scale_note.clear();  // nobody asks the camera's file
   else
     whole.depth.scale = whole.depth.scale_of_file;
+  if (!whole.depth.scale && !whole.depth.scale_note.empty())  // the file says what no camera has
+    throw std::invalid_argument(whole.depth.scale_note);
   const auto& stated = options.depth.camera ? options.depth.camera : options.camera;
   if (!stated && !(path && path->has_cameras()))
     throw std::invalid_argument(name +

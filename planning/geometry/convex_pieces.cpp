@@ -20,9 +20,10 @@ namespace {
 using Points = std::vector<Eigen::Vector3d>;
 
 constexpr int cuts_of_an_axis = 5;
-constexpr double least_gain = 0.01;       ///< of the first hulls' volume; less is not worth a hull
-constexpr std::size_t most_judged = 700;  ///< triangles by which a cut is judged
-constexpr std::size_t directions_to_judge = 48;
+constexpr double least_gain = 0.01;          ///< of the first hulls' volume; less is not worth a hull
+constexpr std::size_t most_judged = 20'000;  ///< triangles by which a cut is judged
+constexpr std::size_t most_points = 20'000;    ///< of these, by which a volume is
+constexpr std::size_t directions_to_judge = 80;
 constexpr double largest_hole = 0.2;  ///< of the extent of the part that has it; such a one is closed
 
 double volume_of(const Points& points) {
@@ -50,7 +51,10 @@ const Points& judging_directions() {
 }
 
 /// Of the hull of the points that lie farthest in many directions: a little less than that of all.
-double judged_volume(const Points& points) {
+double judged_volume(const Points& all) {
+  const std::size_t stride = all.size() / most_points + 1;
+  Points points;
+  for (std::size_t i = 0; i < all.size(); i += stride) points.push_back(all[i]);
   Points farthest;
   for (const Eigen::Vector3d& direction : judging_directions())
     farthest.push_back(*std::max_element(points.begin(), points.end(), [&](const auto& a, const auto& b) {
@@ -88,6 +92,14 @@ Points hull_of_plane(Points points, int axis) {
   add_half(points.begin(), points.end());
   add_half(points.rbegin(), points.rend());
   return hull;
+}
+
+/// Of a convex polygon.
+double area_of(const Points& corners) {
+  double area = 0.0;
+  for (std::size_t i = 2; i < corners.size(); ++i)
+    area += (corners[i - 1] - corners[0]).cross(corners[i] - corners[0]).norm() / 2.0;
+  return area;
 }
 
 void add_polygon(const Points& corners, Points& triangles) {
@@ -157,7 +169,8 @@ class Section {
 /// Below and above the plane, both closed by hulls of the section. A boundary that leads from the mesh over
 /// to the cap of an earlier cut ends at that one's rim, which no curve goes on from: then there is one hull
 /// of all.
-std::array<Points, 2> cut_by(const Points& triangles, const Cut& cut) {
+/// @param waste becomes the area of hulls that lie in others: of a hole that they fill
+std::array<Points, 2> cut_by(const Points& triangles, const Cut& cut, double& waste) {
   std::array<Points, 2> sides;
   Section section;
   for (std::size_t i = 0; i + 2 < triangles.size(); i += 3) {
@@ -174,18 +187,28 @@ std::array<Points, 2> cut_by(const Points& triangles, const Cut& cut) {
     if (crossings.size() == 2) section.add(crossings[0], crossings[1]);
     for (std::size_t side = 0; side < 2; ++side) add_polygon(polygons[side], sides[side]);
   }
-  for (const Points& cap : section.caps(cut.axis))
+  waste = 0.0;
+  std::vector<std::pair<Eigen::AlignedBox3d, double>> before;
+  for (const Points& cap : section.caps(cut.axis)) {
     for (Points& side : sides) add_polygon(cap, side);
+    Eigen::AlignedBox3d box;
+    for (const Eigen::Vector3d& corner : cap) box.extend(corner);
+    const double area = area_of(cap);
+    for (const auto& [other, other_area] : before)
+      if (box.intersects(other)) waste += std::min(area, other_area);
+    before.emplace_back(box, area);
+  }
   return sides;
 }
 
 /// A part of the mesh, and how it is cut best.
 struct Piece {
-  Points triangles;
+  Points triangles;  ///< once it is cut, corners of its hull
   bool may_be_cut = true;
   double volume = 0.0;  ///< of its hull, as it is judged
   double gain = 0.0;    ///< volume that the best cut saves
   Cut best{};
+  int barren = 0;                      ///< how many cuts in turn, up to this piece, have saved nothing
   std::array<std::size_t, 2> sides{};  ///< where these are, once it is cut
   bool is_cut() const { return sides[0] != sides[1]; }
 };
@@ -199,30 +222,45 @@ Points judged_part(const Points& triangles) {
   return part;
 }
 
+/// What a cut seems to save of a volume, but for the error of judging it.
+bool is_noise(double gain, double volume) { return gain <= 0.03 * volume; }
+
+/// The cut that saves most. Where none saves anything, as of a ring, whose halves are as large as it is, the
+/// one across the middle whose caps do not fill the hole: what later cuts save, these would hold.
 void judge(Piece& piece) {
   const Points part = judged_part(piece.triangles);
   piece.volume = judged_volume(part);
   if (!piece.may_be_cut) return;
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& point : part) box.extend(point);
-  piece.gain = -std::numeric_limits<double>::infinity();
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  std::pair<double, double> fairest(-infinity, 0.0);  // less waste, larger smaller side
+  Cut fair;
+  piece.gain = -infinity;
   for (int axis = 0; axis < 3; ++axis) {
     for (int i = 1; i <= cuts_of_an_axis; ++i) {
       const Cut cut{axis, box.min()[axis] + box.sizes()[axis] * i / (cuts_of_an_axis + 1)};
-      const auto sides = cut_by(part, cut);
+      double waste = 0.0;
+      const auto sides = cut_by(part, cut, waste);
       if (sides[0].empty() || sides[1].empty()) continue;
-      const double gain = piece.volume - judged_volume(sides[0]) - judged_volume(sides[1]);
+      const double below = judged_volume(sides[0]), above = judged_volume(sides[1]);
+      const double gain = piece.volume - below - above;
       if (gain > piece.gain) piece.gain = gain, piece.best = cut;
+      const std::pair<double, double> fairness(-waste, std::min(below, above));
+      if (is_noise(-gain, piece.volume) && fairness > fairest) fairest = fairness, fair = cut;
     }
   }
   piece.may_be_cut = std::isfinite(piece.gain);
+  if (is_noise(piece.gain, piece.volume) && std::isfinite(fairest.first)) piece.best = fair;
 }
 
 /// How much a piece is worth being cut: by what that saves, and, as a ring has to be cut twice before it
 /// saves anything, by its size.
 double worth(const Piece& piece) {
   constexpr double of_size = 0.05;
-  return !piece.may_be_cut || piece.is_cut() ? -1.0 : std::max(piece.gain, 0.0) + of_size * piece.volume;
+  constexpr int most_barren = 3;
+  if (!piece.may_be_cut || piece.is_cut() || piece.barren >= most_barren) return -1.0;
+  return std::max(piece.gain, 0.0) + of_size * piece.volume;
 }
 
 /// Adds up the hulls of a piece: its own, or those of its sides where they are smaller by what is worth it.
@@ -237,7 +275,7 @@ double collect(std::vector<Piece>& pieces, std::size_t index, double least, std:
       return sum;
     }
   }
-  hulls.push_back(hull_corners(piece.triangles));
+  hulls.push_back(hull_corners(std::move(piece.triangles)));
   return piece.volume;
 }
 
@@ -337,10 +375,15 @@ std::vector<std::vector<Eigen::Vector3d>> convex_pieces(const std::vector<Eigen:
                                        [](const Piece& a, const Piece& b) { return worth(a) < worth(b); });
     if (worth(*next) <= 0.0) break;
     const auto index = static_cast<std::size_t>(next - pieces.begin());
-    auto sides = cut_by(next->triangles, next->best);
+    double waste = 0.0;
+    auto sides = cut_by(next->triangles, next->best, waste);
+    const int barren = is_noise(next->gain, next->volume) ? next->barren + 1 : 0;
+    pieces[index].triangles =
+        hull_corners(std::move(pieces[index].triangles));  // all that may still be asked for
     pieces[index].sides = {pieces.size(), pieces.size() + 1};
     for (Points& side : sides) {
       pieces.push_back({std::move(side)});
+      pieces.back().barren = barren;
       judge(pieces.back());
     }
   }

@@ -54,12 +54,17 @@ std::string turns_sentence(const Robot& robot, const Configuration& start, const
 /// bent may touch itself by its hulls alone.
 std::string hull_clause(const Robot& robot, const Verdict& verdict) {
   if (verdict.obstruction != Obstruction::self_collision) return {};
-  const bool has_hull = std::any_of(robot.bodies.begin(), robot.bodies.end(), [&](const Body& body) {
-    const bool is_of_link = body.part == robot.links[static_cast<std::size_t>(body.link)].name;  // no load's
-    return is_of_link && body.shape.kind() == Shape::Kind::convex &&
-           (body.part == verdict.part || body.part == verdict.other);
-  });
-  return has_hull ? ", where a mesh counts as its convex hull (mesh_pieces in its settings splits it)" : "";
+  const auto hulls_of = [&](const std::string& part) {
+    return std::count_if(robot.bodies.begin(), robot.bodies.end(), [&](const Body& body) {
+      const bool is_of_link =
+          body.part == robot.links[static_cast<std::size_t>(body.link)].name;    // no load's
+      return is_of_link && body.part == part && !body.shape.vertices().empty();  // of a convex hull alone
+    });
+  };
+  const auto hulls = std::max(hulls_of(verdict.part), hulls_of(verdict.other));
+  if (hulls == 0) return {};
+  return hulls == 1 ? ", where a mesh counts as its convex hull (mesh_pieces in its settings splits it)"
+                    : ", where a mesh counts as " + std::to_string(hulls) + " convex bodies";
 }
 
 /// Why `q` cannot be an end of a path; empty when it can.

@@ -146,6 +146,7 @@ std::vector<Eigen::Vector3d> hull_of_mesh(const std::filesystem::path& file, con
 std::vector<std::vector<Eigen::Vector3d>> hulls_of_mesh(const std::filesystem::path& file,
                                                         const std::string& kind, const Eigen::Vector3d& scale,
                                                         std::size_t pieces) {
+  constexpr std::size_t most_split_triangles = 200'000, most_corners = 15'000;
   if (pieces <= 1) return {hull_of_mesh(file, kind, scale)};
   const std::vector<Eigen::Vector3d> triangles = triangles_of_mesh(file, kind, scale);
   // Vertices of no triangle count, as they do for one hull: where one is a corner of that, nothing is split.
@@ -156,8 +157,17 @@ std::vector<std::vector<Eigen::Vector3d>> hulls_of_mesh(const std::filesystem::p
     return std::any_of(corners.begin(), corners.end(),
                        [&](const Eigen::Vector3d& other) { return (corner - other).norm() <= rounding; });
   });
-  if (!has_all) return {whole};
-  return convex_pieces(triangles, pieces);
+  if (!has_all || triangles.size() > 3 * most_split_triangles) return {whole};
+  try {
+    for (std::size_t most = pieces; most > 1; most /= 2) {
+      auto hulls = convex_pieces(triangles, most);
+      std::size_t all = 0;
+      for (const std::vector<Eigen::Vector3d>& hull : hulls) all += hull.size();
+      if (all <= most_corners) return hulls;
+    }
+  } catch (const std::bad_alloc&) {  // what one hull takes is there
+  }
+  return {whole};
 }
 
 std::vector<Eigen::Vector3d> triangles_of_mesh(const std::filesystem::path& file, const std::string& kind,

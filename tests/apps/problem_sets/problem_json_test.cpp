@@ -135,12 +135,11 @@ TEST_F(Import, JointsOfAProblemSetSayWhoseValuesTheseAre) {
     EXPECT_EQ(problem.goals[0], (std::vector<double>{0.5, -0.1, 0.02}));
   }
   std::filesystem::remove_all(folder_.path() / "out");
-  for (const auto& [key, value] :
-       std::vector<std::pair<std::string, Json>>{{"base_pose", {1, 0, 0}},
-                                                 {"sphere", Json::array()},
-                                                 {"boxes", {{"a", 1}}},
-                                                 {"unit", "mm"},
-                                                 {"collision_objects", Json::array()}}) {
+  for (const auto& [key, value] : std::vector<std::pair<std::string, Json>>{{"base_pose", {1, 0, 0}},
+                                                                            {"sphere", Json::array()},
+                                                                            {"boxes", {{"a", 1}}},
+                                                                            {"unit", "mm"},
+                                                                            {"collisionObjects", {1}}}) {
     Json elsewhere = set;
     elsewhere[key] = value;
     const auto refused = import("json", {folder_.write("b.json", elsewhere.dump())});

@@ -280,6 +280,25 @@ TEST(ConvexPieces, WhatIsNotClosedStaysInOneHull) {
   EXPECT_EQ(convex_pieces(open, 8).size(), 1U);
 }
 
+/// No single cut of these saves anything: their halves are as large as they are.
+TEST(ConvexPieces, RegularRingsAreOpened) {
+  for (const auto& [around, across] : {std::pair{12, 8}, std::pair{60, 24}, std::pair{16, 5}}) {
+    Points mesh;
+    const auto at = [&, n = around, m = across](int i, int k) -> Eigen::Vector3d {
+      const double u = 2 * std::numbers::pi * (i % n) / n, v = 2 * std::numbers::pi * (k % m) / m;
+      return {(1 + 0.25 * std::cos(v)) * std::cos(u), (1 + 0.25 * std::cos(v)) * std::sin(u),
+              0.25 * std::sin(v)};
+    };
+    for (int i = 0; i < around; ++i)
+      for (int k = 0; k < across; ++k) add_quad(mesh, at(i, k), at(i + 1, k), at(i + 1, k + 1), at(i, k + 1));
+    Random random(4);
+    const std::vector<Points> hulls = convex_pieces(mesh, 8);
+    EXPECT_GT(hulls.size(), 2U) << around;
+    EXPECT_FALSE(is_held(hulls, Eigen::Vector3d::Zero())) << around << ", " << hulls.size();
+    expect_contained(mesh, hulls, random);
+  }
+}
+
 /// Exporters leave some triangles out.
 TEST(ConvexPieces, SmallHolesAreClosed) {
   Random random(8);
