@@ -135,17 +135,23 @@ TEST_F(Import, JointsOfAProblemSetSayWhoseValuesTheseAre) {
     EXPECT_EQ(problem.goals[0], (std::vector<double>{0.5, -0.1, 0.02}));
   }
   std::filesystem::remove_all(folder_.path() / "out");
-  for (const auto& [key, value] : std::vector<std::pair<std::string, Json>>{{"base_pose", {1, 0, 0}},
-                                                                            {"sphere", Json::array()},
-                                                                            {"boxes", {{"a", 1}}},
-                                                                            {"unit", "mm"},
-                                                                            {"collisionObjects", {1}}}) {
+  const Json sphere = {{"radius", 1}};
+  for (const auto& [key, value] :
+       std::vector<std::pair<std::string, Json>>{{"base_pose", Json::array({1, 0, 0})},
+                                                 {"sphere", Json::array({sphere})},
+                                                 {"boxes", {{"a", 1}}},
+                                                 {"unit", "mm"},
+                                                 {"basePose", "1 0 0"},
+                                                 {"table_height", 0.7},
+                                                 {"collisionObjects", Json::array({1})}}) {
+    std::filesystem::remove_all(folder_.path() / "out");
     Json elsewhere = set;
     elsewhere[key] = value;
     const auto refused = import("json", {folder_.write("b.json", elsewhere.dump())});
     EXPECT_EQ(refused.status, exit_bad_input) << key;
     EXPECT_NE(refused.log.find(key), std::string::npos) << refused.log;
   }
+  std::filesystem::remove_all(folder_.path() / "out");
   Json about = set;
   about["repository"] = {{"name", "x"}};
   about["exposition"] = 3;
