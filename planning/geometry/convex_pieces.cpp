@@ -22,7 +22,7 @@ using Points = std::vector<Eigen::Vector3d>;
 constexpr int cuts_of_an_axis = 5;
 constexpr double least_gain = 0.01;          ///< of the first hulls' volume; less is not worth a hull
 constexpr std::size_t most_judged = 20'000;  ///< triangles by which a cut is judged
-constexpr std::size_t most_points = 20'000;    ///< of these, by which a volume is
+constexpr std::size_t most_points = 20'000;  ///< of these, by which a volume is
 constexpr std::size_t directions_to_judge = 80;
 constexpr double largest_hole = 0.2;  ///< of the extent of the part that has it; such a one is closed
 
