@@ -88,10 +88,10 @@ struct DepthOptions {
   std::filesystem::path scale_file;        ///< the setup's camera file, which may say `scale` of a folder's
   std::string scale_camera;                ///< the one of several cameras in it
   std::optional<double> scale_of_file;     ///< what a camera's file says of `scale`; others come before
-  std::string scale_note;                  ///< what is to be told where it counts
-  bool rectified = false;                  ///< pictures of a folder were freed of the lens's distortion
-  std::filesystem::path poses;             ///< TUM text, world_from_camera; empty: what lies in the folder
-  double tolerance = 0.02;                 ///< s between a picture and a pose
+  std::string scale_note;  ///< what is to be told where that counts; without it, why the file's cannot be
+  bool rectified = false;  ///< pictures of a folder were freed of the lens's distortion
+  std::filesystem::path poses;  ///< TUM text, world_from_camera; empty: what lies in the folder
+  double tolerance = 0.02;      ///< s between a picture and a pose
 };
 
 /// In whose frame the points of .pcd and .ply files are; their viewpoints say where the sensor was.
