@@ -19,8 +19,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t waypoints = 16, chunk_count = 600;
-constexpr double period = 0.05;     ///< between configurations, s
-constexpr double peer_step = 0.01;  ///< rad
+constexpr double period = 0.05;           ///< between configurations, s
+constexpr double peer_chunk_step = 0.01;  ///< rad
 constexpr double frames_per_second = 30.0;
 constexpr double chunks_per_second = 100.0;
 
@@ -112,7 +112,8 @@ Verdicts judge_beside_mapping(LiveWorld& world, Gate& gate, const std::vector<Mo
 bool is_sampled_free(const FclOctreeSpace& fcl, const MotionChunk& chunk) {
   for (std::size_t i = 1; i < chunk.positions.size(); ++i) {
     const Eigen::VectorXd step = chunk.positions[i] - chunk.positions[i - 1];
-    const int samples = std::max(1, static_cast<int>(std::ceil(step.cwiseAbs().maxCoeff() / peer_step)));
+    const int samples =
+        std::max(1, static_cast<int>(std::ceil(step.cwiseAbs().maxCoeff() / peer_chunk_step)));
     for (int k = 0; k < samples; ++k) {
       if (!fcl.is_free(chunk.positions[i - 1] + static_cast<double>(k) / samples * step)) return false;
     }

@@ -16,34 +16,34 @@
 namespace clearway::bench {
 namespace {
 
-constexpr std::size_t problems_of_each = 2;  ///< of each experiment, spread evenly
-constexpr double limit = 0.5;                ///< s to plan
+constexpr std::size_t motions_of_each = 2;  ///< of each experiment, spread evenly
+constexpr double motion_limit = 0.5;        ///< s to plan
 
 /// A proved path in its space.
-struct Task {
+struct MotionTask {
   std::shared_ptr<const ConfigurationSpace> space;
   Plan plan;
 };
 
 /// Proved paths of one planner.
-struct Tasks {
+struct MotionTasks {
   std::shared_ptr<const Planner> planner;
-  std::vector<Task> tasks = {};
+  std::vector<MotionTask> tasks = {};
 };
 
 void plan_task(const std::shared_ptr<const ConfigurationSpace>& space, const StageProblem& problem,
-               Tasks& of) {
+               MotionTasks& of) {
   Plan plan = plan_and_check({.space = *space,
                               .start = problem.start,
                               .goals = problem.goals,
                               .planner = of.planner,
-                              .time_limit = limit,
+                              .time_limit = motion_limit,
                               .survey = std::nullopt,
                               .advice_time = 0.0});
   if (plan.is_proved()) of.tasks.push_back({space, std::move(plan)});
 }
 
-void draw_tasks(const BenchOptions& options, Tasks& trees, Tasks& boundary) {
+void draw_tasks(const BenchOptions& options, MotionTasks& trees, MotionTasks& boundary) {
   for (const char* name : {"quick.yaml", "local.yaml", "guided.yaml"}) {
     const Suite suite = load_suite(datasets_folder() / "suites" / name);
     for (const SuiteExperiment& experiment : suite.experiments) {
@@ -51,13 +51,13 @@ void draw_tasks(const BenchOptions& options, Tasks& trees, Tasks& boundary) {
       options.say("drawing " + experiment.name);
       const Robot robot = load_robot(experiment.robot);
       const SuiteStages stages(suite, experiment, robot);
-      const std::size_t wanted = std::min(problems_of_each, stages.size());
+      const std::size_t wanted = std::min(motions_of_each, stages.size());
       for (std::size_t i = 0; i < wanted; ++i) {
         const SuiteStage stage = stages.make(i * stages.size() / wanted);
         const auto space = std::make_shared<const ConfigurationSpace>(
             robot, stage.map, suite_policies(suite, experiment, robot),
             SpaceOptions{.padding = experiment.padding.value_or(robot.position_accuracy)});
-        for (Tasks* of : {&trees, &boundary}) plan_task(space, stage.problems.front(), *of);
+        for (MotionTasks* of : {&trees, &boundary}) plan_task(space, stage.problems.front(), *of);
       }
     }
   }
@@ -69,7 +69,7 @@ struct Motions {
   std::size_t valid = 0, stops = 0, passed = 0;
 };
 
-void measure(const Task& task, int runs, Motions& motions) {
+void measure(const MotionTask& task, int runs, Motions& motions) {
   std::vector<double> cpu;
   PlannedMotion motion;
   for (int run = 0; run < runs; ++run) {
@@ -87,9 +87,9 @@ void measure(const Task& task, int runs, Motions& motions) {
   motions.passed += motion.blended;
 }
 
-Motions measure_all(const std::vector<Task>& tasks, const BenchOptions& options) {
+Motions measure_all(const std::vector<MotionTask>& tasks, const BenchOptions& options) {
   Motions motions;
-  for (const Task& task : tasks) measure(task, options.runs, motions);
+  for (const MotionTask& task : tasks) measure(task, options.runs, motions);
   return motions;
 }
 
@@ -129,7 +129,7 @@ nlohmann::ordered_json reported(const Motions& motions) {
 }  // namespace
 
 BenchResult bench_motion(const BenchOptions& options) {
-  Tasks by_trees{std::make_shared<AutoPlanner>()}, by_boundary{std::make_shared<BoundaryPlus>()};
+  MotionTasks by_trees{std::make_shared<AutoPlanner>()}, by_boundary{std::make_shared<BoundaryPlus>()};
   draw_tasks(options, by_trees, by_boundary);
   const Motions trees = measure_all(by_trees.tasks, options),
                 boundary = measure_all(by_boundary.tasks, options);

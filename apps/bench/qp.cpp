@@ -24,7 +24,7 @@ struct KindFound {
 
   void add(const QuadraticProgram& program) {
     const QuadraticSolution solution = solve(program);
-    const Judgement judgement = judge(program, solution);
+    const Judgement judgement = bench::judge(program, solution);
     not_a_number += !judgement.is_number;
     (solution.feasible ? feasible : infeasible)++;
     if (!solution.feasible) {

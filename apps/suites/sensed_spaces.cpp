@@ -38,7 +38,7 @@ bool is_blocked(const Snapshot& map, const Eigen::Vector3d& at) {
   return !allows({Policy::not_occupied}, map.state(at), 0);
 }
 
-bool is_before(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+bool is_below(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
 }
 
@@ -156,7 +156,7 @@ void SensedSpaces::note_what_is_new(double time, std::vector<Eigen::Vector3d> pl
   if (!seen_anew_.empty())
     places.insert(places.end(), seen_anew_.back().voxels.begin(), seen_anew_.back().voxels.end());
   for (Eigen::Vector3d& place : places) place = voxel_middle(place, before_.resolution());
-  std::sort(places.begin(), places.end(), is_before);
+  std::sort(places.begin(), places.end(), is_below);
   places.erase(std::unique(places.begin(), places.end()), places.end());
   std::erase_if(places, [&](const Eigen::Vector3d& voxel) {
     return !is_blocked(latest_, voxel) || is_blocked(before_, voxel);

@@ -320,8 +320,8 @@ CameraIntrinsics read_realsense(const YamlFields& fields, std::optional<ImageSiz
   const ImageSize size = read_size(fields, given);
   CameraIntrinsics camera{size.width,
                           size.height,
-                          fields.number("fx", positive),
-                          fields.number("fy", positive),
+                          fields.number("fx", above_zero),
+                          fields.number("fy", above_zero),
                           fields.number("ppx", within_reach),
                           fields.number("ppy", within_reach),
                           {}};
@@ -359,8 +359,8 @@ CameraIntrinsics read_plain(const YamlFields& fields, std::optional<ImageSize> g
   const ImageSize size = read_size(fields, given);
   CameraIntrinsics camera{size.width,
                           size.height,
-                          fields.number("fx", positive),
-                          fields.number("fy", positive),
+                          fields.number("fx", above_zero),
+                          fields.number("fy", above_zero),
                           fields.number("cx", within_reach),
                           fields.number("cy", within_reach),
                           {}};
@@ -392,8 +392,8 @@ CameraIntrinsics read_camodocal(const YamlFields& file, std::optional<ImageSize>
   };
   CameraIntrinsics camera{size.width,
                           size.height,
-                          number("fx", "mu", positive),
-                          number("fy", "mv", positive),
+                          number("fx", "mu", above_zero),
+                          number("fy", "mv", above_zero),
                           number("cx", "u0", within_reach),
                           number("cy", "v0", within_reach),
                           {}};
@@ -427,8 +427,8 @@ CameraIntrinsics read_orb_slam(const YamlFields& fields, const std::string& pref
     size = {fields.integer("Camera.width", sides), fields.integer("Camera.height", sides)};
   CameraIntrinsics camera{size.width,
                           size.height,
-                          fields.number(prefix + "fx", positive),
-                          fields.number(prefix + "fy", positive),
+                          fields.number(prefix + "fx", above_zero),
+                          fields.number(prefix + "fy", above_zero),
                           fields.number(prefix + "cx", within_reach),
                           fields.number(prefix + "cy", within_reach),
                           {}};

@@ -123,7 +123,7 @@ PickSetup read_pick(const YamlFields& fields, const std::filesystem::path& folde
   if (fields.has_angles("place")) pick.map_from_place = place_of(fields, pick.map_from_object);
   pick.object_from_tip = fields.pose("grasp");
   if (fields.has("approach")) pick.approach = fields.vector("approach");
-  pick.lift = fields.number("lift", positive, pick.lift);
+  pick.lift = fields.number("lift", above_zero, pick.lift);
   pick.contact = fields.number("contact", not_negative, pick.contact);
   pick.margin = fields.number("margin", not_negative, pick.margin);
   pick.depth = fields.number("depth", not_negative, pick.depth);

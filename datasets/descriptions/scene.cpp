@@ -84,7 +84,7 @@ SceneDepth read_depth(const YamlFields& fields, uint64_t seed) {
   depth.noise_constant = fields.number("noise_constant", {0, 10}, depth.noise_constant);
   depth.noise_quadratic = fields.number("noise_quadratic", {0, 10}, depth.noise_quadratic);
   depth.dropout = fields.number("dropout", {0, 1}, depth.dropout);
-  depth.max_range = fields.number("max_range", positive, depth.max_range);
+  depth.max_range = fields.number("max_range", above_zero, depth.max_range);
   depth.unit = fields.number("unit", {1e-6, 1}, depth.unit);
   if (depth.max_range > 65535 * depth.unit)
     fields.fail("unit", "expected at least max_range / 65535, because ranges are stored in 16 bits");
@@ -251,12 +251,12 @@ SceneShape read_scene_shape(const YamlFields& fields) {
   const int kinds = fields.has("box") + fields.has("cylinder") + fields.has("sphere");
   if (kinds != 1) fields.fail("name", "expected exactly one of box, cylinder and sphere beside it");
   if (fields.has("box")) {
-    shape.geometry = BoxShape{Eigen::Vector3d(fields.numbers("box", positive, 3).data())};
+    shape.geometry = BoxShape{Eigen::Vector3d(fields.numbers("box", above_zero, 3).data())};
   } else if (fields.has("cylinder")) {
-    const auto values = fields.numbers("cylinder", positive, 2);
+    const auto values = fields.numbers("cylinder", above_zero, 2);
     shape.geometry = CylinderShape{values[0], values[1]};
   } else {
-    shape.geometry = SphereShape{fields.number("sphere", positive)};
+    shape.geometry = SphereShape{fields.number("sphere", above_zero)};
   }
   shape.map_from_shape = fields.pose("pose", shape.map_from_shape);
   shape.grey = fields.number("grey", grey_levels, shape.grey);

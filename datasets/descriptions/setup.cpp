@@ -20,7 +20,7 @@ constexpr double half_turn = 3.1416;  ///< rad, with what a person rounds
 MapSetup read_map(const YamlFields& fields) {
   MapSetup map;
   map.resolution = fields.optional_number("resolution", {1e-4, 100});
-  map.max_range = fields.optional_number("max_range", positive);
+  map.max_range = fields.optional_number("max_range", above_zero);
   map.min_range = fields.optional_number("min_range", not_negative);
   map.thin_to = fields.number("thin_to", not_negative, 0);
   if (fields.has("outliers")) {
@@ -36,7 +36,7 @@ MapSetup read_map(const YamlFields& fields) {
     if (map.integration != "safe" && map.integration != "compatible")
       fields.fail("integration", "expected safe or compatible");
   }
-  map.safe_band = fields.optional_number("safe_band", positive);
+  map.safe_band = fields.optional_number("safe_band", above_zero);
   if (fields.has("crop")) {
     const auto values = fields.numbers("crop", within_reach, 6);
     map.crop.emplace(Eigen::Vector3d(values.data()), Eigen::Vector3d(values.data() + 3));
@@ -68,7 +68,7 @@ SensorSetup read_sensor(const YamlFields& fields, const Setup& setup, const std:
   sensor.link = fields.text("link", "");
   if (!sensor.link.empty() && !(sensor.board.empty() && sensor.poses.empty()))
     fields.fail("link", "expected one of 'link', 'board' and 'poses'");
-  sensor.max_gap = fields.number("max_gap", positive, sensor.max_gap);
+  sensor.max_gap = fields.number("max_gap", above_zero, sensor.max_gap);
   fields.finish();
   return sensor;
 }

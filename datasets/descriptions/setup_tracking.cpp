@@ -35,7 +35,7 @@ BoardSetup read_board(const YamlFields& fields, const BoardErrorsSetup& errors, 
   for (const auto& entry : fields.list_of_maps("tags")) {
     TagSetup tag;
     tag.id = entry.integer("id", {0, static_cast<double>(last_id)});
-    tag.size = entry.number("size", positive);
+    tag.size = entry.number("size", above_zero);
     tag.board_from_tag = entry.pose("pose", tag.board_from_tag);
     entry.finish();
     board.tags.push_back(tag);
@@ -60,7 +60,7 @@ CameraIntrinsics read_camera(const YamlFields& fields, CameraAxes axes) {
   CameraIntrinsics camera;
   camera.width = fields.integer("width", {1, 20000});
   camera.height = fields.integer("height", {1, 20000});
-  camera.fx = fields.number("fx", positive);
+  camera.fx = fields.number("fx", above_zero);
   camera.fy = fields.number("fy", within_reach);
   if (camera.fy == 0.0) fields.fail("fy", "expected a number that is not 0");
   if (camera.fy < 0.0 && axes == CameraAxes::y_down)
@@ -102,7 +102,7 @@ CameraIntrinsics read_camera_of_setup(const YamlFields& fields, const std::files
 std::vector<CapsuleSetup> read_capsules(const YamlFields& fields, const std::string& key) {
   std::vector<CapsuleSetup> capsules;
   for (const auto& entry : fields.list_of_maps(key)) {
-    capsules.push_back({entry.vector("from"), entry.vector("to"), entry.number("radius", positive)});
+    capsules.push_back({entry.vector("from"), entry.vector("to"), entry.number("radius", above_zero)});
     entry.finish();
   }
   return capsules;
@@ -144,7 +144,7 @@ ProbeSetup read_probe(const YamlFields& fields, const Setup& setup) {
   if (!setup.board(probe.board))
     fields.fail("board", "expected the name of one of the boards, got '" + probe.board + "'");
   probe.ball_center = fields.vector("ball_center");
-  probe.ball_radius = fields.number("ball_radius", positive);
+  probe.ball_radius = fields.number("ball_radius", above_zero);
   probe.robot_error = fields.number("robot_error", not_negative, 0);
   probe.tracking_error = fields.number("tracking_error", not_negative, 0);
   probe.modelling_error = fields.number("modelling_error", not_negative, 0);
@@ -190,14 +190,14 @@ HandsSetup read_hands_setup(const YamlFields& fields) {
 
 AcceptanceSetup read_acceptance(const YamlFields& fields) {
   AcceptanceSetup acceptance;
-  acceptance.max_reprojection_px = fields.optional_number("max_reprojection_px", positive);
+  acceptance.max_reprojection_px = fields.optional_number("max_reprojection_px", above_zero);
   acceptance.min_ambiguity = fields.optional_number("min_ambiguity", not_negative);
   if (fields.has("min_tags")) acceptance.min_tags = fields.integer("min_tags", {1, 100});
   acceptance.max_noise = fields.optional_number("max_noise", {1, 1e6});
-  acceptance.max_speed = fields.optional_number("max_speed", positive);
-  acceptance.max_turn_speed = fields.optional_number("max_turn_speed", positive);
-  acceptance.max_pause = fields.optional_number("max_pause", positive);
-  acceptance.pixel_noise = fields.optional_number("pixel_noise", positive);
+  acceptance.max_speed = fields.optional_number("max_speed", above_zero);
+  acceptance.max_turn_speed = fields.optional_number("max_turn_speed", above_zero);
+  acceptance.max_pause = fields.optional_number("max_pause", above_zero);
+  acceptance.pixel_noise = fields.optional_number("pixel_noise", above_zero);
   if (fields.has("fixed_camera")) acceptance.fixed_camera = fields.boolean("fixed_camera");
   fields.finish();
   return acceptance;

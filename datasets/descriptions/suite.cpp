@@ -42,7 +42,7 @@ void read_made_world(const YamlFields& fields, SuiteWorld& world) {
   if (fields.has("sensors"))
     for (const auto& at : fields.lists_of_numbers("sensors", within_reach, 3))
       world.sensors.emplace_back(at.data());
-  world.sensor_range = fields.number("sensor_range", positive, world.sensor_range);
+  world.sensor_range = fields.number("sensor_range", above_zero, world.sensor_range);
   for (const auto& entry : fields.list_of_maps("volumes")) {
     world.volumes.push_back(read_volume(entry));
     take_name(labels, world.volumes.back().label, entry, "label");
@@ -282,7 +282,7 @@ SuiteExperiment read_experiment(const YamlFields& fields, const Suite& suite,
   experiment.planners = fields.has("planners") ? read_planners(fields) : usual;
   if (experiment.planners.empty()) fields.fail("planners", "expected at least one planner");
   experiment.runs = fields.integer("runs", {1, 10000}, experiment.runs);
-  experiment.time_limit = fields.optional_number("time_limit", positive);
+  experiment.time_limit = fields.optional_number("time_limit", above_zero);
   experiment.plots = fields.texts("plots");
   for (const char* key : {"padding", "runs"})
     if (experiment.teams && fields.has(key)) fields.fail(key, "expected nothing: it does not apply to teams");
@@ -314,7 +314,7 @@ Suite parse_suite(const std::string& text, const std::string& name) {
   suite.name = fields.text("name", file.stem().string());
   suite.title = fields.prose("title", suite.name);
   suite.seed = fields.seed("seed", 1);
-  suite.time_limit = fields.number("time_limit", positive, suite.time_limit);
+  suite.time_limit = fields.number("time_limit", above_zero, suite.time_limit);
   std::set<std::string> worlds, experiments;
   for (const auto& entry : fields.list_of_maps("worlds")) {
     suite.worlds.push_back(read_world(entry, file.parent_path()));

@@ -79,14 +79,14 @@ std::vector<SuiteSphere> read_suite_stroke(const YamlFields& fields) {
     spheres = read_spheres(fields, "balls");
     if (spheres.empty()) fields.fail("balls", "expected at least one ball");
   } else if (fields.has("around")) {
-    const auto radii = fields.numbers("radii", positive, 2);
+    const auto radii = fields.numbers("radii", above_zero, 2);
     if (radii[1] < radii[0]) fields.fail("radii", "expected the smallest and then the largest radius");
     spheres = spheres_about(read_points(fields), fields.number("around", not_negative), radii[0], radii[1],
                             fields.integer("count", {1, 100000}), fields.seed("seed", 1));
   } else {
     const auto points = read_points(fields);
-    const double radius = fields.number("radius", positive);
-    const double spacing = fields.number("spacing", positive, radius / 3);
+    const double radius = fields.number("radius", above_zero);
+    const double spacing = fields.number("spacing", above_zero, radius / 3);
     if (length(points) / spacing > 1e5) fields.fail("spacing", "expected at most 100,000 balls in a stroke");
     spheres = spheres_along(points, radius, spacing);
   }

@@ -65,7 +65,7 @@ SuiteSensing read_sensing(const YamlFields& fields) {
   for (const auto& at : fields.lists_of_numbers("sensors", within_reach, 3))
     sensing.sensors.emplace_back(at.data());
   if (sensing.sensors.empty()) fields.fail("sensors", "expected at least one [x, y, z]");
-  sensing.range = fields.number("range", positive, sensing.range);
+  sensing.range = fields.number("range", above_zero, sensing.range);
   sensing.resolution = fields.number("resolution", {1e-4, 100}, sensing.resolution);
   sensing.rate_hz = fields.number("rate_hz", {1e-3, 1e3}, sensing.rate_hz);
   sensing.latency = fields.number("latency", {0, 60}, sensing.latency);
@@ -108,7 +108,7 @@ SuiteTeams read_suite_teams(const YamlFields& fields, const std::filesystem::pat
   if (fields.has("teams") && all.teams.empty()) fields.fail("teams", "expected at least one team");
   all.period = fields.number("period", {1e-4, 1}, all.period);
   all.duration = fields.number("duration", {1e-3, 3600}, all.duration);
-  all.max_acceleration = fields.number("max_acceleration", positive, all.max_acceleration);
+  all.max_acceleration = fields.number("max_acceleration", above_zero, all.max_acceleration);
   return all;
 }
 

@@ -24,7 +24,7 @@ struct Bounds {
   double high = std::numeric_limits<double>::infinity();
 };
 constexpr double tiny = 1e-9;  ///< the smallest length that counts as positive
-constexpr Bounds positive{tiny, 1e6};
+constexpr Bounds above_zero{tiny, 1e6};
 constexpr Bounds not_negative{0, 1e6};
 constexpr Bounds within_reach{-1e6, 1e6};
 constexpr Bounds paddings{0, 100};  ///< metres

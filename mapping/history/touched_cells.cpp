@@ -61,9 +61,9 @@ std::string deflated(const std::string& bytes) {
 }
 
 /// Walks packed tiles; every read is checked.
-class Reader {
+class CellReader {
  public:
-  Reader(const std::string& packed, std::uint32_t raw_bytes) : bytes_(raw_bytes, '\0') {
+  CellReader(const std::string& packed, std::uint32_t raw_bytes) : bytes_(raw_bytes, '\0') {
     uLongf size = raw_bytes;
     sound_ = raw_bytes == 0
                  ? packed.empty()
@@ -162,7 +162,7 @@ TouchedCells::TouchedCells(std::string packed, std::uint32_t raw_bytes)
 
 bool TouchedCells::contains(const Eigen::Vector3i& cell) const {
   bool found = false;
-  Reader reader(packed_, raw_bytes_);
+  CellReader reader(packed_, raw_bytes_);
   const auto holds = [&](const Eigen::Vector3i& corner) {
     const Eigen::Array3i local = cell.array() - corner.array();
     return (local >= 0).all() && (local < ScanTile::edge).all();
@@ -177,7 +177,7 @@ bool TouchedCells::contains(const Eigen::Vector3i& cell) const {
 
 std::size_t TouchedCells::count() const {
   std::size_t cells = 0;
-  Reader reader(packed_, raw_bytes_);
+  CellReader reader(packed_, raw_bytes_);
   reader.visit(every_tile, [&](const Eigen::Vector3i&, const auto& words) {
     for (const std::uint64_t word : words) cells += static_cast<std::size_t>(std::popcount(word));
     return true;
@@ -186,7 +186,7 @@ std::size_t TouchedCells::count() const {
 }
 
 bool TouchedCells::is_sound() const {
-  Reader reader(packed_, raw_bytes_);
+  CellReader reader(packed_, raw_bytes_);
   reader.visit(every_tile, [](const Eigen::Vector3i&, const auto&) { return true; });
   return reader.sound();
 }

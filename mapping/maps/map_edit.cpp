@@ -206,7 +206,7 @@ Snapshot crop(const Snapshot& map, const Eigen::AlignedBox3d& box) {
 namespace {
 
 /// What is known of all voxels of one coarse voxel together.
-struct Block {
+struct CountedBlock {
   unsigned mask = 0xffff;  ///< volumes that paint all
   bool all_observed = true;
   float highest = std::numeric_limits<float>::lowest();  ///< log-odds of those observed
@@ -221,7 +221,7 @@ struct Block {
   }
 };
 
-void add_below(const FusedNode* node, Block& block) {
+void add_below(const FusedNode* node, CountedBlock& block) {
   if (node == nullptr || !node->has_children()) return block.add(node);
   for (unsigned i = 0; i < 8; ++i) add_below(node->child(i), block);
 }
@@ -236,7 +236,7 @@ void coarsen_below(const FusedNode& node, const CellCube& cube, int finest, Fuse
     }
     return;
   }
-  Block block;
+  CountedBlock block;
   add_below(&node, block);
   const bool occupied = block.highest >= result.getOccupancyThresLog();
   FusedNode coarse;

@@ -15,7 +15,7 @@ namespace {
 constexpr double most_samples = 1e7;
 
 /// A straight piece of the path. Path speed is d(arc length)/dt, arc length ||q - q'|| in plain units.
-struct Edge {
+struct TimedEdge {
   Configuration from, to;
   Eigen::VectorXd direction;  ///< unit
   double length = 0.0;
@@ -32,8 +32,8 @@ void require(bool is_kept, const std::string& what, double value, const std::str
   }
 }
 
-void check(const Robot& robot, const std::vector<Configuration>& waypoints,
-           const TrajectoryOptions& options) {
+void check_arguments(const Robot& robot, const std::vector<Configuration>& waypoints,
+                     const TrajectoryOptions& options) {
   const auto positive = [](double value, const char* name) {
     require(std::isfinite(value) && value > 0.0, name, value, "a finite number above 0");
   };
@@ -53,12 +53,12 @@ void check(const Robot& robot, const std::vector<Configuration>& waypoints,
 }
 
 /// The edges that have a length, each with the greatest path speed and acceleration its joints allow.
-std::vector<Edge> edges_of(const Robot& robot, const std::vector<Configuration>& waypoints,
-                           const TrajectoryOptions& options) {
-  std::vector<Edge> edges;
+std::vector<TimedEdge> edges_of(const Robot& robot, const std::vector<Configuration>& waypoints,
+                                const TrajectoryOptions& options) {
+  std::vector<TimedEdge> edges;
   for (std::size_t i = 1; i < waypoints.size(); ++i) {
     if (waypoints[i] == waypoints[i - 1]) continue;
-    Edge edge;
+    TimedEdge edge;
     edge.from = waypoints[i - 1];
     edge.to = waypoints[i];
     edge.direction = (edge.to - edge.from).stableNormalized();
@@ -82,7 +82,7 @@ constexpr double certain_share = 0.4;
 /// The rule at waypoints. A jump is (path speed) * turn. Bounds the speed at the ends by a T / turn, and
 /// on each edge so that a jump at its ends is at most a/2 times the time spent on it: either it takes two
 /// periods or more, or its speed is at most sqrt(a length / (2 turn)).
-void slow_for_corners(std::vector<Edge>& edges, const TrajectoryOptions& options) {
+void slow_for_corners(std::vector<TimedEdge>& edges, const TrajectoryOptions& options) {
   const double a = options.max_acceleration, period = options.sampling_period;
   std::vector<double> turn(edges.size() + 1, 0.0);  // before edge i; none where the motion rests
   for (std::size_t i = 1; i < edges.size(); ++i) {
@@ -100,8 +100,8 @@ void slow_for_corners(std::vector<Edge>& edges, const TrajectoryOptions& options
 }
 
 /// Lowers the speeds at the waypoints to what the edge accelerations can join, from rest to rest.
-void join_speeds(std::vector<Edge>& edges) {
-  const auto reachable = [](double speed, const Edge& edge) {
+void join_speeds(std::vector<TimedEdge>& edges) {
+  const auto reachable = [](double speed, const TimedEdge& edge) {
     return std::sqrt(speed * speed + 2.0 * edge.max_acceleration * edge.length);
   };
   for (std::size_t i = 1; i < edges.size(); ++i) {
@@ -115,7 +115,7 @@ void join_speeds(std::vector<Edge>& edges) {
 }
 
 /// The fastest trapezoid between the speeds at the ends of the edge.
-void shape_trapezoid(Edge& edge) {
+void shape_trapezoid(TimedEdge& edge) {
   const double a = edge.max_acceleration, in = edge.speed_in, out = edge.speed_out;
   const double crossing = std::sqrt(0.5 * (in * in + out * out) + a * edge.length);
   const double peak = std::max({in, out, std::min(edge.max_speed, crossing)});
@@ -127,7 +127,7 @@ void shape_trapezoid(Edge& edge) {
 }
 
 /// Where the trapezoid is `time` after the edge begins, its clock running `pace` times as fast as ours.
-TrajectoryPoint point_on(const Edge& edge, double time, double pace) {
+TrajectoryPoint point_on(const TimedEdge& edge, double time, double pace) {
   const double a = edge.max_acceleration, left = edge.time() - time;
   double done = 0.0, speed = 0.0;
   if (time < edge.time_up) {
@@ -149,9 +149,9 @@ TrajectoryPoint point_on(const Edge& edge, double time, double pace) {
   return point;
 }
 
-Trajectory sample(const std::vector<Edge>& edges, double period) {
+Trajectory sample(const std::vector<TimedEdge>& edges, double period) {
   double duration = 0.0;
-  for (const Edge& edge : edges) duration += edge.time();
+  for (const TimedEdge& edge : edges) duration += edge.time();
   const double periods = std::max(1.0, std::ceil(duration / period));
   if (!std::isfinite(duration) || periods > most_samples) {
     throw std::invalid_argument("trajectory: the motion lasts " + short_text(duration) +
@@ -177,14 +177,14 @@ Trajectory sample(const std::vector<Edge>& edges, double period) {
 Trajectory timed(const Robot& robot, const std::vector<Configuration>& waypoints, TrajectoryOptions options,
                  double share) {
   options.max_acceleration *= share;
-  std::vector<Edge> edges = edges_of(robot, waypoints, options);
+  std::vector<TimedEdge> edges = edges_of(robot, waypoints, options);
   if (edges.empty()) {
     const Configuration& only = waypoints.front();
     return {options.sampling_period, {{0.0, only, Configuration::Zero(only.size())}}};
   }
   slow_for_corners(edges, options);
   join_speeds(edges);
-  for (Edge& edge : edges) shape_trapezoid(edge);
+  for (TimedEdge& edge : edges) shape_trapezoid(edge);
   return sample(edges, options.sampling_period);
 }
 
@@ -233,7 +233,7 @@ std::string_view to_string(TrajectoryEvent::Kind kind) {
 
 Trajectory time_parameterize(const Robot& robot, const std::vector<Configuration>& waypoints,
                              const TrajectoryOptions& options) {
-  check(robot, waypoints, options);
+  check_arguments(robot, waypoints, options);
   for (double share = 1.0;;) {
     Trajectory trajectory = timed(robot, waypoints, options, share);
     const double used = greatest_change(trajectory) / options.max_acceleration;

@@ -8,6 +8,7 @@
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "mapping/voxels/rigid_pose.hpp"
+#include "planning/robot/kinematics.hpp"
 #include "planning/robot/robot.hpp"
 
 namespace clearway {
@@ -26,12 +27,6 @@ std::optional<std::size_t> joint_of(const Robot& robot, const std::string& name)
   for (std::size_t i = 0; i < robot.joints.size(); ++i)
     if (robot.joints[i].name == name) return i;
   return std::nullopt;
-}
-
-bool moves_tip(const Robot& robot, std::size_t joint) {
-  for (int i = robot.tip_link; i >= 0; i = robot.links[static_cast<std::size_t>(i)].parent)
-    if (robot.links[static_cast<std::size_t>(i)].joint == static_cast<int>(joint)) return true;
-  return false;
 }
 
 bool are_near(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {

@@ -23,13 +23,6 @@ double largest_apart(const Configuration& a, const Configuration& b) {
   return (a - b).lpNorm<Eigen::Infinity>();
 }
 
-/// Whether the joint moves the tip.
-bool moves_tip(const Robot& robot, std::size_t joint) {
-  for (int at = robot.tip_link; at >= 0; at = robot.links[static_cast<std::size_t>(at)].parent)
-    if (robot.links[static_cast<std::size_t>(at)].joint == static_cast<int>(joint)) return true;
-  return false;
-}
-
 /// Within the limits, or a turn either way of `near`; joints that do not move the tip are as `near` has them.
 Configuration random_start(const Robot& robot, const Configuration& near, std::mt19937_64& random) {
   Configuration q = near;

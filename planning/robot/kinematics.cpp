@@ -51,6 +51,12 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(const Robot& robot, const Link
   return columns;
 }
 
+bool moves_tip(const Robot& robot, std::size_t joint) {
+  for (int at = robot.tip_link; at >= 0; at = robot.links[static_cast<std::size_t>(at)].parent)
+    if (robot.links[static_cast<std::size_t>(at)].joint == static_cast<int>(joint)) return true;
+  return false;
+}
+
 bool is_same_after_turns(const Robot& robot, std::size_t joint) {
   return robot.joints[joint].kind == JointKind::revolute &&
          std::none_of(robot.links.begin(), robot.links.end(), [&](const Link& link) {

@@ -36,6 +36,9 @@ std::string whose_limit(const Robot& robot, std::size_t joint, bool is_upper);
 /// turns, too. Limits are not asked. @pre joint < robot.dof()
 bool is_same_after_turns(const Robot& robot, std::size_t joint);
 
+/// Whether the joint moves the tip: it is on the way from the base to it. @pre joint < robot.dof()
+bool moves_tip(const Robot& robot, std::size_t joint);
+
 /// The same of a joint that also turns without end. @pre joint < robot.dof()
 bool repeats_after_turns(const Robot& robot, std::size_t joint);
 
@@ -61,7 +64,8 @@ struct IkOptions {
 /// A configuration that puts the tip at `map_from_tip`, near `near`; within limits. Geometric for "puma"
 /// (Craig 1989, the arm configuration of `near` is kept), damped least squares with limits otherwise, and for
 /// poses that leave something free.
-/// Empty when out of reach.
+/// Empty when out of reach, for "puma" also when the pose asks for another arm configuration than that of
+/// `near`; goal_configurations() tries them all.
 /// @throws std::invalid_argument for a free_axis that is none, and for a robot whose file says "puma" that is
 /// no such arm.
 std::optional<Configuration> inverse_kinematics(const Robot& robot, const Eigen::Isometry3d& map_from_tip,

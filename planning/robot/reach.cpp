@@ -40,7 +40,7 @@ std::vector<int> chain_to(const Robot& robot, int link) {
 
 /// What is known of a frame's place in every configuration: a box of its origin, and its rotation, which is
 /// `rotation` exactly, or that after any turn about `axis` (map frame), or anything.
-struct Place {
+struct PlaceOfPoint {
   enum class Turned { not_at_all, about_axis, anyhow };
   Eigen::AlignedBox3d box;
   Eigen::Matrix3d rotation;
@@ -80,7 +80,7 @@ struct Place {
 }  // namespace
 
 Eigen::AlignedBox3d reach_box(const Robot& robot, const Body& body) {
-  Place place;
+  PlaceOfPoint place;
   place.box = Eigen::AlignedBox3d(robot.map_from_base.translation());
   place.rotation = robot.map_from_base.linear();
   for (int index : chain_to(robot, body.link)) {
@@ -90,21 +90,21 @@ Eigen::AlignedBox3d reach_box(const Robot& robot, const Body& body) {
     if (slides(robot, link)) {
       const auto [low, high] = travel(robot, link);
       const Eigen::Vector3d axis = axis_of(robot, link);
-      Place other = place;
+      PlaceOfPoint other = place;
       place.shift(std::max(low, -beyond_maps) * axis);  // without limits: infinite
       other.shift(std::min(high, beyond_maps) * axis);
       place.box.extend(other.box);
     }
     if (turns(robot, link)) place.turn_about(axis_of(robot, link));
   }
-  if (place.turned == Place::Turned::not_at_all) {
+  if (place.turned == PlaceOfPoint::Turned::not_at_all) {
     const Eigen::Isometry3d rotation(place.rotation);
     const Eigen::AlignedBox3d own = body.shape.bounds(rotation * body.link_from_shape);
     return {place.box.min() + own.min(), place.box.max() + own.max()};
   }
   Eigen::AlignedBox3d whole;
   for (const Sphere& sphere : body.cover) {
-    Place at = place;
+    PlaceOfPoint at = place;
     at.shift(sphere.center);
     at.grow(Eigen::Vector3d::Constant(sphere.radius));
     whole.extend(at.box);

@@ -7,7 +7,7 @@
 namespace clearway::bench {
 namespace {
 
-constexpr double degree = M_PI / 180.0, farthest = 80.0;
+constexpr double one_degree = M_PI / 180.0, farthest = 80.0;
 constexpr double step = 0.5;  // of the vehicle between two scans, metres
 
 /// The ground's height, for a lidar 1.7 m over it; all lengths but the waves' grow with the lidar's height.
@@ -87,7 +87,7 @@ GroundDrive drive(const DrivenLidar& lidar, std::size_t scans, std::uint64_t see
     Scan scan;
     for (int ring = 0; ring < lidar.rings; ++ring) {
       const double elevation =
-          degree * (lidar.lowest + (lidar.highest - lidar.lowest) * ring / (lidar.rings - 1));
+          one_degree * (lidar.lowest + (lidar.highest - lidar.lowest) * ring / (lidar.rings - 1));
       const double turned = 2 * M_PI / lidar.around * std::abs(noise(random));  // each ring's own
       for (int ray = 0; ray < lidar.around; ++ray) {
         const double azimuth = turned + 2 * M_PI * ray / lidar.around;
@@ -107,7 +107,7 @@ GroundDrive drive(const DrivenLidar& lidar, std::size_t scans, std::uint64_t see
     const auto error = [&](double sigma) {
       return Eigen::Vector3d(sigma * noise(random), sigma * noise(random), sigma * noise(random));
     };
-    const Eigen::Vector3d turn = error(0.05 * degree);
+    const Eigen::Vector3d turn = error(0.05 * one_degree);
     scan.map_from_sensor =
         Eigen::Translation3d(error(0.01)) * pose * Eigen::AngleAxisd(turn.norm(), turn.normalized());
     drive.scans.push_back(std::move(scan));

@@ -17,7 +17,7 @@ namespace {
 constexpr double half = 1.2, height = 2.4, thickness = 0.1;
 constexpr std::size_t frames_a_place = 10, frames_with_fist = 3;
 
-SceneShape box(const Eigen::Vector3d& size, const Eigen::Vector3d& center) {
+SceneShape box_at(const Eigen::Vector3d& size, const Eigen::Vector3d& center) {
   SceneShape shape{"", BoxShape{size}};
   shape.map_from_shape.translation() = center;
   return shape;
@@ -38,7 +38,7 @@ std::vector<SceneShape> walls(double resolution) {
       Eigen::Vector3d size = Eigen::Vector3d::Constant(2 * half + 2 * thickness), at = middle;
       size[axis] = thickness;
       at[axis] += side * (half + thickness / 2) + resolution / 3;
-      all.push_back(box(size, at));
+      all.push_back(box_at(size, at));
     }
   }
   return all;

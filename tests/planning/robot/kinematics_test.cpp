@@ -272,6 +272,20 @@ TEST(InverseKinematics, NoJointIsMoreThanATurnFromWhereItIsAskedToBeNear) {
   EXPECT_GT(solved, 90);
 }
 
+TEST(MovesTip, AsTurningTheJointTells) {
+  for (const char* name : {"puma560", "panda", "arm5"}) {
+    Robot robot = load_robot(name);
+    robot.tip_link /= 2;  // the joints beyond it are some that do not
+    const Configuration q = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(robot.dof()));
+    for (std::size_t j = 0; j < robot.dof(); ++j) {
+      Configuration turned = q;
+      turned[static_cast<Eigen::Index>(j)] += 0.01;
+      EXPECT_EQ(moves_tip(robot, j), pose_error(tip_pose(robot, q), tip_pose(robot, turned)) > 1e-6)
+          << name << ", " << robot.joints[j].name;
+    }
+  }
+}
+
 /// A joint of several turns, and one that follows it by half: a whole turn of the first is another pose.
 TEST(InverseKinematics, JointsThatOthersFollowByHalfAreNotTurned) {
   for (const double multiplier : {0.5, 2.0}) {
