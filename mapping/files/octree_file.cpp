@@ -6,6 +6,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <locale>
 #include <sstream>
 
 #include "mapping/files/map_file.hpp"
@@ -137,6 +138,7 @@ std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVo
   const auto first_line = header.find('\n') + 1;
 
   std::ostringstream rest;
+  rest.imbue(std::locale::classic());  // a program's own may group digits
   if (stock_agrees) rest << fused_nodes_comment;
   rest << threshold_comment << digits_of(tree.getOccupancyThresLog()) << "\n";
   const FusedTree usual(1.0);

@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <locale>
 #include <memory>
 #include <sstream>
 
@@ -70,6 +71,28 @@ TEST(OctreeFile, OurFileReadsBackEqualAndWritesTheSameBytesAgain) {
     EXPECT_TRUE(content.has_volumes);
     EXPECT_EQ(format_fused_tree(*content.tree, content.volumes), bytes);
   }
+}
+
+/// As std::locale::global(std::locale("en_US.UTF-8")) has them in many programs with windows.
+struct GroupedDigits : std::numpunct<char> {
+  char do_thousands_sep() const override { return ','; }
+  std::string do_grouping() const override { return "\3"; }
+};
+
+TEST(OctreeFile, IsTheSameInAProgramWhoseNumbersAreGrouped) {
+  FreeSpaceMap map({.resolution = 0.05});
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 70; ++i)
+    for (int j = 0; j < 70; ++j)
+      points.emplace_back(2.0F, 0.02F * static_cast<float>(i - 35), 0.02F * static_cast<float>(j - 35));
+  for (int scan = 1; scan <= 20; ++scan)
+    map.insert({.time = 1000.0 * scan, .sensor = "lidar", .points = points});
+  const Snapshot snapshot = map.snapshot();
+  ASSERT_GT(snapshot.tree().agreement().looked_up, 999U);
+  const std::string bytes = format_fused_tree(snapshot.tree(), snapshot.volumes(), snapshot.seen());
+  const std::locale before = std::locale::global(std::locale(std::locale::classic(), new GroupedDigits));
+  EXPECT_TRUE(format_fused_tree(snapshot.tree(), snapshot.volumes(), snapshot.seen()) == bytes);
+  std::locale::global(before);
 }
 
 /// Before 1.0 a header of numbers; OctoMap still reads it, and so do we, to the same tree.
