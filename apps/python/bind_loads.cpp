@@ -95,6 +95,10 @@ PathVerdict check_plan(const NamedSpace& space, const Plan& plan,
     } else {
       verdict = check_legs(legs_of(carried, robot, space->map()), policies, padding, 0.0, seen_within);
     }
+    if (const std::string fault = plan.end_violation(); verdict.valid && !fault.empty()) {
+      verdict.valid = false;
+      verdict.first_contact = fault;
+    }
     if (!verdict.valid || !plan.motion) return verdict;
     if (const MotionVerdict motion = check_planned_motion(*space, carried, policies); !motion.valid) {
       verdict.valid = false;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
@@ -134,7 +135,33 @@ PlanStatus Plan::status() const {
   return legs.empty() ? PlanStatus::no_path : PlanStatus::solved;
 }
 
-bool Plan::is_proved() const { return status() == PlanStatus::solved && validation.valid; }
+bool Plan::is_proved() const {
+  return status() == PlanStatus::solved && validation.valid && end_violation().empty();
+}
+
+std::string Plan::end_violation() const {
+  const auto path_has = [](const char* verb, const Configuration& found, const Configuration& asked) {
+    const double off = found.size() == asked.size() ? (found - asked).lpNorm<Eigen::Infinity>()
+                                                    : std::numeric_limits<double>::quiet_NaN();
+    return off <= contract_tolerance
+               ? std::string()
+               : std::string("the path ") + verb + " " + short_text(off, 3) + " (rad or m) from it";
+  };
+  const std::vector<Configuration> at = stops();
+  if (start.size() > 0 && !at.empty())
+    if (const std::string off = path_has("begins", at.front(), start); !off.empty()) return "start: " + off;
+  if (goals.empty()) return {};
+  const std::size_t reached = at.empty() ? 0 : at.size() - 1;
+  const std::string count = std::to_string(goals.size());
+  if (reached != goals.size())
+    return "goals: expected a leg to each of " + count + ", the path has " + std::to_string(reached);
+  if (const auto found = options.find("last_segment"); found != options.end() && found->second == "false")
+    return {};
+  for (std::size_t i = 0; i < goals.size(); ++i)
+    if (const std::string off = path_has("ends its leg", at[i + 1], goals[i]); !off.empty())
+      return "goal " + std::to_string(i + 1) + " of " + count + ": " + off;
+  return {};
+}
 
 std::string Plan::explanation() const {
   const bool is_solved = status() == PlanStatus::solved;

@@ -69,7 +69,13 @@ struct Plan {
   std::vector<std::string> allow_outside;  ///< parts that may leave the map's bounds, or "all"
 
   PlanStatus status() const;  ///< of the first leg that is not solved, else solved
-  bool is_proved() const;     ///< every leg is solved, and the check found the whole path valid
+  /// Every leg is solved, the check found the whole path valid, and it joins what was asked: no
+  /// end_violation.
+  bool is_proved() const;
+  /// Why the path does not join start and goals as this plan states them, one sentence without a full stop:
+  /// a leg is missing or left over, or ends elsewhere. Empty: it does, or the plan states none. A beam with
+  /// last_segment = false may end one step short of a goal.
+  std::string end_violation() const;
   std::string explanation() const;
   std::vector<Configuration> waypoints() const;  ///< of all solved legs, joined without doubles
   /// Of waypoints(): how the planner got to each; unknown for legs that do not say.

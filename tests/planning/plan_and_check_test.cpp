@@ -281,6 +281,81 @@ TEST(PlanAndCheck, AStepLargerThanTheWayIsReported) {
   EXPECT_EQ(explained(start, {.step_deg = {180.0}}), "Reached the goal box in 0 steps.");
 }
 
+/// A planner of a user's own, which gives what it is made with.
+class Given : public Planner {
+ public:
+  explicit Given(std::vector<Configuration> path, PlanStatus status = PlanStatus::solved)
+      : Planner("given", {}), path_(std::move(path)), status_(status) {}
+  PlanResult plan(const PlanProblem& /*problem*/) const override {
+    PlanResult result;
+    result.status = status_;
+    result.waypoints = path_;
+    result.cost = std::nan("");
+    return result;
+  }
+
+ private:
+  std::vector<Configuration> path_;
+  PlanStatus status_;
+};
+
+TEST(PlanAndCheck, APlannerThatDoesNotReachWhatItWasAskedIsNotBelieved) {
+  const ConfigurationSpace space = walled_space();
+  const auto planned = [&](const std::vector<Configuration>& path, PlanStatus status = PlanStatus::solved) {
+    return plan_and_check({.space = space,
+                           .start = left,
+                           .goals = {right},
+                           .planner = std::make_shared<Given>(path, status),
+                           .survey = {},
+                           .advice_time = 0.0});
+  };
+  const Plan sound = planned({left, above, right});
+  EXPECT_TRUE(sound.is_proved()) << sound.explanation() << sound.validation.first_contact;
+  EXPECT_EQ(sound.legs[0].cost,
+            path_cost({.space = space, .start = left, .goals = {right}})({left, above, right}));
+  EXPECT_FALSE(planned({left, above, right}, PlanStatus::no_path).is_proved());
+  const double nan = std::nan("");
+  const Configuration aside = right + Eigen::Vector2d(0.0, 1e-3), lost = Eigen::Vector2d(nan, 1.0);
+  const std::vector<std::vector<Configuration>> wrong = {
+      {},
+      {left},
+      {right, right},
+      {left, left},
+      {right, above, left},
+      {left, above, aside},
+      {aside, right},
+      {left, Configuration(Eigen::Vector3d::Zero()), right},
+      {left, lost, right},
+      {Configuration(), right}};
+  for (const std::vector<Configuration>& path : wrong) {
+    const Plan plan = planned(path);
+    EXPECT_EQ(plan.status(), PlanStatus::no_path);
+    EXPECT_FALSE(plan.is_proved());
+    EXPECT_EQ(plan.explanation().find("Planner 'given' gave a path that is none: "), 0U)
+        << plan.explanation();
+    EXPECT_TRUE(plan.waypoints().empty());
+  }
+}
+
+TEST(PlanAndCheck, APlanWhosePathMissesItsOwnWordsIsNotProved) {
+  const ConfigurationSpace space = walled_space();
+  const Plan plan = plan_and_check({.space = space, .start = left, .goals = {above, right}});
+  ASSERT_TRUE(plan.is_proved()) << plan.explanation();
+  EXPECT_EQ(plan.end_violation(), "");
+  Plan cut = plan;
+  cut.legs.pop_back();
+  EXPECT_FALSE(cut.is_proved());
+  EXPECT_EQ(cut.end_violation(), "goals: expected a leg to each of 2, the path has 1");
+  Plan elsewhere = plan;
+  elsewhere.start.x() -= 0.5;
+  EXPECT_EQ(elsewhere.end_violation(), "start: the path begins 0.5 (rad or m) from it");
+  elsewhere = plan;
+  elsewhere.goals[0].y() += 0.25;
+  EXPECT_EQ(elsewhere.end_violation(), "goal 1 of 2: the path ends its leg 0.25 (rad or m) from it");
+  elsewhere.goals.clear();  // a path whose file says no goal claims none
+  EXPECT_EQ(elsewhere.end_violation(), "");
+}
+
 /// Forces at q of a robot whose base is turned by `map_from_base`, under gravity (map frame) and a load.
 Eigen::VectorXd forces(const Eigen::Matrix3d& map_from_base, const Eigen::Vector3d& gravity, double payload,
                        const Configuration& q) {

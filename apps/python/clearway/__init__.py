@@ -53,7 +53,7 @@ def require_proved(plan, space=None, *, loads=None, pick=None):
 
     Raises StartInvalid, GoalInvalid, NoPath, TimedOut or PathRefused otherwise, each a PlanError with the reason.
     """
-    if plan.is_proved and space is not None:
+    if plan.status == "solved" and space is not None:
         verdict = check_plan(space, plan, loads=loads, pick=pick)  # noqa: F405
         if not verdict.valid:
             raise PathRefused(verdict.first_contact, plan)
@@ -61,7 +61,7 @@ def require_proved(plan, space=None, *, loads=None, pick=None):
         return plan
     if plan.status != "solved":
         raise _ERRORS[plan.status](plan.explanation, plan)
-    raise PathRefused(plan.validation.first_contact or "the path was not checked", plan)
+    raise PathRefused(plan.validation.first_contact or plan.end_violation or "the path was not checked", plan)
 
 
 def load_results(folder):

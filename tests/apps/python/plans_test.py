@@ -77,6 +77,13 @@ class Arm(unittest.TestCase):
         with self.assertRaises(cw.PathRefused):
             cw.require_proved(cw.parse_plan(json.dumps(bent)), self.space)
         self.assertIs(cw.require_proved(plan, self.space), plan)
+        said = plan.to_dict()
+        for key, elsewhere in (("goals", [[value + 0.2 for value in said["goals"][0]]]),
+                               ("start", [value + 0.2 for value in said["start"]])):
+            missed = cw.parse_plan(json.dumps(said | {key: elsewhere}))
+            self.assertFalse(missed.is_proved)
+            with self.assertRaisesRegex(cw.PathRefused, key.removesuffix("s")):
+                cw.require_proved(missed, self.space)
         self.assertEqual((answer["first_contact"], answer["edge"], answer["parameter"]),
                          (verdict.first_contact, verdict.edge, verdict.parameter))
 
