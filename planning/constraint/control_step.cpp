@@ -18,7 +18,9 @@ DamperOptions checked(DamperOptions options, std::size_t joints) {
     throw std::invalid_argument(
         "control step: expected 0 <= security_distance < influence_distance and 0 < xi <= their difference");
   }
-  if (options.weight.size() != static_cast<Eigen::Index>(joints) || !(options.weight.minCoeff() > 0.0))
+  const auto& weight = options.weight;
+  if (weight.size() != static_cast<Eigen::Index>(joints) || !weight.allFinite() ||
+      (weight.array() <= 0.0).any())
     throw std::invalid_argument("control step: expected a weight above 0 for each joint");
   if (!(options.max_step > 0.0)) throw std::invalid_argument("control step: expected max_step above 0");
   return options;
@@ -40,6 +42,8 @@ ControlStep::ControlStep(const ConfigurationSpace& space, DamperOptions options)
   const auto n = static_cast<Eigen::Index>(space.robot().dof());
   for (Eigen::VectorXd* vector : {&lower_, &upper_, &weighted_gradient_, &step_}) vector->setZero(n);
   per_weight_ = options_.weight.cwiseInverse();
+  solver_.begin(static_cast<int>(n));
+  solver_.set_limits(numbers(lower_), numbers(upper_));
 }
 
 void ControlStep::require_joints(std::size_t count, const char* what) const {
@@ -51,6 +55,7 @@ void ControlStep::require_joints(std::size_t count, const char* what) const {
 
 void ControlStep::look(const Configuration& q) {
   require_joints(static_cast<std::size_t>(q.size()), "q");
+  if (!q.allFinite()) throw std::invalid_argument("control step: q holds a number that is not finite");
   constraints_.look(q);
   load(q);
 }

@@ -26,14 +26,16 @@ class ControlStep {
   ControlStep(const ConfigurationSpace& space, DamperOptions options);
 
   /// Constraints at q, and the room to the joint limits.
-  /// @throws std::invalid_argument, as add and solve do, for another number of values than joints
+  /// @throws std::invalid_argument, as add and solve do, for another number of values than joints, and for
+  /// values that are not finite
   void look(const Configuration& q);
 
   /// One more constraint: gradient . dq <= bound, in joint units (not weighted).
   void add(std::span<const double> gradient, double bound);
 
   /// Lahouar 2006, eq. 9: the step nearest to `wanted` (weighted units) that keeps all constraints;
-  /// constraints that contradict each other as in QuadraticSolver::solve_relaxed. Never beyond the joint
+  /// constraints that contradict each other as in QuadraticSolver::solve_relaxed. Before the first look it
+  /// is zero. Never beyond the joint
   /// limits and max_step a joint: where rounding leaves no such step it is zero, and solver() reports the
   /// step that was refused. Valid until the next call.
   const Eigen::VectorXd& solve(const Eigen::VectorXd& wanted);

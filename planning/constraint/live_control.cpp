@@ -63,6 +63,7 @@ LiveControl::ReadyMap LiveControl::prepare(ConfigurationSpace space, Time taken)
 }
 
 std::uint64_t LiveControl::publish(ReadyMap map) {
+  if (!map) throw std::invalid_argument("live control: expected a map that prepare made, got none");
   map->number = ++published_;
   delete newest_.exchange(map.release(), std::memory_order_acq_rel);
   collect();
@@ -81,7 +82,17 @@ std::size_t LiveControl::collect() {
   return count;
 }
 
+void LiveControl::require(const Eigen::VectorXd& values, const char* name) const {
+  const Eigen::Index joints = damper_.weight.size();
+  if (values.size() != joints)
+    throw std::invalid_argument("live control: expected " + std::to_string(joints) + " values of " + name +
+                                ", one for each joint, got " + std::to_string(values.size()));
+  if (!values.allFinite())
+    throw std::invalid_argument(std::string("live control: ") + name + " holds a number that is not finite");
+}
+
 bool LiveControl::fetch(const Configuration& q) {
+  require(q, "q");
   if (newest_.load(std::memory_order_relaxed) == nullptr) return false;
   Map* const next = newest_.exchange(nullptr, std::memory_order_acquire);  // others only put one there
   if (current_ != nullptr) {
@@ -110,15 +121,14 @@ const ConfigurationSpace& LiveControl::space() const { return current_->space; }
 ControlStep& LiveControl::control() { return current_->control; }
 
 const Eigen::VectorXd& LiveControl::step(const Configuration& q, const Eigen::VectorXd& wanted, Time now) {
-  if (!q.allFinite() || !wanted.allFinite())
-    throw std::invalid_argument(std::string("live control: ") + (q.allFinite() ? "wanted" : "q") +
-                                " holds a number that is not finite");
+  require(wanted, "wanted");
   fetch(q);
   if (has_map()) control().look(q);
   return solve(wanted, now);
 }
 
 const Eigen::VectorXd& LiveControl::solve(const Eigen::VectorXd& wanted, Time now) {
+  require(wanted, "wanted");
   is_braking_ = is_too_old(now);
   if (!has_map()) return last_;  // it has not moved yet
   if (is_braking_) {

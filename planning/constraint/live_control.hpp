@@ -62,7 +62,8 @@ class LiveControl {
   };
   using ReadyMap = std::unique_ptr<Map, TakeApart>;
   ReadyMap prepare(ConfigurationSpace space, Time taken);
-  std::uint64_t publish(ReadyMap map);  ///< @pre of this object's `prepare`
+  /// @pre of this object's `prepare` @throws std::invalid_argument for one that was handed on before
+  std::uint64_t publish(ReadyMap map);
 
   /// Takes apart what was given back, without a new map, and remembers where the robot was. Returns how many.
   std::size_t collect();
@@ -70,6 +71,7 @@ class LiveControl {
   // The loop's own.
 
   /// Goes over to the newest map, if there is one that it does not have. @param q where the robot is
+  /// @throws std::invalid_argument, and changes nothing, unless q is one finite value for each joint
   bool fetch(const Configuration& q);
   bool has_map() const { return current_ != nullptr; }
   std::uint64_t number() const;  ///< of its map; 0: none yet
@@ -82,8 +84,8 @@ class LiveControl {
 
   /// fetch; control().look; then solve for `wanted`, or for what brakes.
   /// Weighted units, valid until the next call.
-  /// @throws std::invalid_argument, and changes nothing, when a number of `q` or `wanted` is not finite:
-  /// where the robot is it must know. After a reading that was lost call it with the last one.
+  /// @throws std::invalid_argument, and changes nothing, unless `q` and `wanted` are one finite value for
+  /// each joint: where the robot is it must know. After a reading that was lost call it with the last one.
   const Eigen::VectorXd& step(const Configuration& q, const Eigen::VectorXd& wanted, Time now);
   /// The second half, for who has added constraints of its own to control() after look.
   const Eigen::VectorXd& solve(const Eigen::VectorXd& wanted, Time now);
@@ -91,6 +93,8 @@ class LiveControl {
   bool is_braking() const { return is_braking_; }
 
  private:
+  void require(const Eigen::VectorXd& values, const char* name) const;
+
   DamperOptions damper_;
   LiveOptions options_;
   Configuration expected_;  ///< the mapping thread's: where the loop last said that the robot is

@@ -288,11 +288,39 @@ TEST(LiveControl, NumbersThatAreNotFiniteAreRefusedByNameAndChangeNothing) {
   const Eigen::Vector2d q(0, 0), wanted(0.01, 0), lost(std::nan(""), 0);
   EXPECT_THROW(live.step(lost, wanted, Time()), std::invalid_argument);
   EXPECT_THROW(live.step(q, lost, Time()), std::invalid_argument);
+  EXPECT_THROW(live.solve(lost, Time()), std::invalid_argument);
+  EXPECT_FALSE(live.has_map());
   EXPECT_EQ(Eigen::VectorXd(live.step(q, wanted, Time())), Eigen::VectorXd(other.step(q, wanted, Time())));
   DamperOptions far = damper(point);
   far.influence_distance = HUGE_VAL;
   LiveControl endless(far, {});
   EXPECT_THROW(endless.publish(space_of(point, map), Time()), std::invalid_argument);
+}
+
+/// The mapping thread prepares the next map where the loop last said that the robot was: no slip of the loop
+/// may keep it from doing so.
+TEST(LiveControl, AReadingOfAnotherSizeLeavesTheNextMapsAsTheyAre) {
+  const Robot point = load_robot("point");
+  LiveControl live(damper(point), {});
+  const Snapshot map = wall(0.5).snapshot();
+  const Eigen::Vector2d q(0, 0), wanted(0.01, 0), lost(std::nan(""), 0);
+  live.publish(space_of(point, map), Time());
+  live.step(q, wanted, Time());
+  for (const Configuration& wrong :
+       {Configuration(Eigen::Vector3d::Zero()), Configuration(), Configuration(lost)}) {
+    live.publish(space_of(point, map), Time());
+    EXPECT_THROW(live.step(wrong, wanted, Time()), std::invalid_argument);
+    EXPECT_THROW(live.step(q, wrong, Time()), std::invalid_argument);
+    EXPECT_THROW(live.fetch(wrong), std::invalid_argument);
+    EXPECT_EQ(live.collect(), 0U);
+    const std::uint64_t newest = live.publish(space_of(point, map), Time());
+    live.step(q, wanted, Time());
+    EXPECT_EQ(live.number(), newest);
+    EXPECT_EQ(live.collect(), 1U);
+  }
+  LiveControl::ReadyMap ready = live.prepare(space_of(point, map), Time());
+  live.publish(std::move(ready));
+  EXPECT_THROW(live.publish(std::move(ready)), std::invalid_argument);  // NOLINT: what it is asked about
 }
 
 }  // namespace live_control_test
