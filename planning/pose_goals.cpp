@@ -11,6 +11,7 @@
 #include "mapping/system/plain_text.hpp"
 #include "mapping/voxels/rigid_pose.hpp"
 #include "planning/files/query_record.hpp"
+#include "planning/robot/kinematics.hpp"
 #include "planning/robot_files/srdf_file.hpp"
 
 namespace clearway {
@@ -43,6 +44,7 @@ PoseGoals::PoseGoals(const ConfigurationSpace& space, const std::string& tip,
       robot_(tip.empty() ? space.robot() : with_tip(space.robot(), link_of_tip(space.robot(), tip))),
       poses_(std::move(poses)),
       start_(std::move(start)) {
+  require_configuration(robot_, start_, "pose goals: start");
   for (const NamedGoalPose& pose : poses_) require_sound(pose);
   choose_from(0);
 }

@@ -45,6 +45,10 @@ double damper_bound(const DamperOptions& options, double distance) {  // Lahouar
 }
 
 VectorXd step_to_goal(const DamperOptions& options, const Configuration& q, const Configuration& goal) {
+  if (q.size() != goal.size() || options.weight.size() != q.size())
+    throw std::invalid_argument("step to the goal: expected as many values of q, goal and weight, got " +
+                                std::to_string(q.size()) + ", " + std::to_string(goal.size()) + " and " +
+                                std::to_string(options.weight.size()));
   const VectorXd way = options.weight.cwiseProduct(goal - q);
   const double length = way.norm();  // Lahouar 2006, eq. 1, else 2
   return length > options.max_step ? VectorXd(way * (options.max_step / length)) : way;

@@ -113,6 +113,7 @@ Motion stretch_of(const Motion& motion, std::size_t first, std::size_t last) {
 }
 
 RateLimits greatest_rates(const Motion& motion) {
+  if (motion.positions.empty()) return {};
   const Eigen::Index n = motion.positions.front().size();
   RateLimits rates{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n)};
   const auto raise = [](Eigen::VectorXd& greatest, const Eigen::VectorXd& values) {

@@ -69,7 +69,7 @@ void append_rest(Motion& motion, std::size_t periods);
 /// The motion between two of its knots, as one of its own. @pre first <= last < positions.size()
 Motion stretch_of(const Motion& motion, std::size_t first, std::size_t last);
 
-/// The greatest of each joint at any time, exact but for rounding.
+/// The greatest of each joint at any time, exact but for rounding; of no joint for a motion without knots.
 RateLimits greatest_rates(const Motion& motion);
 
 /// The greatest rates as shares of the limits, over all joints: 1 is all of them.

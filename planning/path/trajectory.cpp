@@ -8,6 +8,7 @@
 
 #include "mapping/system/number_text.hpp"
 #include "planning/problem/option_reader.hpp"
+#include "planning/robot/kinematics.hpp"
 
 namespace clearway {
 namespace {
@@ -215,6 +216,7 @@ LimitShares limit_shares(const Robot& robot, const Trajectory& trajectory, const
   LimitShares shares;
   for (std::size_t k = 0; k < trajectory.points.size(); ++k) {
     const Eigen::VectorXd& velocity = trajectory.points[k].velocity;
+    require_configuration(robot, velocity, "limit shares: velocity");
     for (std::size_t j = 0; j < robot.dof(); ++j) {
       const double speed = std::abs(velocity[static_cast<Eigen::Index>(j)]);
       shares.velocity = std::max(shares.velocity, speed / velocity_limit(robot, j, options));

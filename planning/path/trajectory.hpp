@@ -69,6 +69,7 @@ struct LimitShares {
   double velocity = 0.0;      ///< of a joint's own limit (or the default), velocity_scale not counted
   double acceleration = 0.0;  ///< of `a`: change of velocity over a period
 };
+/// @throws std::invalid_argument unless each velocity is one finite value for each joint of the robot
 LimitShares limit_shares(const Robot& robot, const Trajectory& trajectory,
                          const TrajectoryOptions& options = {});
 

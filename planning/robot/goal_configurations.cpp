@@ -268,6 +268,7 @@ Robot with_tip(const Robot& robot, const std::string& link) {
 
 std::vector<Configuration> goal_configurations(const Robot& robot, const Eigen::Isometry3d& map_from_tip,
                                                const Configuration& near, int starts, std::uint64_t seed) {
+  require_configuration(robot, near, "goal configurations: near");
   FoundConfigurations found(robot, near);
   const auto add = [&](const Configuration& q) { found.add(q); };
   if (robot.inverse_kinematics == "puma")
@@ -291,6 +292,7 @@ std::vector<Configuration> goal_configurations(const Robot& robot, const Eigen::
 
 std::vector<Configuration> goal_configurations(const Robot& robot, const GoalPose& goal,
                                                const Configuration& near, int starts, std::uint64_t seed) {
+  require_configuration(robot, near, "goal configurations: near");
   const IkOptions options{.restarts = 0,
                           .free_distance = goal.position_tolerance,
                           .free_turn = goal.turn_tolerance,

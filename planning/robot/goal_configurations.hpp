@@ -39,6 +39,7 @@ std::vector<Eigen::Isometry3d> poses_of(const GoalPose& goal, int count = 96);
 /// (differing by more than 1e-3 in some joint), of joints that turn more than once the turn nearest to
 /// `near`. Joints that do not move the tip stay as `near` has them. Nearest to `near` first, by the largest
 /// difference of a joint.
+/// @throws std::invalid_argument, as the next does, unless `near` is one finite value for each joint
 std::vector<Configuration> goal_configurations(const Robot& robot, const Eigen::Isometry3d& map_from_tip,
                                                const Configuration& near, int starts = 64,
                                                std::uint64_t seed = 1);

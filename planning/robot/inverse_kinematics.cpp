@@ -154,7 +154,8 @@ std::optional<Configuration> numeric_inverse_kinematics(const Robot& robot, cons
 
 std::optional<Configuration> inverse_kinematics(const Robot& robot, const Eigen::Isometry3d& map_from_tip,
                                                 const Configuration& near, const IkOptions& options) {
-  if (near.size() != static_cast<Eigen::Index>(robot.dof()) || !near.allFinite()) return std::nullopt;
+  if (near.size() == static_cast<Eigen::Index>(robot.dof()) && !near.allFinite()) return std::nullopt;
+  require_configuration(robot, near, "inverse kinematics: near");
   if (options.free_axis && (*options.free_axis < 0 || *options.free_axis > 2))
     throw std::invalid_argument("inverse kinematics: free_axis is " + std::to_string(*options.free_axis) +
                                 ", expected 0, 1 or 2");

@@ -5,6 +5,7 @@
 #include <locale>
 #include <numbers>
 #include <sstream>
+#include <stdexcept>
 
 #include "mapping/system/plain_text.hpp"
 #include "planning/robot/link_pose.hpp"
@@ -49,6 +50,14 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(const Robot& robot, const Link
     }
   }
   return columns;
+}
+
+void require_configuration(const Robot& robot, const Eigen::VectorXd& q, const std::string& what) {
+  const std::string joints = std::to_string(robot.dof());
+  if (q.size() != static_cast<Eigen::Index>(robot.dof()))
+    throw std::invalid_argument(what + ": expected " + joints + " values, one for each joint of robot " +
+                                quote(robot.name) + ", got " + std::to_string(q.size()));
+  if (!q.allFinite()) throw std::invalid_argument(what + ": expected " + joints + " finite values");
 }
 
 bool moves_tip(const Robot& robot, std::size_t joint) {

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "planning/robot/robot.hpp"
@@ -31,6 +32,10 @@ std::string limit_violation(const Robot& robot, const Configuration& q);
 /// ", as joint 'finger_2' follows 'finger_1' and ends at 0.04 m": of a limit that the joint has from one that
 /// follows it (Joint::lower_follower); else empty.
 std::string whose_limit(const Robot& robot, std::size_t joint, bool is_upper);
+
+/// @throws std::invalid_argument unless q is one finite value for each joint of the robot
+/// @param what names it in the sentence
+void require_configuration(const Robot& robot, const Eigen::VectorXd& q, const std::string& what);
 
 /// Whether whole turns of a joint leave every link where it is: it turns, and what follows it makes whole
 /// turns, too. Limits are not asked. @pre joint < robot.dof()
@@ -65,9 +70,9 @@ struct IkOptions {
 /// (Craig 1989, the arm configuration of `near` is kept), damped least squares with limits otherwise, and for
 /// poses that leave something free.
 /// Empty when out of reach, for "puma" also when the pose asks for another arm configuration than that of
-/// `near`; goal_configurations() tries them all.
-/// @throws std::invalid_argument for a free_axis that is none, and for a robot whose file says "puma" that is
-/// no such arm.
+/// `near`; goal_configurations() tries them all. Empty as well for poses and `near` that are not finite.
+/// @throws std::invalid_argument for `near` of a wrong size, a free_axis that is none, and for a robot whose
+/// file says "puma" that is no such arm.
 std::optional<Configuration> inverse_kinematics(const Robot& robot, const Eigen::Isometry3d& map_from_tip,
                                                 const Configuration& near, const IkOptions& options = {});
 

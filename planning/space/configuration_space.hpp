@@ -157,7 +157,7 @@ class ConfigurationSpace {
   const CollisionModel& collision_model() const { return *model_; }
 
   /// Bound on how far any point of any body moves when the joints move by |dq|, metres.
-  /// @throws std::invalid_argument when there is not one value for each joint
+  /// @throws std::invalid_argument unless there is one finite value, not below 0, for each joint
   double motion_bound(const Eigen::VectorXd& abs_dq) const;
 
  private:

@@ -349,6 +349,8 @@ double ConfigurationSpace::motion_bound(const Eigen::VectorXd& abs_dq) const {
     throw std::invalid_argument("motion bound: expected " + std::to_string(dof) +
                                 " values, one for each joint of " + model_->robot.name + ", got " +
                                 std::to_string(abs_dq.size()));
+  if (!abs_dq.allFinite() || (abs_dq.array() < 0.0).any())
+    throw std::invalid_argument("motion bound: expected finite values, none below 0");
   double largest = 0.0;
   for (const Eigen::VectorXd& levers : model_->levers) largest = std::max(largest, levers.dot(abs_dq));
   return largest;
