@@ -66,7 +66,7 @@ void require_outputs(const InspectOptions& options) {
                           {"--paint", options.paint}});
   for (const NamedPlace& file : files)
     if (!file.path.empty()) require_writable(file.path);
-  if (!options.save.empty()) AtomicFolder(options.save, is_in_map_folder);
+  if (!options.save.empty()) AtomicFolder(options.save, is_in_saved_map);
 }
 
 /// What replay wrote beside the map; none for a map that was edited since, with a word about it.

@@ -81,7 +81,7 @@ std::optional<QueryRecord> record_to_keep(const InspectOptions& options) {
 }
 
 void save_edited(const InspectOptions& options, std::optional<QueryRecord> record, const Snapshot& map) {
-  AtomicFolder folder(options.save, is_in_map_folder);
+  AtomicFolder folder(options.save, is_in_saved_map);
   save_map(map, folder.path());
   if (record) {
     record->map_sha256 = map_sha256(map);

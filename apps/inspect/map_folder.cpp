@@ -9,10 +9,15 @@
 
 namespace clearway {
 
+bool is_in_saved_map(const std::filesystem::path& relative) {
+  constexpr std::array names = {"map.ot", "painted.csv", "seen.bin", "queries.json"};
+  return std::find(names.begin(), names.end(), relative) != names.end();
+}
+
 bool is_in_map_folder(const std::filesystem::path& relative) {
-  constexpr std::array names = {"map.ot",       "painted.csv", "provenance.bin", "seen.bin",
-                                "queries.json", "report.json", "report.html"};
-  if (std::find(names.begin(), names.end(), relative) != names.end()) return true;
+  constexpr std::array names = {"provenance.bin", "report.json", "report.html"};
+  if (is_in_saved_map(relative) || std::find(names.begin(), names.end(), relative) != names.end())
+    return true;
   return relative.parent_path() == "plans" && relative.extension() == ".json";
 }
 

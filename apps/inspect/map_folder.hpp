@@ -7,8 +7,11 @@
 
 namespace clearway {
 
-/// Whether a file, relative to a map folder, is one that `replay` and `inspect --save` write. For folders of
-/// versions that left no list of their files.
+/// Whether a file, relative to a map folder, is one that `inspect --save` writes: a folder with others has
+/// more than a map.
+bool is_in_saved_map(const std::filesystem::path& relative);
+
+/// Whether a file, relative to a map folder, is one that `replay` writes, or `inspect --save`.
 bool is_in_map_folder(const std::filesystem::path& relative);
 
 /// Reads the map that was saved in `folder` again, and lets the folder take its place when it is `map`.
