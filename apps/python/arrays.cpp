@@ -5,6 +5,8 @@
 #include <memory>
 #include <stdexcept>
 
+#include "mapping/voxels/rigid_pose.hpp"
+
 namespace clearway {
 namespace {
 
@@ -85,16 +87,15 @@ Eigen::Isometry3d rigid(const double* numbers, const std::string& name) {
   const Matrix matrix = Eigen::Map<const Matrix>(numbers);
   const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
   const bool is_finite = matrix.allFinite();
-  const bool is_rotation =
-      is_finite && rotation.determinant() > 0.0 &&
-      (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <= 1e-6;
-  if (!is_rotation || matrix.row(3) != Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0))
+  // Files print matrices with few decimals.
+  if (!is_rotation(rotation, 1e-3) || matrix.row(3) != Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0))
     throw std::invalid_argument(name +
-                                ": expected a rigid motion, with a rotation orthonormal within 1e-6 and the "
+                                ": expected a rigid motion, with a rotation orthonormal within 1e-3 and the "
                                 "last row 0, 0, 0, 1; got " +
                                 (is_finite ? "another matrix" : "a value that is not finite"));
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.matrix() = matrix;
+  if (!is_rotation(rotation)) pose.linear() = Eigen::Quaterniond(rotation).normalized().toRotationMatrix();
   return pose;
 }
 

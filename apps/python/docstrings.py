@@ -21,6 +21,7 @@ WORDS = [
     (r"(std|Eigen|clearway)::", ""),
     (r"(\w)::(\w)", r"\1.\2"),
     (r"\bnull\b", "None"),
+    (r"\b(is_proved|policies|duration|max_distance)\(\)", r"\1"),  # properties
 ]
 KEYWORDS = {"const", "noexcept", "override", "default", "delete", "friend", "explicit"}
 

@@ -97,6 +97,22 @@ std::string describe_record(py::handle self) {
   return type.attr("__name__").cast<std::string>() + "(" + text + ")";
 }
 
+/// What no protocol can copy says so; of old protocols Python's own way ends the program.
+void refuse_pickling(py::module_& module) {
+  for (const auto& [name, value] : module.attr("__dict__").cast<py::dict>()) {
+    if (!PyType_Check(value.ptr()) ||
+        py::type::handle_of(value).attr("__name__").cast<std::string>() != "pybind11_type")
+      continue;
+    value.attr("__reduce_ex__") = py::cpp_function(
+        [](py::handle self, int) -> py::object {
+          throw py::type_error("cannot pickle or copy a clearway." +
+                               py::type::handle_of(self).attr("__name__").cast<std::string>() +
+                               ", expected a file that it was saved to, or its fields");
+        },
+        py::is_method(value));
+  }
+}
+
 py::dict dictionary_of(py::handle self) {
   py::dict values;
   for (const py::handle field : py::type::handle_of(self).attr("_fields")) values[field] = self.attr(field);
@@ -124,5 +140,6 @@ PYBIND11_MODULE(_clearway, module) {
   bind_plan_check(module);
   bind_motions(module);
   bind_teams(module);
+  refuse_pickling(module);
   module.attr("__name__") = "clearway._clearway";
 }

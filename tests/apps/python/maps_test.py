@@ -36,6 +36,18 @@ class Painting(unittest.TestCase):
         self.assertEqual(counts.newly, inside.sum())
         self.assertEqual(fused.snapshot().counts().painted, inside.sum())
 
+    def test_poses_printed_with_few_decimals_are_those_that_they_mean(self):
+        turn = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
+        pose = np.eye(4)
+        pose[:3, :3] = turn @ turn
+        cloud = np.array([[1.0, 0.2, 0.3]])
+        for decimals in (15, 5, 4):
+            fused = cw.FreeSpaceMap(resolution=0.05)
+            self.assertEqual(fused.insert(cloud, np.round(pose, decimals)).inserted, 1)
+            self.assertEqual(fused.snapshot().state(pose[:3, :3] @ cloud[0]), cw.VoxelState.occupied)
+        with self.assertRaisesRegex(ValueError, "orthonormal within 1e-3"):
+            fused.insert(cloud, np.round(pose, 2))
+
     def test_many_spheres_are_as_one_after_the_other(self):
         dice = np.random.default_rng(8)
         centers, radii = dice.uniform(-0.5, 0.5, (6, 3)), dice.uniform(0.1, 0.3, 6)

@@ -2,9 +2,11 @@
 
 import ast
 import contextlib
+import copy
 import inspect
 import os
 import pathlib
+import pickle
 import re
 import unittest
 
@@ -82,6 +84,18 @@ class Stubs(unittest.TestCase):
                     self.assertEqual(is_property, isinstance(value, property), key)
                     if not is_property:
                         self.assertEqual(of_tree(line), signature(getattr(owner, key)), key)
+
+
+class Copies(unittest.TestCase):
+    def test_no_protocol_of_pickle_ends_the_program(self):
+        snapshot = cw.FreeSpaceMap(resolution=0.1).snapshot()
+        for thing in (snapshot, cw.load_robot("planar2"), snapshot.counts()):
+            for protocol in range(pickle.HIGHEST_PROTOCOL + 1):
+                with self.assertRaisesRegex(TypeError, "cannot pickle or copy a clearway."):
+                    pickle.dumps(thing, protocol)
+            with self.assertRaises(TypeError):
+                copy.copy(thing)
+        self.assertIs(pickle.loads(pickle.dumps(cw.VoxelState.painted)), cw.VoxelState.painted)
 
 
 class Docstrings(unittest.TestCase):
