@@ -24,8 +24,8 @@ namespace {
 constexpr double after_copies = 0.1;  // s until the first image of our own
 constexpr int exposure_steps = 5;
 
-/// The truth has a name that others may have taken.
-void require_own_truth(const std::filesystem::path& file) {
+/// The truth has a name that others may have taken, another recording among them.
+void require_own_truth(const std::filesystem::path& file, const std::filesystem::path& recording) {
   std::error_code error;
   if (!std::filesystem::exists(file, error)) return;
   std::string begin;
@@ -34,6 +34,11 @@ void require_own_truth(const std::filesystem::path& file) {
     throw std::invalid_argument("'" + file.string() +
                                 "' was not written by simulate, which would replace it: expected another "
                                 "folder for the recording.");
+  if (!std::filesystem::exists(recording, error))
+    throw std::invalid_argument("'" + file.string() +
+                                "' is the truth of another recording, which simulate would replace: expected "
+                                "another folder for '" +
+                                recording.filename().string() + "'.");
 }
 
 class Simulation {
@@ -53,7 +58,10 @@ class Simulation {
                                   "': this name is the truth's; expected another, such as recording.rawlog.");
     }
     require_writable(result_.truth);
-    require_own_truth(result_.truth);
+    if (recording.extension() != ".rawlog")
+      throw std::invalid_argument("recording '" + recording.string() +
+                                  "': simulate writes MRPT rawlogs, expected a name that ends in .rawlog.");
+    require_own_truth(result_.truth, recording);
   }
 
   SimulationResult run() {

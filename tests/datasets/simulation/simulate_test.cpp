@@ -97,7 +97,7 @@ TEST(Simulate, TheTruthNamesTheFileThatItIsOf) {
   EXPECT_EQ(of_first, (Json{{"bytes", recording.size()}, {"crc32", sum()}}));
   Scene other = prepared(folder);
   other.seed = 6;
-  simulate(other, folder / "other.rawlog");
+  simulate(other, folder / "out.rawlog");
   EXPECT_NE(Json::parse(read_file(folder / "truth.json"))["recording"], of_first);
 }
 
@@ -386,6 +386,19 @@ TEST(Simulate, ATruthOfOthersIsKeptAndItsOwnIsReplaced) {
   std::filesystem::remove(folder / "truth.json");
   simulate(prepared(folder), folder / "out.rawlog");
   EXPECT_EQ(complaint([&] { simulate(prepared(folder), folder / "out.rawlog"); }), "");
+  const std::string truth = read_file(folder / "truth.json");
+  EXPECT_NE(
+      complaint([&] { simulate(prepared(folder), folder / "second.rawlog"); }).find("another recording"),
+      std::string::npos);
+  EXPECT_EQ(read_file(folder / "truth.json"), truth);
+  EXPECT_FALSE(std::filesystem::exists(folder / "second.rawlog"));
+}
+
+TEST(Simulate, ANameThatSaysAnotherFormatIsRefused) {
+  const TemporaryFolder folder;
+  for (const char* name : {"out.bag", "out.mcap", "out", "out.rawlog.gz"})
+    EXPECT_NE(complaint([&] { simulate(prepared(folder), folder / name); }).find("ends in .rawlog"),
+              std::string::npos);
 }
 
 }  // namespace simulate_test
