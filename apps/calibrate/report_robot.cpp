@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <stdexcept>
@@ -8,6 +9,7 @@
 #include "apps/fusion/moving_robot.hpp"
 #include "apps/fusion/painter.hpp"
 #include "datasets/descriptions/setup_blocks.hpp"
+#include "datasets/ros/sensor_frames.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "tracking/calibration/robot_world.hpp"
 
@@ -16,10 +18,20 @@ namespace {
 
 constexpr double kStill = 0.0005;  // metres that the tip may move while an image is taken
 
+struct StillTip {
+  Eigen::Isometry3d base_from_tip;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> by_joints;  ///< see RobotLook
+};
+
 /// What the images show, and why others are left out.
 struct RobotLooks {
   std::vector<RobotLook> looks;
   std::size_t without_joints = 0, moving = 0, unsure = 0;
+
+  void add(RobotLook look, const StillTip& tip) {
+    look.by_joints = tip.by_joints;
+    looks.push_back(std::move(look));
+  }
 };
 
 MovingRobot recorded_robot(const CalibrateOptions& options, const Setup& setup) {
@@ -44,8 +56,34 @@ const BoardSetup& chosen_board(const CalibrateOptions& options, const Setup& set
   return *setup.board(seen_board(kind, images, options.body).name);
 }
 
-/// base_from_tip at that time; empty while the robot moves or its joints are not known.
-std::optional<Eigen::Isometry3d> still_tip(const MovingRobot& moving, double time, RobotLooks& count) {
+/// Joints between the first and the last that move the tip: their zeros show in images.
+std::vector<std::size_t> inner_joints(const Robot& robot) {
+  std::vector<std::size_t> chain;
+  for (int at = robot.tip_link; at >= 0; at = robot.links[static_cast<std::size_t>(at)].parent) {
+    const int joint = robot.links[static_cast<std::size_t>(at)].joint;
+    const auto j = static_cast<std::size_t>(joint);
+    if (joint >= 0 && std::find(chain.begin(), chain.end(), j) == chain.end()) chain.push_back(j);
+  }
+  if (chain.size() <= 2) return {};
+  return {chain.rbegin() + 1, chain.rend() - 1};
+}
+
+/// How the tip moves, in its own frame, by an offset of each of these joints.
+Eigen::Matrix<double, 6, Eigen::Dynamic> tip_by_joints(const Robot& robot, const LinkPoses& poses,
+                                                       const Eigen::Isometry3d& map_from_tip) {
+  const auto all = jacobian(robot, poses, robot.tip_link, map_from_tip.translation());
+  const std::vector<std::size_t> joints = inner_joints(robot);
+  Eigen::Matrix<double, 6, Eigen::Dynamic> by(6, static_cast<Eigen::Index>(joints.size()));
+  for (Eigen::Index i = 0; i < by.cols(); ++i) {
+    const auto column = all.col(static_cast<Eigen::Index>(joints[static_cast<std::size_t>(i)]));
+    by.col(i).head<3>() = map_from_tip.linear().transpose() * column.head<3>();
+    by.col(i).tail<3>() = map_from_tip.linear().transpose() * column.tail<3>();
+  }
+  return by;
+}
+
+/// Where the tip is at that time; empty while the robot moves or its joints are not known.
+std::optional<StillTip> still_tip(const MovingRobot& moving, double time, RobotLooks& count) {
   const auto poses = moving.poses(time);
   if (!poses) {
     ++count.without_joints;
@@ -56,8 +94,9 @@ std::optional<Eigen::Isometry3d> still_tip(const MovingRobot& moving, double tim
     ++count.moving;
     return std::nullopt;
   }
-  return robot.map_from_base.inverse() * (*poses)[static_cast<std::size_t>(robot.tip_link)] *
-         robot.link_from_tip;
+  const Eigen::Isometry3d map_from_tip =
+      (*poses)[static_cast<std::size_t>(robot.tip_link)] * robot.link_from_tip;
+  return StillTip{robot.map_from_base.inverse() * map_from_tip, tip_by_joints(robot, *poses, map_from_tip)};
 }
 
 RobotLooks looks_of_base(const CalibrateOptions& options, const Setup& setup, const SearchedImages& images,
@@ -73,7 +112,7 @@ RobotLooks looks_of_base(const CalibrateOptions& options, const Setup& setup, co
     if (!tip) continue;
     const auto rider = poses.of(on_tip, image), base = poses.of(fixed, image);
     if (rider && base)
-      found.looks.push_back(look_at_tip(*tip, *rider, *base, *fixed.map_from_board));
+      found.add(look_at_tip(tip->base_from_tip, *rider, *base, *fixed.map_from_board), *tip);
     else
       ++found.unsure;
   }
@@ -89,7 +128,7 @@ RobotLooks looks_of_hand_eye(const CalibrateOptions& options, const Setup& setup
     const auto tip = still_tip(robot, image.time, found);
     if (!tip) continue;
     if (const auto base = poses.of(fixed, image))
-      found.looks.push_back(look_from_tip(*tip, *base, *fixed.map_from_board));
+      found.add(look_from_tip(tip->base_from_tip, *base, *fixed.map_from_board), *tip);
     else
       ++found.unsure;
   }
@@ -155,10 +194,23 @@ std::string found_robot(const CalibrateOptions& options, const Setup& setup, con
   return robot_block(robot);
 }
 
+/// The sensor's pose on the tip where it is the camera itself, in the axes that its scans have: those of
+/// depth pictures look along x, a bag's clouds have the axes of their frame, here the camera's optical ones.
+Eigen::Isometry3d mount_of(const std::string& sensor, const Setup& setup,
+                           const Eigen::Isometry3d& tip_from_camera) {
+  const std::vector<std::string>& clouds = setup.source.bag.clouds;
+  const bool is_cloud = std::find(clouds.begin(), clouds.end(), sensor) != clouds.end();
+  return is_cloud ? tip_from_camera : tip_from_camera * optical_from_sensor();
+}
+
 CalibrationReport report_robot(const CalibrateOptions& options, const Setup& setup, const RobotLooks& looks,
                                const MovingRobot& moving, const std::string& rider) {
   RobotWorldOptions how;
   how.tip_error = moving.robot().position_accuracy;
+  how.joint_error = setup.robot->joint_error;
+  if (how.joint_error > 0.0)
+    for (const std::size_t j : inner_joints(moving.robot()))
+      how.joints.push_back(moving.robot().joints[j].name);
   const RobotWorldCalibration found = calibrate_robot_world(looks.looks, how);
   CalibrationReport report;
   report.refusal = found.refusal;
@@ -192,12 +244,12 @@ CalibrationReport report_robot(const CalibrateOptions& options, const Setup& set
                                                {"tag_scale_sigma", found.scale_sigma},
                                                {"images", static_cast<double>(found.looks)}});
   if (!report.refusal.empty()) return report;
-  report.blocks = {found_robot(options, setup, looks, found.world_from_base)};
+  report.blocks = {found_robot(options, setup, looks, found.base_as_used)};
   report.next = "Put what is printed into the setup, in place of its keys of these names.";
   if (options.sensor.empty()) return report;
   std::vector<SensorSetup> sensors = setup.sensors;
   for (SensorSetup& sensor : sensors) {
-    if (sensor.name == options.sensor) sensor.mount = found.tip_from_rider.pose;
+    if (sensor.name == options.sensor) sensor.mount = mount_of(sensor.name, setup, found.tip_from_rider.pose);
     if (!sensor.poses.empty()) {
       const auto written = options.out.empty() ? shipped_file("setups", options.setup) : options.out;
       sensor.poses = std::filesystem::proximate(std::filesystem::absolute(sensor.poses),

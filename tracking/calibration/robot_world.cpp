@@ -32,7 +32,15 @@ struct Equations {
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(12, 12), by_camera = Eigen::MatrixXd::Zero(12, kCameraModes);
   Eigen::VectorXd pull = Eigen::VectorXd::Zero(12), by_scale = Eigen::VectorXd::Zero(12);
   double scale_normal = 0.0, scale_pull = 0.0;
+  Eigen::MatrixXd by_joints, joints_normal;  ///< 12 x joints, joints x joints
+  Eigen::VectorXd joints_pull, joints_by_scale;
   std::vector<double> squares;  ///< of each look, 6 expected
+
+  explicit Equations(Eigen::Index joints = 0)
+      : by_joints(Eigen::MatrixXd::Zero(12, joints)),
+        joints_normal(Eigen::MatrixXd::Zero(joints, joints)),
+        joints_pull(Eigen::VectorXd::Zero(joints)),
+        joints_by_scale(Eigen::VectorXd::Zero(joints)) {}
 
   void add(const Equations& one, double weight) {
     normal += weight * one.normal;
@@ -41,6 +49,10 @@ struct Equations {
     by_scale += weight * one.by_scale;
     scale_normal += weight * one.scale_normal;
     scale_pull += weight * one.scale_pull;
+    by_joints += weight * one.by_joints;
+    joints_normal += weight * one.joints_normal;
+    joints_pull += weight * one.joints_pull;
+    joints_by_scale += weight * one.joints_by_scale;
     squares.insert(squares.end(), one.squares.begin(), one.squares.end());
   }
 
@@ -61,7 +73,8 @@ double median_of(std::vector<double> values) {
 
 class Fit {
  public:
-  Fit(const std::vector<RobotLook>& looks, const RobotWorldOptions& options) : looks_(looks) {
+  Fit(const std::vector<RobotLook>& looks, const RobotWorldOptions& options)
+      : looks_(looks), joints_(static_cast<Eigen::Index>(options.joints.size())) {
     tip_.setZero();
     tip_.diagonal().head<3>().setConstant(options.tip_error * options.tip_error);
     tip_.diagonal().tail<3>().setConstant(options.tip_turn * options.tip_turn);
@@ -79,7 +92,15 @@ class Fit {
         -(look.world_from_rider.pose.linear().transpose() * look.world_from_rider.pose.translation());
     const Cholesky solver(covariance);
     const Eigen::MatrixXd weighed = solver.solve(by);
-    Equations one;
+    Equations one(joints_);
+    if (joints_ > 0) {
+      const Eigen::MatrixXd by_joints = product(adjoint(at.tip_from_rider.inverse()), look.by_joints);
+      const Eigen::MatrixXd weighed_joints = solver.solve(by_joints);
+      one.by_joints = transposed_product(by, weighed_joints);
+      one.joints_normal = transposed_product(by_joints, weighed_joints);
+      one.joints_pull = transposed_product(weighed_joints, off);
+      one.joints_by_scale = transposed_product(weighed_joints, scale);
+    }
     one.normal = transposed_product(by, weighed);
     one.pull = transposed_product(weighed, off);
     one.by_camera = transposed_product(weighed, look.by_camera);
@@ -97,7 +118,7 @@ class Fit {
   }
 
   Equations all(const Answer& at) const {
-    Equations sum;
+    Equations sum(joints_);
     for (const Equations& one : each(at)) sum.add(one, 1.0);
     return sum;
   }
@@ -110,7 +131,7 @@ class Fit {
       std::vector<double> squares;
       for (const Equations& one : parts) squares.push_back(one.squares.front());
       const double usual = std::max(kUsualSquares, median_of(squares));
-      Equations sum;
+      Equations sum(joints_);
       for (const Equations& one : parts) sum.add(one, 1.0 / (1.0 + one.squares.front() / usual));
       const auto step = solved(sum);
       if (!step) return false;
@@ -146,6 +167,7 @@ class Fit {
 
  private:
   const std::vector<RobotLook>& looks_;
+  Eigen::Index joints_;
   Matrix6d tip_;
 };
 
@@ -234,27 +256,92 @@ void judge(const std::vector<RobotLook>& looks, const Fit& fit, const Answer& an
     *mean = std::sqrt(*mean);
 }
 
+/// Joints' offsets, the same in all looks, beside both poses: what explains the residuals best, held by what
+/// is known of the offsets.
+class JointOffsets {
+ public:
+  JointOffsets(const Equations& at, const Cholesky& poses, double joint_error, double factor)
+      : at_(at),
+        poses_(poses),
+        factor_(factor),
+        poses_by_(poses.solve(at.by_joints)),
+        solver_(normal(joint_error)),
+        shown_(-solver_.solve(without_poses(at.joints_pull, at.pull))) {}
+
+  const Eigen::VectorXd& shown() const { return shown_; }
+  Eigen::MatrixXd open() const { return solver_.inverse(); }
+
+  /// Squares that the offsets shown take away.
+  double explained() const {
+    return -factor_ * transposed_product(without_poses(at_.joints_pull, at_.pull), shown_)(0, 0);
+  }
+
+  /// 12 x 12, of what they move: as shown, and as left open.
+  Eigen::MatrixXd moments() const {
+    return product(poses_by_, product(open() + product(shown_, shown_.transpose()), poses_by_.transpose()));
+  }
+
+  /// What of the scale's normal equations, and of its pull, the poses explain, or these.
+  std::pair<double, double> of_scale() const {
+    const Eigen::VectorXd scale = without_poses(at_.joints_by_scale, at_.by_scale);
+    return {factor_ * solver_.squared(scale), -factor_ * transposed_product(scale, shown_)(0, 0)};
+  }
+
+ private:
+  Eigen::MatrixXd normal(double joint_error) const {
+    Eigen::MatrixXd normal = (at_.joints_normal - transposed_product(at_.by_joints, poses_by_)) / factor_;
+    normal.diagonal().array() += 1.0 / (joint_error * joint_error);
+    return normal;
+  }
+  Eigen::VectorXd without_poses(const Eigen::VectorXd& of_joints, const Eigen::VectorXd& of_poses) const {
+    return (of_joints - transposed_product(poses_by_, of_poses)) / factor_;
+  }
+
+  const Equations& at_;
+  const Cholesky& poses_;
+  double factor_;
+  Eigen::MatrixXd poses_by_;
+  Cholesky solver_;
+  Eigen::VectorXd shown_;
+};
+
 /// Noise as the residuals show it, what all looks share, and the tags' scale against the robot's.
-void report_covariances(const std::vector<RobotLook>& looks, const Equations& at,
+void report_covariances(const std::vector<RobotLook>& looks, const Equations& at, double joint_error,
                         RobotWorldCalibration& found) {
   double squares = 0.0;
   for (const double one : at.squares) squares += one;
-  const double factor =
-      std::max(1.0, squares / std::max(1.0, 6.0 * static_cast<double>(looks.size()) - 12.0));
+  const double freedom = std::max(1.0, 6.0 * static_cast<double>(looks.size()) - 12.0);
+  double factor = std::max(1.0, squares / freedom);
   const Cholesky solver(at.normal);
-  const Eigen::MatrixXd camera = solver.solve(at.by_camera);
-  const Eigen::MatrixXd covariance = factor * solver.inverse() + squared(camera);
+  std::optional<JointOffsets> offsets;
+  if (at.joints_pull.size() > 0) {
+    factor = std::max(1.0, (squares - JointOffsets(at, solver, joint_error, 1.0).explained()) / freedom);
+    offsets.emplace(at, solver, joint_error, factor);
+    const Eigen::VectorXd sigmas = offsets->open().diagonal().cwiseSqrt();
+    found.offsets.assign(offsets->shown().begin(), offsets->shown().end());
+    found.offset_sigmas.assign(sigmas.begin(), sigmas.end());
+  }
+  const Eigen::MatrixXd used = factor * solver.inverse() + squared(solver.solve(at.by_camera));
+  const Eigen::MatrixXd whole = offsets ? Eigen::MatrixXd(used + offsets->moments()) : used;
   Matrix6d of_world = Matrix6d::Zero(), of_rider = Matrix6d::Zero();
   for (const RobotLook& look : looks) {
     of_world += look.tags_of_world / static_cast<double>(looks.size());
     of_rider += look.tags_of_rider / static_cast<double>(looks.size());
   }
-  found.world_from_base.covariance =
-      covariance.topLeftCorner(6, 6) + carried(found.world_from_base.pose.inverse(), of_world);
-  found.tip_from_rider.covariance = covariance.bottomRightCorner(6, 6) + of_rider;
-  const double rest = at.scale_normal - solver.squared(at.by_scale);
+  const Matrix6d of_base = carried(found.world_from_base.pose.inverse(), of_world);
+  found.base_as_used = {found.world_from_base.pose, used.topLeftCorner(6, 6) + of_base};
+  found.rider_as_used = {found.tip_from_rider.pose, used.bottomRightCorner(6, 6) + of_rider};
+  found.world_from_base.covariance = whole.topLeftCorner(6, 6) + of_base;
+  found.tip_from_rider.covariance = whole.bottomRightCorner(6, 6) + of_rider;
+  double rest = at.scale_normal - solver.squared(at.by_scale);
+  double pull = transposed_product(at.by_scale, solver.solve(at.pull))(0, 0) - at.scale_pull;
+  if (offsets) {
+    const auto [explained, pulled] = offsets->of_scale();
+    rest -= explained;
+    pull += pulled;
+  }
   if (!(rest > 0.0)) return;
-  found.scale = 1.0 + (transposed_product(at.by_scale, solver.solve(at.pull))(0, 0) - at.scale_pull) / rest;
+  found.scale = 1.0 + pull / rest;
   found.scale_sigma = std::sqrt(factor / rest);
 }
 
@@ -262,11 +349,24 @@ double worst_sigma(const RobotWorldCalibration& found, const std::vector<RobotLo
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const RobotLook& look : looks)
     middle += look.base_from_tip.translation() / static_cast<double>(looks.size());
-  return std::max(transform(found.world_from_base, middle).largest_sigma(),
-                  transform(found.tip_from_rider, Eigen::Vector3d::Zero()).largest_sigma());
+  return std::max(transform(found.base_as_used, middle).largest_sigma(),
+                  transform(found.rider_as_used, Eigen::Vector3d::Zero()).largest_sigma());
 }
 
 std::string millimetres(double metres) { return words(1e3 * metres, " mm"); }
+
+/// A joint that reads as no joint of the stated error does; empty: none.
+std::string joint_off(const RobotWorldCalibration& found, const RobotWorldOptions& options) {
+  std::size_t worst = 0;
+  for (std::size_t j = 0; j < found.offsets.size(); ++j)
+    if (std::abs(found.offsets[j]) > std::abs(found.offsets[worst])) worst = j;
+  if (found.offsets.empty()) return "";
+  const double off = std::abs(found.offsets[worst]);
+  if (off <= 3.0 * options.joint_error || off <= 4.0 * found.offset_sigmas[worst]) return "";
+  return "joint '" + options.joints[worst] + "' reads as if its zero were off by " + words(off) +
+         " rad or m, expected " + words(3.0 * options.joint_error) +
+         " or less, three times `joint_error`: set the zeros of its joints, or say how far they may be off";
+}
 
 }  // namespace
 
@@ -332,8 +432,12 @@ RobotWorldCalibration calibrate_robot_world(const std::vector<RobotLook>& given,
   found.world_from_base.pose = answer->world_from_base;
   found.tip_from_rider.pose = answer->tip_from_rider;
   judge(looks, fit, *answer, found);
-  report_covariances(looks, fit.all(*answer), found);
+  report_covariances(looks, fit.all(*answer), options.joint_error, found);
   const double sigma = worst_sigma(found, looks);
+  if (const std::string off = joint_off(found, options); !off.empty()) {
+    found.refusal = off;
+    return found;
+  }
   if (!(found.left_out <= options.most_residual))
     found.refusal = "an image that took no part is off by " + millimetres(found.left_out) + ", expected " +
                     millimetres(options.most_residual) +

@@ -124,7 +124,10 @@ TEST_F(CalibrateRobot, CameraOnTheTipAndThePlaceOfTheRobotAreFoundWithinTheirErr
     EXPECT_LT(off.head<3>().norm(), 0.003) << name;
   };
   check(found.robot->map_from_base, robot_.map_from_base, "map_from_base");
-  check(found.sensors.at(0).mount, tip_from_rider_, "tip_from_camera");
+  Eigen::Isometry3d optical_from_sensor =
+      Eigen::Isometry3d::Identity();  // scans look along x, pictures along z
+  optical_from_sensor.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  check(found.sensors.at(0).mount * optical_from_sensor.inverse(), tip_from_rider_, "tip_from_camera");
   EXPECT_LT(json["left_out_m"].get<double>(), 0.002);
   EXPECT_NEAR(json["tag_scale"].get<double>(), 1.0, 0.005);
 }

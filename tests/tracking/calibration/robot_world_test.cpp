@@ -21,6 +21,22 @@ Eigen::Isometry3d drawn_pose(std::mt19937& random, double reach) {
   return pose;
 }
 
+/// How the tip of an upright arm moves, in its own frame, for an offset of its shoulder and of its elbow,
+/// whose axes lie across the way to the tip.
+Eigen::Matrix<double, 6, Eigen::Dynamic> by_inner_joints(const Eigen::Isometry3d& base_from_tip) {
+  const Eigen::Vector3d at = base_from_tip.translation(), shoulder(0.0, 0.0, 0.4);
+  const Eigen::Vector3d axis = Eigen::Vector3d::UnitZ().cross(at).normalized();
+  const Eigen::Vector3d elbow = 0.5 * (shoulder + at) + 0.15 * Eigen::Vector3d::UnitZ();
+  Eigen::Matrix<double, 6, Eigen::Dynamic> by(6, 2);
+  by.col(0) << axis.cross(at - shoulder), axis;
+  by.col(1) << axis.cross(at - elbow), axis;
+  for (Eigen::Index j = 0; j < 2; ++j) {
+    by.col(j).head<3>() = base_from_tip.linear().transpose() * by.col(j).head<3>().eval();
+    by.col(j).tail<3>() = base_from_tip.linear().transpose() * by.col(j).tail<3>().eval();
+  }
+  return by;
+}
+
 /// A robot whose tip carries the camera, or a board before a camera that stands still.
 struct Cell {
   Camera camera = scene::plain_camera();
@@ -32,6 +48,7 @@ struct Cell {
   double tilt = 0.7;
   double slips = 0.0;  ///< share of looks whose joints are those of another moment
   double tip_error = 0.001, tip_turn = 0.002;
+  Eigen::Vector2d offsets = Eigen::Vector2d::Zero();  ///< of shoulder and elbow, which the readings lack
 
   explicit Cell(std::mt19937& random)
       : world_from_board(drawn_pose(random, 0.5)),
@@ -51,7 +68,9 @@ struct Cell {
     std::normal_distribution<double> normal;
     Vector6d error;
     for (int i = 0; i < 6; ++i) error[i] = (i < 3 ? tip_error : tip_turn) * normal(random);
-    return moved(world_from_base.inverse() * world_from_rider * tip_from_rider.inverse(), error);
+    const Eigen::Isometry3d tip =
+        moved(world_from_base.inverse() * world_from_rider * tip_from_rider.inverse(), error);
+    return moved(tip, -Vector6d(by_inner_joints(tip) * offsets));
   }
 
   std::vector<RobotLook> looks(int count, std::mt19937& random) const {
@@ -72,6 +91,7 @@ struct Cell {
         Eigen::Isometry3d tip = measured_tip(world_from_rider, random);
         if (has_slipped) tip.translation() += Eigen::Vector3d(0.05, -0.04, 0.02);
         looks.push_back(look_of(tip));
+        looks.back().by_joints = by_inner_joints(tip);
       };
       if (carries_camera) {
         if (const auto base = see(stated_board, fixed, before, random))
@@ -118,6 +138,47 @@ TEST(RobotWorld, covariances_cover_the_true_errors_of_drawn_cells) {
     EXPECT_GT(sum, 0.6 * cells);  // and the claim is not ten times too careful
   }
   EXPECT_LT(worst, 0.01);
+}
+
+TEST(RobotWorld, covariances_cover_offsets_of_joints_that_all_looks_share) {
+  const int cells = trials(12, 60);
+  const RobotWorldOptions options{
+      .joints = {"shoulder", "elbow"}, .joint_error = 0.01, .most_sigma = 0.05, .most_residual = 0.05};
+  double base = 0.0, rider = 0.0, without = 0.0, offset = 0.0;
+  for (int seed = 1; seed <= cells; ++seed) {
+    std::mt19937 random(static_cast<unsigned>(seed));
+    std::normal_distribution<double> normal;
+    Cell cell(random);
+    cell.offsets = options.joint_error * Eigen::Vector2d(normal(random), normal(random));
+    const std::vector<RobotLook> looks = cell.looks(30, random);
+    const RobotWorldCalibration found = calibrate_robot_world(looks, options);
+    ASSERT_EQ(found.refusal, "") << seed;
+    base += squares(found.world_from_base, cell.world_from_base);
+    rider += squares(found.tip_from_rider, cell.tip_from_rider);
+    for (int j = 0; j < 2; ++j) {
+      const auto i = static_cast<std::size_t>(j);
+      offset += std::pow((found.offsets[i] - cell.offsets[j]) / found.offset_sigmas[i], 2);
+    }
+    RobotWorldOptions blind = options;
+    blind.joints.clear();
+    without += squares(calibrate_robot_world(looks, blind).world_from_base, cell.world_from_base);
+  }
+  EXPECT_LT(base, 1.5 * 6.0 * cells);
+  EXPECT_LT(rider, 1.5 * 6.0 * cells);
+  EXPECT_LT(offset, 2.0 * 2.0 * cells);
+  EXPECT_GT(without, 4.0 * 6.0 * cells);  // so that the above says something
+}
+
+TEST(RobotWorld, a_joint_whose_zero_is_off_is_named) {
+  const RobotWorldOptions options{.joints = {"shoulder", "elbow"}, .joint_error = 0.01, .most_sigma = 0.05};
+  std::mt19937 random(4);
+  Cell cell(random);
+  cell.offsets = {0.0, 0.05};
+  const RobotWorldCalibration found = calibrate_robot_world(cell.looks(30, random), options);
+  EXPECT_NE(found.refusal.find("joint 'elbow' reads as if its zero were off by 0.0"), std::string::npos)
+      << found.refusal;
+  cell.offsets = {0.0, 0.0};
+  EXPECT_EQ(calibrate_robot_world(cell.looks(30, random), options).refusal, "");
 }
 
 TEST(RobotWorld, exact_input_gives_the_exact_answer) {
