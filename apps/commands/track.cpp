@@ -211,6 +211,7 @@ int run_track(const TrackOptions& options, Console& console) {
   }
   progress(1.0);
   for (const std::string& warning : frames->warnings()) console.warn("warning: " + warning);
+  if (const std::string caveat = frames->time_caveat(); !caveat.empty()) console.warn("warning: " + caveat);
   if (report.images() == 0 && !frames->damage())
     throw std::invalid_argument(options.source.string() + ": " + report.why_nothing());
   report.write();

@@ -140,6 +140,8 @@ std::vector<std::string> notes_of(const SourceOptions& options) {
   return notes;
 }
 
+bool is_pgm(const fs::path& file) { return extension_of(file) == ".pgm"; }
+
 /// The pictures of EuRoC's first camera in the folder of a sequence, of its mav0 or of cam0; empty: none.
 fs::path euroc_pictures(const fs::path& folder) {
   std::error_code error;
@@ -186,6 +188,12 @@ std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOpt
     return std::make_unique<NotedSource>(
         open_pictures(files_in(data, is_picture_file), name, options),
         std::vector<std::string>{"the pictures are those in " + quote_path(data.string()) + "."});
+  if (const std::vector<fs::path> grey = files_in(folder, is_pgm); !grey.empty())
+    return open_pictures(grey, name, options);
+  if (const std::vector<fs::path> colour = files_in(folder / "rgb", is_picture_file); !colour.empty())
+    return std::make_unique<NotedSource>(
+        open_pictures(colour, name, options),
+        std::vector<std::string>{"the pictures are those in " + quote_path((folder / "rgb").string()) + "."});
   throw std::invalid_argument("recording " + quote_path(folder.string()) +
                               " is a folder without pictures and clouds; expected " + kinds_of_recordings);
 }

@@ -6,13 +6,13 @@
 #include <array>
 #include <cctype>
 #include <charconv>
-#include <chrono>
 #include <memory>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
 
+#include "datasets/pictures/name_time.hpp"
 #include "mapping/system/input_file.hpp"
 
 namespace clearway {
@@ -42,15 +42,11 @@ std::optional<int> digits(std::string_view text, std::size_t at, std::size_t cou
 }
 
 /// "2026:11:23 07:15:30"
-std::optional<double> seconds_of_date(std::string_view text) {
+std::optional<double> seconds_of_exif(std::string_view text) {
   const auto year = digits(text, 0, 4), month = digits(text, 5, 2), day = digits(text, 8, 2),
              hour = digits(text, 11, 2), minute = digits(text, 14, 2), second = digits(text, 17, 2);
   if (!year || !month || !day || !hour || !minute || !second) return std::nullopt;
-  const std::chrono::year_month_day date{std::chrono::year(*year), std::chrono::month(unsigned(*month)),
-                                         std::chrono::day(unsigned(*day))};
-  if (!date.ok()) return std::nullopt;
-  const auto days = std::chrono::sys_days(date).time_since_epoch().count();
-  return static_cast<double>(days) * 86400.0 + *hour * 3600.0 + *minute * 60.0 + *second;
+  return seconds_of_date(*year, *month, *day, *hour, *minute, *second);
 }
 
 /// "25" is a quarter of a second.
@@ -82,7 +78,8 @@ std::optional<ImageSize> pgm_size(const std::string& head) {
 
 bool is_picture_file(const std::filesystem::path& file) {
   const std::string end = extension_of(file);
-  return end == ".png" || end == ".jpg" || end == ".jpeg";
+  const auto all = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".ppm"};
+  return std::find(all.begin(), all.end(), end) != all.end();
 }
 
 std::optional<ImageSize> picture_size(const std::filesystem::path& file) {
@@ -147,7 +144,7 @@ double exif_time(const std::string& bytes) {
   const std::unique_ptr<ExifData, ExifDeleter> data(exif_data_new_from_data(
       reinterpret_cast<const unsigned char*>(bytes.data()), static_cast<unsigned>(bytes.size())));
   if (!data) return -1.0;
-  const auto date = seconds_of_date(exif_text(*data, EXIF_TAG_DATE_TIME_ORIGINAL));
+  const auto date = seconds_of_exif(exif_text(*data, EXIF_TAG_DATE_TIME_ORIGINAL));
   if (!date) return -1.0;
   return *date + fraction_of(exif_text(*data, EXIF_TAG_SUB_SEC_TIME_ORIGINAL));
 }

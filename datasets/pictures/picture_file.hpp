@@ -9,13 +9,14 @@
 
 namespace clearway {
 
-/// True for a name that ends in .png, .jpg or .jpeg, in small or capital letters.
+/// True for a name that ends in .png, .jpg, .jpeg, .bmp, .tif, .tiff, .webp or .ppm, in small or capital
+/// letters.
 bool is_picture_file(const std::filesystem::path& file);
 
-/// A PNG or JPEG picture as grey, its pixels as they are stored (an orientation in EXIF does not turn them:
-/// a calibration belongs to the sensor). OpenCV's decoders may crash on hostile files, so this is called in a
-/// child process alone. @throws std::runtime_error a clause that says why there is no picture: not one, cut
-/// off, sides beyond 20,000 or 64 million pixels.
+/// A picture of one of these formats, or PGM, as grey, its pixels as they are stored (an orientation in EXIF
+/// does not turn them: a calibration belongs to the sensor). OpenCV's decoders may crash on hostile files, so
+/// this is called in a child process alone. @throws std::runtime_error a clause that says why there is no
+/// picture: not one, cut off, sides beyond 20,000 or 64 million pixels.
 GrayImage decode_picture(const std::string& bytes);
 
 /// What the head of a PNG or binary PGM file says; nothing for another file, or one that cannot be read.

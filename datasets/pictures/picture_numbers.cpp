@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <stdexcept>
 
+#include "datasets/pictures/name_time.hpp"
 #include "datasets/pictures/picture_times.hpp"
 #include "datasets/sources/finite_number.hpp"
 

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "datasets/pictures/name_time.hpp"
 #include "datasets/pictures/picture_file.hpp"
 #include "datasets/sources/clock_seconds.hpp"
 #include "datasets/sources/finite_number.hpp"
@@ -30,6 +31,9 @@ constexpr double clock_begins = 1e9;  ///< s since 1970, which no number of a pi
 constexpr char no_times[] = "the pictures have no times";
 constexpr char shared_times[] =
     "EXIF states one time for several of the pictures, as of a burst without SubSecTimeOriginal";
+constexpr char fine_times[] =
+    "the numbers in the pictures' names would be years apart as seconds, and are taken as nanoseconds or "
+    "microseconds from a start; a table, or `rate` of `source` in the setup, gives true ones";
 constexpr char taken_times[] =
     ": they are taken as one a second, or by the numbers in their names; a table, or `rate` of `source` in "
     "the "
@@ -84,19 +88,16 @@ bool comes_before(const std::string& a, const std::string& b) {
   return a < b;
 }
 
-/// The table of times in the folder, if any.
-std::optional<fs::path> table_in(const fs::path& folder) {
+std::vector<fs::path> tables_in(const fs::path& folder) {
   std::vector<fs::path> found;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder.empty() ? "." : folder, error))
     if (extension_of(entry.path()) == ".csv") found.push_back(entry.path());
-  if (found.size() > 1)
-    throw std::invalid_argument("folder " + quote_path(folder.string()) + " has " +
-                                std::to_string(found.size()) +
-                                " .csv files, expected at most one, with the times of its pictures");
-  if (found.size() == 1) return found.front();
-  return std::nullopt;
+  return found;
 }
+
+/// What `track --csv` writes: times that it took are not those of a clock.
+constexpr char track_titles[] = "time,file,kind,";
 
 using Parse = std::vector<std::pair<std::string, double>> (*)(const std::string&, const std::string&);
 
@@ -136,7 +137,11 @@ class TimesTable {
 TimedFiles times_by_table(const std::vector<fs::path>& files, const fs::path& table,
                           Parse parse = parse_file_times) {
   const std::string name = "times " + quote_path(table.string());
-  const TimesTable times(parse(read_input(table, "times", largest_table), name));
+  const std::string text = read_input(table, "times", largest_table);
+  if (text.starts_with(track_titles))
+    throw std::invalid_argument(name +
+                                " is what `track --csv` wrote, expected lines 'time, file' of a clock");
+  const TimesTable times(parse(text, name));
   TimedFiles result;
   std::error_code error;
   const fs::path parent = files.front().parent_path();
@@ -156,6 +161,15 @@ TimedFiles times_by_table(const std::vector<fs::path>& files, const fs::path& ta
   return result;
 }
 
+/// Whether the name of one of these files stands in a table that `track` did not write.
+bool names_any_of(const fs::path& table, const std::vector<fs::path>& files) {
+  const std::string text = read_input(table, "times", largest_table);
+  if (text.starts_with(track_titles)) return false;
+  return std::any_of(files.begin(), files.end(), [&](const fs::path& file) {
+    return text.find(file.filename().string()) != std::string::npos;
+  });
+}
+
 /// What the first of these tables says that is there and about these files.
 std::optional<TimedFiles> times_by_first(const std::vector<fs::path>& files,
                                          const std::vector<fs::path>& tables, Parse parse) {
@@ -168,6 +182,27 @@ std::optional<TimedFiles> times_by_first(const std::vector<fs::path>& files,
     }
   }
   return std::nullopt;
+}
+
+/// What the one table in the folder says that is about these files; another alone is reported.
+/// @throws std::invalid_argument where one is about them and cannot be used, or several are
+/// @param unused takes a sentence for each table that is about something else
+std::optional<TimedFiles> times_by_table_inside(const std::vector<fs::path>& files, const fs::path& folder,
+                                                std::vector<std::string>& unused) {
+  std::optional<TimedFiles> found;
+  for (const fs::path& table : tables_in(folder)) {
+    if (!names_any_of(table, files)) {
+      unused.push_back("table " + quote_path(table.string()) +
+                       " gives none of the pictures a time and is not used");
+      continue;
+    }
+    if (found)
+      throw std::invalid_argument(
+          "folder " + quote_path(folder.string()) +
+          " has several .csv files that name its pictures, expected one with their times");
+    found = times_by_table(files, table);
+  }
+  return found;
 }
 
 /// What FOLDER.csv or FOLDER.txt beside the folder says, if it is about these files.
@@ -257,6 +292,21 @@ std::vector<TimedFile> together(const std::vector<fs::path>& files, const std::v
   return timed;
 }
 
+/// Whether whole numbers, rising, would be years apart as seconds: they count from a start in a finer unit.
+bool count_from_zero(const std::vector<double>& times) {
+  constexpr double some_years = 1e8;  // s
+  return times.size() > 2 && times.front() < clock_begins && times.back() < 1e12 &&
+         times.back() - times.front() > some_years &&
+         std::all_of(times.begin(), times.end(), [](double time) { return time == std::floor(time); });
+}
+
+/// Of such: nanoseconds where they are a millisecond or more apart as such, else microseconds.
+std::vector<double> finer_than_seconds(std::vector<double> times) {
+  const double apart = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
+  for (double& time : times) time *= apart >= 1e6 ? 1e-9 : 1e-6;
+  return times;
+}
+
 std::vector<TimedFile> counted(const std::vector<fs::path>& files, double rate) {
   std::vector<double> times(files.size());
   for (std::size_t i = 0; i < files.size(); ++i) times[i] = static_cast<double>(i) / rate;
@@ -324,30 +374,11 @@ std::vector<std::pair<std::string, double>> parse_associations(const std::string
   return in_seconds(files, times);
 }
 
-std::optional<double> time_in_name(const std::string& stem) {
-  if (const auto number = finite_number(stem)) return number;
-  constexpr char digits[] = "0123456789", digits_and_point[] = "0123456789.";
-  const std::size_t dash = stem.find('-');
-  if (dash != std::string::npos && dash > 0 && stem.size() == dash + 13 &&
-      stem.find_first_not_of(digits) == dash && stem.find_first_not_of(digits, dash + 1) == std::string::npos)
-    return 1e-6 * finite_number(stem.substr(dash + 1)).value_or(0.0);
-  std::string end = stem.substr(stem.find_last_not_of(digits_and_point) + 1);
-  end.erase(0, end.find_first_not_of('.'));
-  std::string beginning = stem.substr(0, stem.find_first_not_of(digits_and_point));
-  beginning.erase(beginning.find_last_not_of('.') + 1);
-  for (const std::string& text : {end, beginning}) {
-    const std::size_t whole = std::min(text.find('.'), text.size());
-    const bool is_clock = whole < text.size() ? whole == 10 : whole == 13 || whole == 16 || whole == 19;
-    if (is_clock)
-      if (const auto number = finite_number(text)) return number;
-  }
-  return std::nullopt;
-}
-
 std::vector<TimedFile> times_of_names(const std::vector<fs::path>& given) {
   const std::vector<fs::path> files = in_order_of_names(given);
   auto times = name_times(files);
   if (!times || !are_distinct(*times)) return counted(files, 1.0);
+  if (count_from_zero(*times)) return together(files, finer_than_seconds(*times));
   make_seconds(*times);
   return together(files, *times);
 }
@@ -361,8 +392,9 @@ TimedFiles times_of_files(const std::vector<fs::path>& given, std::optional<doub
   const fs::path parent = files.front().parent_path();
   const fs::path folder = fs::weakly_canonical(parent.empty() ? "." : parent, error);
   const bool is_clock = are_clock(files);
-  if (const auto table = table_in(parent)) {
-    result = times_by_table(files, *table);
+  std::vector<std::string> unused;
+  if (auto inside = times_by_table_inside(files, parent, unused)) {
+    result = std::move(*inside);
   } else if (auto neighbour = times_by_neighbour(files, folder)) {
     result = std::move(*neighbour);
   } else if (const auto exif = exif_times(files); exif && are_distinct(*exif)) {
@@ -371,9 +403,13 @@ TimedFiles times_of_files(const std::vector<fs::path>& given, std::optional<doub
     result = std::move(*associated);
   } else {
     result.files = times_of_names(files);
-    if (!is_clock && files.size() > 1)
+    if (const auto numbers = name_times(files);
+        numbers && are_distinct(*numbers) && count_from_zero(*numbers))
+      result.time_caveat = fine_times;
+    else if (!is_clock && files.size() > 1)
       result.time_caveat = std::string(exif ? shared_times : no_times) + taken_times;
   }
+  result.warnings.insert(result.warnings.end(), unused.begin(), unused.end());
   std::stable_sort(result.files.begin(), result.files.end(),
                    [](const TimedFile& a, const TimedFile& b) { return a.time < b.time; });
   return result;

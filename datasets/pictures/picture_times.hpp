@@ -35,20 +35,15 @@ std::vector<std::pair<std::string, double>> parse_associations(const std::string
 /// In the order of names: of the times that they are, else with numbers within names by their value.
 std::vector<std::filesystem::path> in_order_of_names(std::vector<std::filesystem::path> files);
 
-/// The time that a name without its end says: the number that it is (see make_seconds); that of a clock at
-/// its end or beginning, as depth_1305031102.160 (ten digits before a point, or 13, 16 or 19 digits);
-/// Redwood's microseconds behind a number, as 0000012-000000400000. Empty for another name.
-std::optional<double> time_in_name(const std::string& stem);
-
 /// Files in the order of their names, numbers within names by their value (a9 before a10), each with its
-/// time: that in its name, where all have one and none is there twice, else its place in that order, one a
-/// second.
+/// time: that in its name, where all have one and none is there twice (numbers that would be years apart as
+/// seconds count nanoseconds or microseconds), else its place in that order, one a second.
 std::vector<TimedFile> times_of_names(const std::vector<std::filesystem::path>& files);
 
 /// The first of these that gives every file a time, none of them twice: the table of times beside them; their
 /// EXIF; their names, as times_of_names reads them. A rate goes before all of them. The table is the one .csv
-/// file in the folder, FOLDER.csv or FOLDER.txt beside it, or TUM's associations.txt in or beside it, unless
-/// names are a clock's; files that it does not name are left out and reported.
+/// file in the folder that names one of them, FOLDER.csv or FOLDER.txt beside it, or TUM's associations.txt
+/// in or beside it, unless names are a clock's; files that it does not name are left out and reported.
 /// @param files of one folder, at least one
 /// @throws std::invalid_argument for a table that cannot be read or names none of the files.
 TimedFiles times_of_files(const std::vector<std::filesystem::path>& files, std::optional<double> rate);

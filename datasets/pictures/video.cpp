@@ -109,6 +109,7 @@ bool is_cut_video(const std::string& file) {
 void decode_video(const ChildReport& report, const std::string& file, std::optional<double> rate) {
   LoadedCapture capture;
   if (!capture->open(file, cv::CAP_FFMPEG)) throw std::runtime_error("it cannot be decoded");
+  capture->set(cv::CAP_PROP_ORIENTATION_AUTO, 0);  // a calibration belongs to the sensor, as with EXIF
   const double count = capture->get(cv::CAP_PROP_FRAME_COUNT);
   const double own_rate = std::max(capture->get(cv::CAP_PROP_FPS), 1e-3);
   double last = -1.0;

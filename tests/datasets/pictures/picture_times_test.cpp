@@ -1,4 +1,5 @@
 #include "datasets/pictures/picture_times.hpp"
+#include "datasets/pictures/name_time.hpp"
 #include "datasets/sources/clock_seconds.hpp"
 
 #include <gtest/gtest.h>
@@ -58,7 +59,14 @@ TEST_F(PictureTimes, ClocksWithinNamesAreTimesAndOtherNumbersAreNot) {
                                    {"0000012-000000400000", 0.4},
                                    {"-3.5", -3.5},
                                    {"frame_000012", -1},
-                                   {"IMG_20261123071530", -1},
+                                   {"IMG_20261123071530", 1795418130.0},
+                                   {"IMG_20261123_071530", 1795418130.0},
+                                   {"20261123071530250", 1795418130.25},
+                                   {"2026-11-23_07-15-30.250", 1795418130.25},
+                                   {"cam_2026-11-23T07:15:30", 1795418130.0},
+                                   {"IMG_20261323071530", -1},
+                                   {"1305031102_160000000", 1305031102.16},
+                                   {"1305031102_16000000", -1},
                                    {"0000012-00000040000", -1},
                                    {"v1.2", -1},
                                    {"", -1}})
@@ -67,6 +75,35 @@ TEST_F(PictureTimes, ClocksWithinNamesAreTimesAndOtherNumbersAreNot) {
   add("l_1305031102.25.png");
   EXPECT_EQ(times(), (Names{{"l_1305031102.25.png", 1305031102.25}, {"l_1305031102.50.png", 1305031102.5}}));
   EXPECT_EQ(caveat_, "");
+}
+
+TEST_F(PictureTimes, NumbersThatWouldBeYearsApartAreNanosecondsFromAStart) {
+  for (const char* name : {"0.png", "66666667.png", "133333333.png"}) add(name);
+  Names found = times();
+  EXPECT_NEAR(found[1].second, 0.066666667, 1e-12);
+  EXPECT_NEAR(found[2].second, 0.133333333, 1e-12);
+  EXPECT_NE(caveat_.find("years apart"), std::string::npos);
+  files_.clear();
+  for (const char* name : {"0.png", "60000000.png", "120500000.png", "200000000.png"}) add(name);
+  EXPECT_NEAR(times()[2].second, 0.1205, 1e-12);
+  files_.clear();
+  for (int i = 0; i < 1200; ++i) add(std::to_string(100000L * i) + ".png");  // 10 a second, for two minutes
+  EXPECT_NEAR(times()[1].second, 0.1, 1e-12);
+}
+
+TEST_F(PictureTimes, ATableAboutSomethingElseOrWrittenByTrackIsNone) {
+  for (const char* name : {"1305031102.50.png", "1305031102.75.png"}) add(name);
+  const Names expected{{"1305031102.50.png", 1305031102.5}, {"1305031102.75.png", 1305031102.75}};
+  folder_.write("shots/imu.csv", "time,ax,ay\n1305031102.5,0.1,9.8\n");
+  EXPECT_EQ(times(), expected);
+  folder_.write("shots/t.csv", "time,file,kind,name\n0,1305031102.50.png,tag,3\n1,1305031102.75.png,tag,3\n");
+  EXPECT_EQ(times(), expected);
+  folder_.write("shots.csv", "time,file,kind,name\n0,1305031102.50.png,tag,3\n1,1305031102.75.png,tag,3\n");
+  EXPECT_EQ(times(), expected);
+  folder_.write("shots/real.csv", "5,1305031102.50.png\n6,1305031102.75.png\n");
+  EXPECT_EQ(times(), (Names{{"1305031102.50.png", 5}, {"1305031102.75.png", 6}}));
+  folder_.write("shots/again.csv", "7,1305031102.50.png\n8,1305031102.75.png\n");
+  EXPECT_NE(complaint([&] { times(); }).find("several .csv files that name its pictures"), std::string::npos);
 }
 
 TEST_F(PictureTimes, ThatNothingSaysAreReported) {
@@ -125,7 +162,9 @@ TEST_F(PictureTimes, ATableBesideThemCountsFirstAndWhatItDoesNotNameIsReportedAn
   EXPECT_NE(warnings_[0].find("no time for 1 of 3 pictures"), std::string::npos);
   EXPECT_NE(warnings_[1].find("names 1 pictures that are not there"), std::string::npos);
   folder_.write("shots/other.csv", "");
-  EXPECT_NE(complaint([&] { times(); }).find("has 2 .csv files, expected at most one"), std::string::npos);
+  EXPECT_EQ(times(), (Names{{"2.png", 10.25}, {"1.png", 20.5}}));
+  ASSERT_EQ(warnings_.size(), 3U);
+  EXPECT_NE(warnings_[2].find("other.csv' gives none of the pictures a time"), std::string::npos);
 }
 
 TEST_F(PictureTimes, TheTableOfTheTumBenchmarkLiesBesideTheFolder) {
