@@ -1,6 +1,7 @@
 #include "apps/fusion/emptiness.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <vector>
 
@@ -78,7 +79,8 @@ std::string fate_of_scans(const FusionCounts& counts) {
 
 std::string reason_for_nothing(const Fusion& fusion) {
   const FusionCounts& counts = fusion.counts;
-  const std::string no_ball = fusion.setup.probe ? "no ball was painted (" + refusals_of(counts) + ")" : "";
+  std::string no_ball = unpainted_reason(fusion);
+  if (no_ball.empty() && fusion.setup.probe) no_ball = "no ball was painted (" + refusals_of(counts) + ")";
   if (counts.scans > 0) return fate_of_scans(counts) + (no_ball.empty() ? "" : "; " + no_ball);
   if (!no_ball.empty()) return no_ball;
   const std::string left_out = left_out_of(fusion);
@@ -104,10 +106,23 @@ std::string refusals_of(const FusionCounts& counts) {
   return first == counts.first_refusals.end() ? text : text + "; the first: " + first->second;
 }
 
+std::string unpainted_reason(const Fusion& fusion) {
+  const FusionCounts& counts = fusion.counts;
+  const double voxel = fusion.map.options().resolution, least = 0.5 * std::sqrt(3.0) * voxel;
+  if (counts.spheres == 0 || counts.erasers > 0 || counts.painted_radius >= least) return "";
+  const VoxelCounts voxels = fusion.map.snapshot().counts();
+  if (voxels.painted + voxels.conflict > 0) return "";
+  return "its " + grouped(counts.spheres) + " balls, of mean radius " +
+         significant(1000.0 * counts.painted_radius, 3) + " mm, hold no whole voxel of " +
+         significant(1000.0 * voxel, 3) + " mm; expected `resolution` (--resolution) of at most " +
+         significant(2000.0 / std::sqrt(3.0) * counts.painted_radius, 2) +
+         " mm, a larger ball, or a better known one";
+}
+
 bool has_content(const Fusion& fusion) {
   const FusionCounts& counts = fusion.counts;
-  return counts.spheres > 0 || counts.body_spheres > 0 || counts.points.inserted > 0 ||
-         counts.points.cleared > 0;
+  return (counts.spheres > 0 && unpainted_reason(fusion).empty()) || counts.body_spheres > 0 ||
+         counts.points.inserted > 0 || counts.points.cleared > 0;
 }
 
 void require_content(const Fusion& fusion, const std::filesystem::path& recording) {

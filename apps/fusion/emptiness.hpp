@@ -10,7 +10,12 @@ namespace clearway {
 /// that put nothing at all into its map. @throws std::invalid_argument
 void require_content(const Fusion& fusion, const std::filesystem::path& recording);
 
-/// Whether anything at all is in its map: a painted sphere, or a voxel that a scan hit or freed.
+/// Of a fusion whose balls painted no voxel because each is too small to hold one: a clause that says so and
+/// what resolution it takes; else empty.
+std::string unpainted_reason(const Fusion& fusion);
+
+/// Whether anything at all is in its map: a painted sphere that held a voxel, or a voxel that a scan hit or
+/// freed.
 bool has_content(const Fusion& fusion);
 
 /// "too_fast 3, ambiguous_pose 1": why samples were refused, the most frequent first.

@@ -201,6 +201,7 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   fusion.warnings = frames->warnings();
   fusion.cameras = cameras.all(*frames);
   if (!fusion.damage) require_content(fusion, recording);
+  if (const std::string none = unpainted_reason(fusion); !none.empty()) fusion.warnings.push_back(none);
   if (const std::string caveat = frames->time_caveat(); !caveat.empty()) fusion.warnings.push_back(caveat);
   warn_of_leftovers(fusion);
   if (const std::string caveat = contradiction_caveat(fusion.map.snapshot()); !caveat.empty())

@@ -58,6 +58,15 @@ TEST_F(Emptiness, ACropThatTakesEveryPointIsReported) {
   EXPECT_EQ(refusal("r.rawlog", "map: {crop: [0, -1, -1, 2, 2, 2]}\n"), "");
 }
 
+TEST_F(Emptiness, BallsTooSmallToHoldAVoxelAreReportedWithTheResolutionThatTheyTake) {
+  write_stroke();
+  const std::string sentence = refusal("r.rawlog", small_setup + "map: {resolution: 0.2}\n");
+  EXPECT_NE(sentence.find("hold no whole voxel of 200 mm; expected `resolution` (--resolution) of at most "),
+            std::string::npos)
+      << sentence;
+  EXPECT_EQ(refusal("r.rawlog", small_setup), "");
+}
+
 TEST_F(Emptiness, ImagesOfABagThatCannotBeUsedAreReportedWithTheReason) {
   worlds::CameraBag bag(folder_ / "r.mcap");
   bag.image("/image", 5, "lens", "nv21", 48, std::vector<std::uint8_t>(48 * 36));
