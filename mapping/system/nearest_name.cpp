@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace clearway {
 namespace {
@@ -24,6 +25,12 @@ bool is_slip(const std::string& name, const std::string& known) {
   return edit_distance(name, known) <= (known.size() <= 4 ? 1U : 2U);
 }
 
+/// Whether one of the two goes on where the other ends: rate and rate_hz.
+bool continues(std::string_view a, std::string_view b) {
+  constexpr std::size_t says_enough = 3;
+  return std::min(a.size(), b.size()) >= says_enough && (a.starts_with(b) || b.starts_with(a));
+}
+
 }  // namespace
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -42,11 +49,13 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }
 
 std::string nearest_name(std::string_view name, const std::vector<std::string>& known, std::size_t most) {
-  const auto nearest =
-      std::min_element(known.begin(), known.end(), [&](const std::string& a, const std::string& b) {
-        return edit_distance(name, a) < edit_distance(name, b);
-      });
-  return nearest == known.end() || edit_distance(name, *nearest) > most ? std::string() : *nearest;
+  const std::string* nearest = nullptr;
+  std::pair<bool, std::size_t> least{true, 0};
+  for (const std::string& one : known) {
+    const std::pair key{!continues(name, one), edit_distance(name, one)};
+    if (nearest == nullptr || key < least) nearest = &one, least = key;
+  }
+  return nearest == nullptr || (least.first && least.second > most) ? std::string() : *nearest;
 }
 
 std::string misspelt_name(std::string_view name, const std::vector<std::string>& known) {

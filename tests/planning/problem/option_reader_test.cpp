@@ -120,6 +120,8 @@ TEST(NearestName, CountsEdits) {
   EXPECT_EQ(nearest_name("bem", {"boundary", "beam", "constraint"}), "beam");
   EXPECT_EQ(nearest_name("rrt_connect", {"beam", "rrtconnect"}), "rrtconnect");
   EXPECT_EQ(nearest_name("x", {}), "");
+  EXPECT_EQ(nearest_name("rate", {"path", "rate_hz"}), "rate_hz");
+  EXPECT_EQ(nearest_name("rate_hz", {"path", "rate"}), "rate");
 }
 
 }  // namespace option_reader_test
