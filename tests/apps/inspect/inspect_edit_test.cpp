@@ -3,9 +3,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/inspect/map_folder.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/free_space_map.hpp"
 #include "mapping/history/provenance.hpp"
+#include "mapping/system/atomic_file.hpp"
+#include "mapping/system/atomic_folder.hpp"
 #include "tests/apps/run_command.hpp"
 
 namespace clearway {
@@ -143,6 +146,18 @@ TEST_F(Inspect, paints_the_spheres_of_a_file) {
   EXPECT_EQ(json({map_, "--at=3.0,3.0,3.0"})["at"][0]["state"], "unknown");
   expect_refused({map_, "--paint", csv}, "--save");
   expect_refused({map_, "--paint", folder_.file("no.csv"), "--save", out}, "no.csv");
+}
+
+/// As replay writes them: the plans of a recording do not make way for a map.
+TEST_F(Inspect, keeps_off_a_folder_that_holds_more_than_a_map) {
+  const std::string out = folder_.file("of_replay");
+  AtomicFolder of_replay(out, is_in_map_folder);
+  save_map(load_map(other_), of_replay.path());
+  save_file(of_replay.path() / "report.html", "<html>");
+  of_replay.publish();
+  expect_refused({map_, "--crop=0,0,0,0.2,0.2,0.2", "--save", out}, "report.html");
+  EXPECT_EQ(read_file(out + "/report.html"), "<html>");
+  EXPECT_EQ(read_file(out + "/map.ot"), read_file(other_ + "/map.ot"));
 }
 
 TEST_F(Inspect, makes_new_maps_of_maps) {

@@ -107,13 +107,23 @@ TEST(ControlStep, SlidesSmoothlyAlongASlantedWallOfVoxelsWhereTheNearestCubeAlon
 TEST(ControlStep, AnotherNumberOfValuesThanJointsIsRefused) {
   const ConfigurationSpace space(load_robot("point"), slanted_wall(0.1), {.critical_by_default = false});
   ControlStep step(space, damper(2));
+  EXPECT_EQ(step.solve(Eigen::Vector2d(1.0, 1.0)),
+            Eigen::VectorXd(Eigen::Vector2d::Zero()));  // before it looked
   EXPECT_THROW(step.look(Eigen::Vector3d::Zero()), std::invalid_argument);
+  EXPECT_THROW(step.look(Eigen::Vector2d(std::nan(""), 0.0)), std::invalid_argument);
   step.look(Eigen::Vector2d::Zero());
   const std::vector<double> three(3, 1.0), one(1, 1.0);
   EXPECT_THROW(step.add(three, 0.1), std::invalid_argument);
   EXPECT_THROW(step.add(one, 0.1), std::invalid_argument);
   EXPECT_THROW(step.solve(Eigen::VectorXd::Zero(1)), std::invalid_argument);
   EXPECT_EQ(step.solve(Eigen::Vector2d::Zero()).size(), 2);
+  DamperOptions lost = damper(2);
+  lost.weight[1] = std::nan("");
+  EXPECT_THROW(ControlStep(space, lost), std::invalid_argument);
+  lost.weight.setOnes(3);
+  const Eigen::Vector2d here(0.0, 0.0);
+  EXPECT_THROW(step_to_goal(lost, here, here), std::invalid_argument);
+  EXPECT_THROW(step_to_goal(damper(2), here, Eigen::Vector3d::Zero()), std::invalid_argument);
 }
 
 TEST(ControlStep, KeepsTheDamperOfTheNearestVoxelAndTheLimits) {

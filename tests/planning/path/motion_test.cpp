@@ -52,6 +52,8 @@ TEST(SplineMotion, GreatestRatesAreThoseOfAFineSampling) {
   }
 }
 
+TEST(GreatestRates, OfNoMotionAreOfNoJoint) { EXPECT_EQ(greatest_rates(Motion{}).velocity.size(), 0); }
+
 TEST(SplineMotion, EqualControlPointsRestBitForBit) {
   const Configuration q = Eigen::Vector2d(0.1, -1.0 / 3.0);
   const Motion motion = spline_motion({q, q, q, q}, 0.008);

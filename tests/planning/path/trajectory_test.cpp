@@ -128,6 +128,7 @@ TEST(Trajectory, SharesAreThoseOfTheFastestJoint) {
   const LimitShares shares = limit_shares(robot, trajectory);
   EXPECT_DOUBLE_EQ(shares.velocity, 0.5);
   EXPECT_DOUBLE_EQ(shares.acceleration, 0.4 / (0.1 * 5.0));
+  EXPECT_THROW(limit_shares(robot_of(3, 0), trajectory), std::invalid_argument);
 }
 
 /// Edges long enough for many samples each, with sharp corners between them.

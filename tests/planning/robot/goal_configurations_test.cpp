@@ -133,6 +133,19 @@ TEST(GoalConfigurations, NothingIsFoundOutOfReach) {
   EXPECT_TRUE(goal_configurations(robot, far, Configuration::Zero(7), 4).empty());
 }
 
+TEST(GoalConfigurations, ConfigurationsOfAnotherSizeAreRefused) {
+  const Robot robot = load_robot("panda");
+  const Eigen::Isometry3d pose = tip_pose(robot, Configuration::Zero(7));
+  Configuration lost = Configuration::Zero(7);
+  lost[3] = std::nan("");
+  for (const Configuration& near : {Configuration(), Configuration(Configuration::Zero(6)), lost}) {
+    EXPECT_THROW(goal_configurations(robot, pose, near, 4), std::invalid_argument);
+    EXPECT_THROW(goal_configurations(robot, GoalPose{pose, 0.01}, near, 4), std::invalid_argument);
+  }
+  EXPECT_THROW(inverse_kinematics(robot, pose, Configuration::Zero(6)), std::invalid_argument);
+  EXPECT_FALSE(inverse_kinematics(robot, pose, lost));
+}
+
 TEST(GoalPose, PosesOfItKeepWhatItAsksForAndSpreadOverIt) {
   Random random(5);
   for (int round = 0; round < 40; ++round) {

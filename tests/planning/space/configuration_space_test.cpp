@@ -294,6 +294,8 @@ TEST(ConfigurationSpace, AMotionBoundOfOtherNumbersOfJointsIsRefused) {
     }
   }
   EXPECT_GT(space.motion_bound(Eigen::Vector2d(1.0, 1.0)), 0.0);
+  EXPECT_THROW(space.motion_bound(Eigen::Vector2d(1.0, std::nan(""))), std::invalid_argument);
+  EXPECT_THROW(space.motion_bound(Eigen::Vector2d(1.0, -1.0)), std::invalid_argument);
 }
 
 TEST(ConfigurationSpace, ASlideWithoutLimitsBelowATurningJointIsRefused) {
