@@ -201,6 +201,7 @@ constexpr MatrixKey matrix_keys[] = {{"camera_matrix", ""},
                                      {"cameraMatrix", ""},
                                      {"Camera_Matrix", ""},
                                      {"CameraMatrix", ""},
+                                     {"cameraIntrinsics", ""},
                                      {"K", ""},
                                      {"M1", "D1"},
                                      {"M2", "D2"},
@@ -263,7 +264,11 @@ ImageSize read_size(const YamlFields& file, std::optional<ImageSize> given) {
   constexpr Bounds sides{32, 20000};
   for (const auto& [width, height] : size_keys)
     if (file.has(width) || file.has(height)) return {file.integer(width, sides), file.integer(height, sides)};
-  for (const char* name : {"image_size", "imageSize"}) {
+  if (file.is_map("resolution")) {  // PhotonVision
+    const YamlFields size = file.map("resolution");
+    return {size.integer("width", sides), size.integer("height", sides)};
+  }
+  for (const char* name : {"image_size", "imageSize", "img_size"}) {
     if (!file.has(name)) continue;
     const std::vector<double> size = file.numbers(name, sides, 2);
     return {static_cast<int>(size[0]), static_cast<int>(size[1])};

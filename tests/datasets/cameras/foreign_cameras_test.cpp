@@ -200,6 +200,18 @@ TEST(ForeignCameras, OfAStereoPairOneIsNamedAndASizeIsStatedElsewhere) {
   }
 }
 
+TEST(ForeignCameras, OfTheProgramsThatRobotTeamsCalibrateWithAreRead) {
+  const std::string photonvision =
+      R"({"resolution": {"width": 752.0, "height": 480.0}, "cameraIntrinsics": {"rows": 3, "cols": 3, "type": 6,
+"data": [458.6, 0.0, 367.2, 0.0, 457.2, 248.3, 0.0, 0.0, 1.0]}, "distCoeffs": {"rows": 1, "cols": 8, "type": 6,
+"data": [-0.28, 0.07, 0.0001, -0.0002, 0.01, 0.0, 0.0, 0.0]}, "calobjectWarp": [0.0, 0.0]})";
+  const std::string limelight =
+      R"({"camera_model": "opencv", "camera_matrix": [[458.6, 0, 367.2], [0, 457.2, 248.3], [0, 0, 1]],
+"distortion_coefficients": [[-0.28, 0.07, 0.0001, -0.0002, 0.01]], "img_size": [752, 480]})";
+  for (const std::string& text : {photonvision, limelight})
+    EXPECT_EQ(parse_camera_file(text, "c.json", "", false, {}), bent) << text;
+}
+
 TEST(ForeignCameras, DamagedStoragesAreRefusedInOneSentenceAndOpencvSaysNothing) {
   const std::string whole = written_by_opencv(".xml", [](cv::FileStorage& file) {
     file << "image_width" << 752 << "image_height" << 480 << "camera_matrix" << matrix_of_bent;
