@@ -1,6 +1,7 @@
 #include "datasets/descriptions/setup.hpp"
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <iterator>
 #include <set>
@@ -345,6 +346,21 @@ std::vector<LoadSetup> read_loads(const YamlFields& fields, const std::filesyste
   return loads;
 }
 
+/// Files of other programs that are given for a setup, by a key that they have.
+void refuse_files_of_others(const YamlFields& fields) {
+  constexpr char boards[] =
+      "a setup, whose `boards` give each tag's id, size and pose, as `clearway tags print` writes it";
+  constexpr char cameras[] = "a setup, which may name this file: `camera: {file: …}`";
+  const std::array<std::array<const char*, 3>, 5> others = {
+      {{"standalone_tags", "apriltag_ros's list of tags", boards},
+       {"tag_bundles", "apriltag_ros's list of tags", boards},
+       {"target_type", "kalibr's target", boards},
+       {"bodies", "TagSLAM's scene", boards},
+       {"cam0", "kalibr's or TagSLAM's cameras", cameras}}};
+  for (const auto& [key, whose, expected] : others)
+    if (fields.has(key)) fields.fail(key, std::string("this file is ") + whose + ", expected " + expected);
+}
+
 }  // namespace
 
 const BoardSetup* Setup::board(const std::string& name) const {
@@ -376,6 +392,7 @@ const LoadSetup* Setup::load(const std::string& name) const {
 
 Setup parse_setup(const std::string& text, const std::string& name) {
   const YamlFields fields(text, "setup " + quote_path(name));
+  refuse_files_of_others(fields);
   Setup setup;
   setup.title = fields.prose("title", "");
   if (fields.has("map")) setup.map = read_map(fields.map("map"));

@@ -388,5 +388,18 @@ TEST(Setup, SaysWhichPartOfABagIsReadAndWhatInfiniteBeamsDo) {
   }
 }
 
+TEST(Setup, FilesOfOtherProgramsAreNamedWithWhatIsExpected) {
+  for (const auto& [text, words] : std::vector<std::pair<std::string, std::string>>{
+           {"standalone_tags: [{id: 3, size: 0.1}]\ntag_bundles: []\n", "apriltag_ros's list of tags"},
+           {"target_type: 'aprilgrid'\ntagCols: 6\ntagRows: 6\n", "kalibr's target"},
+           {"tagslam_config: {}\nbodies: [{board: {is_static: true}}]\n", "TagSLAM's scene"},
+           {"cam0: {camera_model: pinhole, resolution: [640, 480]}\n",
+            "cameras, expected a setup, which may"}}) {
+    const std::string sentence = complaint([&text = text] { parse_setup(text, "s"); });
+    EXPECT_NE(sentence.find(words), std::string::npos) << sentence;
+    EXPECT_NE(sentence.find("expected a setup"), std::string::npos) << sentence;
+  }
+}
+
 }  // namespace setup_test
 }  // namespace clearway
