@@ -84,9 +84,10 @@ void require_topics(const std::filesystem::path& file, const std::vector<BagTopi
   for (const std::string& name : bag.poses) {
     require(name, "poses",
             {"nav_msgs/Odometry", "geometry_msgs/TransformStamped", "geometry_msgs/PoseStamped",
-             "geometry_msgs/PoseWithCovarianceStamped"});
+             "geometry_msgs/PoseWithCovarianceStamped", "nav_msgs/Path"});
     const bool is_nameless = std::any_of(topics.begin(), topics.end(), [&](const BagTopic& topic) {
-      return topic.name == name && topic.type.starts_with("geometry_msgs/Pose");
+      return topic.name == name &&
+             (topic.type.starts_with("geometry_msgs/Pose") || topic.type == "nav_msgs/Path");
     });
     if (is_nameless && bag.pose_frame.empty())
       throw std::invalid_argument(bag_sentence(

@@ -115,6 +115,18 @@ std::vector<RosTransform> BagFrames::transforms_in(const BagMessage& message) co
   return transforms;
 }
 
+std::vector<RosTransform> BagFrames::path_in(const BagMessage& message) const {
+  WireReader in(message.bytes, *bag_.topics()[message.topic].wire);
+  std::vector<RosTransform> poses = read_path(in);
+  for (RosTransform& pose : poses) pose.child = options_.bag.pose_frame;
+  const auto is_same_time = [&](const RosTransform& pose) {
+    return pose.header.time == poses.front().header.time;
+  };
+  if (poses.size() > 1 && std::all_of(poses.begin(), poses.end(), is_same_time))
+    throw std::runtime_error("the poses of its path have no times of their own");
+  return poses;
+}
+
 void BagFrames::learn() {
   for (const StatedFrame& frame : options_.bag.frames)
     transforms_.add({{0.0, frame.parent},
@@ -158,6 +170,10 @@ void BagFrames::learn() {
           learn_camera(topic.name, read_camera_info(in));
         return true;
       }
+      if (is_pose(topic) && topic.type == "nav_msgs/Path") {
+        paths_[topic.name] = {path_in(message), message.time};
+        return true;
+      }
       for (const RosTransform& transform : transforms_in(message)) {
         if (message.is_beyond) {
           beyond_.emplace_back(transform, message.time);
@@ -174,6 +190,8 @@ void BagFrames::learn() {
   });
   refuse_restarts(streams);
   add_beyond();
+  for (const auto& [topic, path] : paths_)
+    for (const RosTransform& pose : path.first) transforms_.add(pose, false, path.second);
   if (options_.bag.fixed_frame.empty()) return;
   if (!options_.bag.sensor_frame.empty()) sensor_frames_.insert(options_.bag.sensor_frame);
   transforms_.prefer_ways_to(options_.bag.fixed_frame);

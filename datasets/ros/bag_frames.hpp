@@ -46,6 +46,8 @@ class BagFrames {
   bool is_pose(const BagTopic& topic) const;
   /// Those of tf, or a pose as one, but of frames that the setup states.
   std::vector<RosTransform> transforms_in(const BagMessage& message) const;
+  /// A path's poses. @throws std::runtime_error a clause, where they do not say when they are
+  std::vector<RosTransform> path_in(const BagMessage& message) const;
   void learn();
   void learn_camera(const std::string& topic, const RosCameraInfo& info);
   void learn_step(const std::string& topic, double step);
@@ -73,7 +75,9 @@ class BagFrames {
   std::vector<double> stamps_;        ///< s, of the sensors' messages in the bag's order
   std::vector<double> delays_;        ///< s, from these to when they were recorded
   std::vector<std::pair<RosTransform, double>> beyond_;  ///< transforms and when they were recorded
-  std::set<std::string> sensor_frames_;                  ///< that headers of sensors' messages name
+  /// The last path of each topic: it is the whole way, as it is known then; and when it was recorded.
+  std::map<std::string, std::pair<std::vector<RosTransform>, double>> paths_;
+  std::set<std::string> sensor_frames_;  ///< that headers of sensors' messages name
   TransformTree transforms_;
   std::optional<RosCamera> camera_, depth_camera_;  ///< where images or depth have one
   std::vector<Eigen::Vector2d> depth_rays_;         ///< of the depth camera

@@ -166,6 +166,20 @@ RosTransform read_pose(WireReader& in, std::string_view short_type) {
   return pose;
 }
 
+std::vector<RosTransform> read_path(WireReader& in) {
+  const RosHeader path = read_header(in);
+  std::vector<RosTransform> poses;
+  constexpr std::size_t least_pose = 68;  // bytes
+  for (std::size_t left = in.length(least_pose); left > 0; --left) {
+    RosTransform pose;
+    pose.header = read_header(in);
+    if (pose.header.frame.empty()) pose.header.frame = path.frame;
+    read_place(in, pose);
+    poses.push_back(std::move(pose));
+  }
+  return poses;
+}
+
 std::vector<RosTransform> read_transforms(WireReader& in) {
   std::vector<RosTransform> transforms;
   constexpr std::size_t least_transform = 72;  // bytes

@@ -99,5 +99,8 @@ std::vector<RosTransform> read_transforms(WireReader& in);  ///< of tf2_msgs/TFM
 /// A pose of its own: nav_msgs/Odometry, geometry_msgs/TransformStamped, PoseStamped or
 /// PoseWithCovarianceStamped. The last two do not say what the pose is of: `child` is empty.
 RosTransform read_pose(WireReader& in, std::string_view short_type);
+/// The poses of a nav_msgs/Path, each with a time and, unless its own header names one, in the path's frame.
+/// What they are of it does not say: `child` is empty.
+std::vector<RosTransform> read_path(WireReader& in);
 
 }  // namespace clearway

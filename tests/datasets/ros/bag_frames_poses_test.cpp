@@ -188,6 +188,36 @@ TEST_F(BagFramesTest, PosesOfTheirOwnTopicsCountAsThoseOfTf) {
   }
 }
 
+/// As SLAM publishes it: the whole way again and again, and better each time.
+TEST_F(BagFramesTest, TheLastPathOfATopicSaysWhereTheRobotWas) {
+  for (const char* name : {"a.mcap", "a.bag"}) {
+    BagTopics stated;
+    stated.poses = {"/path"};
+    stated.frames = {{"base", "sensor", mount()}};
+    ScanBag bag(folder_ / name);
+    for (const double last : {11.5, 13.0}) {
+      std::vector<std::pair<double, Eigen::Isometry3d>> poses;
+      const Eigen::Isometry3d drift(Eigen::Translation3d(0.0, last < 12.0 ? 0.3 : 0.0, 0.0));
+      for (double time = 10; time < last + 0.001; time += 0.05)
+        poses.emplace_back(time, drift * base_at(time));
+      bag.path("/path", last, "map", poses);
+    }
+    for (const double time : {10.53, 11.11, 12.41}) bag.cloud("/points", time, "sensor", {{1, 2, 3}});
+    bag.sort();
+    EXPECT_NE(complaint([&] { read(bag, name, false, stated); }).find("expected 'pose_frame'"),
+              std::string::npos);
+    stated.pose_frame = "base";
+    const Reading reading = read(bag, name, false, stated);
+    EXPECT_EQ(reading.damage + reading.warnings, "");
+    ASSERT_EQ(reading.frames.size(), 3U);
+    for (const Frame& frame : reading.frames) expect_pose(frame, base_at(frame.time) * mount());
+    bag.path("/path", 13.1, "map", {{0.0, base_at(10)}, {0.0, base_at(11)}});
+    EXPECT_NE(
+        read(bag, name, false, stated).warnings.find("the poses of its path have no times of their own"),
+        std::string::npos);
+  }
+}
+
 TEST_F(BagFramesTest, APoseThatDoesNotSayOfWhatItIsIsLeftOutAndNamed) {
   ScanBag bag(folder_ / "a.mcap");
   BagTopics stated;

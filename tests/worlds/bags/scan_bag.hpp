@@ -107,6 +107,22 @@ class ScanBag {
     add(type.substr(0, slash), type.substr(slash + 1), topic, time, out);
   }
 
+  /// A nav_msgs/Path of so many poses.
+  void path(const std::string& topic, const BagTime& time, const std::string& frame,
+            const std::vector<std::pair<double, Eigen::Isometry3d>>& poses) {
+    MessageBytes out(is_ros1_);
+    out.header(time.stamp, frame);
+    out.add(static_cast<std::uint32_t>(poses.size()));
+    for (const auto& [stamp, pose] : poses) {
+      const Eigen::Quaterniond turn(pose.linear());
+      out.header(stamp, "");
+      for (const double value : {pose.translation().x(), pose.translation().y(), pose.translation().z(),
+                                 turn.x(), turn.y(), turn.z(), turn.w()})
+        out.add(value);
+    }
+    add("nav_msgs", "Path", topic, time, out);
+  }
+
   /// Takes so many bytes from the end of the last message.
   void cut_last(std::size_t bytes) {
     std::string& last = records_.back().bytes;
