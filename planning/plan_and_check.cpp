@@ -13,6 +13,7 @@
 #include "planning/advice/paint_advice.hpp"
 #include "planning/auto_planner.hpp"
 #include "planning/check/check_legs.hpp"
+#include "planning/problem/held_to_task.hpp"
 #include "planning/robot/inverse_dynamics.hpp"
 #include "planning/robot/reach.hpp"
 
@@ -148,38 +149,6 @@ void report_step_beyond_way(const PlannerOptions& in_force, PlanResult& leg) {
                      (leg.last_segment ? "all of it is the last segment." : "the path ends where it starts.");
 }
 
-/// A planner may be the caller's own: what it calls solved is refused where it does not lead from the start
-/// to the goal, and waypoints that are none are left out.
-void hold_to_task(const PlanProblem& problem, const Planner& planner, PlanResult& result) {
-  const auto is_sound = [&](const Configuration& q) {
-    return q.size() == problem.start.size() && q.allFinite();
-  };
-  const bool sound = std::all_of(result.waypoints.begin(), result.waypoints.end(), is_sound) &&
-                     std::all_of(result.explored.begin(), result.explored.end(), is_sound);
-  if (!sound) result.waypoints.clear(), result.explored.clear(), result.origins.clear();
-  if (result.status != PlanStatus::solved) return result.waypoints.clear();
-  Plan leg;
-  leg.options = planner.options();
-  leg.start = problem.start;
-  leg.goals = {problem.goal};
-  leg.legs.emplace_back().waypoints = result.waypoints;
-  const std::string fault =
-      !sound ? "a waypoint is not " + std::to_string(problem.start.size()) + " finite values"
-             : leg.end_violation();
-  if (fault.empty()) {
-    if (!std::isfinite(result.cost) || !std::isfinite(result.last_segment_cost)) {
-      result.cost = problem.cost(result.waypoints);
-      result.last_segment_cost = 0.0;
-    }
-    return;
-  }
-  result.status = PlanStatus::no_path;
-  result.explanation = "Planner " + quote(planner.name()) + " gave a path that is none: " + fault + ".";
-  if (result.explored.empty()) result.explored = std::move(result.waypoints);
-  result.waypoints.clear();
-  result.origins.clear();
-}
-
 void plan_legs(const PlanQuery& query, const Planner& planner, const LegSpaces& spaces, Plan& plan) {
   Configuration from = query.start;
   for (const Configuration& goal : query.goals) {
@@ -201,10 +170,9 @@ void plan_legs(const PlanQuery& query, const Planner& planner, const LegSpaces& 
     const PlanProblem problem{
         space,           cost, from, to, query.seed, [&] { return seconds_since(begin) > query.time_limit; },
         query.time_limit};
-    plan.legs.push_back(planner.plan(problem));
+    plan.legs.push_back(held_to_task(planner, problem));
     plan.time_s += seconds_since(begin);
     plan.cpu_s += plan.legs.back().process_cpu;
-    hold_to_task(problem, planner, plan.legs.back());
     report_step_beyond_way(plan.options, plan.legs.back());
     if (plan.legs.back().status != PlanStatus::solved) break;
     from = plan.legs.back().waypoints.back();

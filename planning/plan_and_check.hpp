@@ -47,7 +47,7 @@ struct PlanQuery {
 
 /// Plans leg after leg, each from where the one before really ended, then has the independent check look at
 /// the whole path, and surveys what the map knows of where the robot goes. Plan::is_proved() is the answer in
-/// one word (a beam with last_segment = false may end one step short of a goal); status, explanation,
+/// one word (a beam search may end in its goal's box, short of the goal); status, explanation,
 /// validation and survey are its reasons. The first leg that fails ends the plan: check and survey then cover
 /// the legs before it, and `paint` says where painting would help.
 ///

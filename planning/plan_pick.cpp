@@ -13,6 +13,7 @@
 #include "planning/path/shortcut.hpp"
 #include "planning/picks/pick_scene.hpp"
 #include "planning/picks/straight_legs.hpp"
+#include "planning/problem/held_to_task.hpp"
 #include "planning/robot/goal_configurations.hpp"
 #include "planning/sampling/rrtconnect.hpp"
 #include "planning/space/joint_weights.hpp"
@@ -146,8 +147,8 @@ class PickPlanner {
 
   PlanResult plan_leg(const ConfigurationSpace& space, const Configuration& from, const Configuration& to) {
     const PathCost cost = path_cost(query_, space.robot());
-    PlanResult leg =
-        round_.planner->plan({space, cost, from, to, query_.seed, [this] { return is_out_of_time(); }});
+    PlanResult leg = held_to_task(*round_.planner,
+                                  {space, cost, from, to, query_.seed, [this] { return is_out_of_time(); }});
     round_.failed += leg.status == PlanStatus::no_path || leg.status == PlanStatus::timed_out;
     if (leg.status == PlanStatus::solved && leg.waypoints.back() != to) {
       leg.status = PlanStatus::no_path;

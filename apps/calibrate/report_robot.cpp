@@ -199,7 +199,8 @@ std::string found_robot(const CalibrateOptions& options, const Setup& setup, con
 Eigen::Isometry3d mount_of(const std::string& sensor, const Setup& setup,
                            const Eigen::Isometry3d& tip_from_camera) {
   const std::vector<std::string>& clouds = setup.source.bag.clouds;
-  const bool is_cloud = std::find(clouds.begin(), clouds.end(), sensor) != clouds.end();
+  const bool is_cloud = std::find(clouds.begin(), clouds.end(), sensor) != clouds.end() ||
+                        (sensor == "points" && !clouds.empty());
   return is_cloud ? tip_from_camera : tip_from_camera * optical_from_sensor();
 }
 

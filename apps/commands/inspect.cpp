@@ -18,6 +18,7 @@
 #include "datasets/bags/bag_source.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 
@@ -66,7 +67,15 @@ void require_outputs(const InspectOptions& options) {
                           {"--paint", options.paint}});
   for (const NamedPlace& file : files)
     if (!file.path.empty()) require_writable(file.path);
-  if (!options.save.empty()) AtomicFolder(options.save, is_in_saved_map);
+  if (options.save.empty()) return;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(options.save, error)) {
+    const std::filesystem::path name = entry.path().filename();
+    if (name == "plans" || (is_in_map_folder(name) && !is_in_saved_map(name)))
+      throw std::invalid_argument("--save: " + quote_path(options.save.string()) + " holds " +
+                                  quote(name.string()) + " of a recording, expected another folder");
+  }
+  AtomicFolder(options.save, is_in_saved_map);
 }
 
 /// What replay wrote beside the map; none for a map that was edited since, with a word about it.

@@ -108,14 +108,15 @@ std::string refusals_of(const FusionCounts& counts) {
 
 std::string unpainted_reason(const Fusion& fusion) {
   const FusionCounts& counts = fusion.counts;
-  const double voxel = fusion.map.options().resolution, least = 0.5 * std::sqrt(3.0) * voxel;
-  if (counts.spheres == 0 || counts.erasers > 0 || counts.painted_radius >= least) return "";
+  if (counts.spheres == 0 || counts.erasers > 0) return "";
   const VoxelCounts voxels = fusion.map.snapshot().counts();
   if (voxels.painted + voxels.conflict > 0) return "";
-  return "its " + grouped(counts.spheres) + " balls, of mean radius " +
-         significant(1000.0 * counts.painted_radius, 3) + " mm, hold no whole voxel of " +
-         significant(1000.0 * voxel, 3) + " mm; expected `resolution` (--resolution) of at most " +
-         significant(2000.0 / std::sqrt(3.0) * counts.painted_radius, 2) +
+  const double radius = 1000.0 * counts.painted_radius, holds_one_anywhere = radius / std::sqrt(3.0);
+  const double unit = std::pow(10.0, std::floor(std::log10(holds_one_anywhere)) - 1.0);
+  return "none of the " + grouped(counts.spheres) + " balls, of mean radius " + significant(radius, 3) +
+         " mm, holds a whole voxel of " + significant(1000.0 * fusion.map.options().resolution, 3) +
+         " mm; expected `resolution` (--resolution) of at most " +
+         significant(unit * std::floor(holds_one_anywhere / unit), 2) +
          " mm, a larger ball, or a better known one";
 }
 

@@ -194,13 +194,15 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   if (painter) painter->finish();
   if (body) counts.body_spheres = body->spheres();
   fusion.damage = frames->damage();
-  if (fusion.damage && !has_content(fusion))
+  const bool is_taught =
+      options.guide != nullptr && counts.spheres > 0;  // a session is kept whatever it painted
+  if (fusion.damage && !is_taught && !has_content(fusion))
     throw std::invalid_argument(fusion.damage->substr(0, fusion.damage->find_last_not_of('.') + 1) +
                                 "; nothing gets into the map");
   if (fusion.damage) fusion.map.note_damaged_recording(fusion.counts.frames);
   fusion.warnings = frames->warnings();
   fusion.cameras = cameras.all(*frames);
-  if (!fusion.damage) require_content(fusion, recording);
+  if (!fusion.damage && !is_taught) require_content(fusion, recording);
   if (const std::string none = unpainted_reason(fusion); !none.empty()) fusion.warnings.push_back(none);
   if (const std::string caveat = frames->time_caveat(); !caveat.empty()) fusion.warnings.push_back(caveat);
   warn_of_leftovers(fusion);

@@ -140,6 +140,11 @@ std::vector<std::string> notes_of(const SourceOptions& options) {
   return notes;
 }
 
+bool is_usual(const fs::path& file) {
+  const std::string end = extension_of(file);
+  return end == ".png" || end == ".jpg" || end == ".jpeg";
+}
+
 bool is_pgm(const fs::path& file) { return extension_of(file) == ".pgm"; }
 
 /// The pictures of EuRoC's first camera in the folder of a sequence, of its mav0 or of cam0; empty: none.
@@ -165,6 +170,11 @@ std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOpt
     pictures = files_in(folder, is_picture_file);
     clouds = files_in(folder, is_posed_cloud);
     velodyne = velodyne_layout(folder);
+    // Beside clouds the less usual formats are views of them.
+    if (!clouds.empty() || velodyne)
+      std::erase_if(pictures, [](const fs::path& file) { return !is_usual(file); });
+    if (std::any_of(pictures.begin(), pictures.end(), is_usual))
+      std::erase_if(pictures, [](const fs::path& file) { return !is_usual(file); });
   } catch (const fs::filesystem_error& failure) {
     throw std::invalid_argument("recording " + quote_path(folder.string()) +
                                 " cannot be read: " + failure.code().message());
@@ -190,10 +200,11 @@ std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOpt
         std::vector<std::string>{"the pictures are those in " + quote_path(data.string()) + "."});
   if (const std::vector<fs::path> grey = files_in(folder, is_pgm); !grey.empty())
     return open_pictures(grey, name, options);
-  if (const std::vector<fs::path> colour = files_in(folder / "rgb", is_picture_file); !colour.empty())
-    return std::make_unique<NotedSource>(
-        open_pictures(colour, name, options),
-        std::vector<std::string>{"the pictures are those in " + quote_path((folder / "rgb").string()) + "."});
+  if (const fs::path rgb = folder / "rgb"; fs::is_directory(rgb, error))
+    if (const std::vector<fs::path> colour = files_in(rgb, is_picture_file); !colour.empty())
+      return std::make_unique<NotedSource>(
+          open_pictures(colour, name, options),
+          std::vector<std::string>{"the pictures are those in " + quote_path(rgb.string()) + "."});
   throw std::invalid_argument("recording " + quote_path(folder.string()) +
                               " is a folder without pictures and clouds; expected " + kinds_of_recordings);
 }

@@ -172,7 +172,7 @@ void bind_answer(Record<Plan>& type) {
   type.computed(
           "status", [](const Plan& self) { return to_python(self.status()); }, doc("Plan::status"))
       .computed("is_proved", &Plan::is_proved)
-      .computed("end_violation", &Plan::end_violation)
+      .computed("end_violation", [](const Plan& plan) { return plan.end_violation(); })
       .computed("explanation", &Plan::explanation, "Where planning stopped and why, in a sentence or two.")
       .computed(
           "waypoints", [](const Plan& self) { return to_array(self.waypoints(), self.joints.size()); },

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
+#include <regex>
 
 #include "datasets/sources/finite_number.hpp"
 
@@ -28,27 +28,26 @@ std::optional<double> stamp_time(const std::string& stem) {
   return *finite_number(stem.substr(0, 10)) + 1e-9 * *finite_number(stem.substr(11));
 }
 
-/// A date and a time of day at the end, with or without marks between their numbers.
+/// A date and a time of day at the end of the name: eight digits and six, with marks between their numbers or
+/// without, then a fraction behind a point or of exactly three or six digits.
 std::optional<double> date_time(const std::string& stem) {
-  const std::size_t from = stem.find_first_of(digits);
-  if (from == std::string::npos) return std::nullopt;
-  std::string joined;
-  for (std::size_t i = from; i < stem.size(); ++i) {
-    const char c = stem[i];
-    const bool is_mark = c == '-' || c == '_' || c == '.' || c == ':' || c == 'T' || c == ' ';
-    if (c >= '0' && c <= '9')
-      joined += c;
-    else if (!is_mark)
-      return std::nullopt;
-  }
-  if (joined.size() < 14 || joined.size() > 23) return std::nullopt;
-  const auto number = [&](std::size_t at, std::size_t count) { return std::stoi(joined.substr(at, count)); };
-  const int year = number(0, 4);
-  if (year < 1970 || year > 2199) return std::nullopt;
-  const auto whole =
-      seconds_of_date(year, number(4, 2), number(6, 2), number(8, 2), number(10, 2), number(12, 2));
-  if (!whole) return std::nullopt;
-  return joined.size() == 14 ? *whole : *whole + *finite_number("0." + joined.substr(14));
+  static const std::regex pattern(
+      "(?:^|.*[^0-9])(\\d{4})[-_.]?(\\d{2})[-_.]?(\\d{2})[-_.T ]?(\\d{2})[-_.:h]?(\\d{2})[-_.:m]?(\\d{2})"
+      "(?:\\.(\\d+)|[-_]?(\\d{3}|\\d{6}))?");
+  std::smatch found;
+  if (stem.size() > 100 || !std::regex_match(stem, found, pattern)) return std::nullopt;
+  const auto number = [&](std::size_t i) { return std::stoi(found[i].str()); };
+  if (number(1) < 1970 || number(1) > 2199) return std::nullopt;
+  const auto whole = seconds_of_date(number(1), number(2), number(3), number(4), number(5), number(6));
+  const std::string fraction = found[7].str() + found[8].str();
+  if (!whole || fraction.empty()) return whole;
+  return *whole + *finite_number("0." + fraction);
+}
+
+/// Whether bare digits are a clock's milliseconds, microseconds or nanoseconds.
+bool has_clock_digits(const std::string& text) {
+  return text.find_first_not_of(digits) == std::string::npos &&
+         (text.size() == 13 || text.size() == 16 || text.size() == 19);
 }
 
 }  // namespace
@@ -64,10 +63,11 @@ std::optional<double> seconds_of_date(int year, int month, int day, int hour, in
 }
 
 std::optional<double> time_in_name(const std::string& stem) {
-  const auto number = finite_number(stem);
-  if (!number || stem.find_first_not_of(digits) == std::string::npos)
-    if (const auto date = date_time(stem)) return date;
-  if (number) return number;
+  const bool is_bare = !stem.empty() && stem.find_first_not_of(digits) == std::string::npos;
+  if (const auto number = finite_number(stem)) {
+    const auto date = is_bare && !has_clock_digits(stem) ? date_time(stem) : std::nullopt;
+    return date ? date : number;
+  }
   if (const auto time = redwood_time(stem)) return time;
   if (const auto time = stamp_time(stem)) return time;
   std::string end = stem.substr(stem.find_last_not_of(digits_and_point) + 1);
@@ -75,12 +75,12 @@ std::optional<double> time_in_name(const std::string& stem) {
   std::string beginning = stem.substr(0, stem.find_first_not_of(digits_and_point));
   beginning.erase(beginning.find_last_not_of('.') + 1);
   for (const std::string& text : {end, beginning}) {
-    const std::size_t whole = std::min(text.find('.'), text.size());
-    const bool is_clock = whole < text.size() ? whole == 10 : whole == 13 || whole == 16 || whole == 19;
+    const std::size_t point = text.find('.');
+    const bool is_clock = point == std::string::npos ? has_clock_digits(text) : point == 10;
     if (is_clock)
       if (const auto clock = finite_number(text)) return clock;
   }
-  return std::nullopt;
+  return date_time(stem);
 }
 
 }  // namespace clearway

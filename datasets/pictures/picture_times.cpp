@@ -8,6 +8,7 @@
 #include <set>
 #include <sstream>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 
 #include "datasets/pictures/name_time.hpp"
@@ -161,13 +162,20 @@ TimedFiles times_by_table(const std::vector<fs::path>& files, const fs::path& ta
   return result;
 }
 
-/// Whether the name of one of these files stands in a table that `track` did not write.
+/// Whether a line's first fields name one of these files; not of a table that `track` wrote, or of one too
+/// large to be of times.
 bool names_any_of(const fs::path& table, const std::vector<fs::path>& files) {
+  std::error_code error;
+  if (const auto size = fs::file_size(table, error); error || size > largest_table) return false;
   const std::string text = read_input(table, "times", largest_table);
   if (text.starts_with(track_titles)) return false;
-  return std::any_of(files.begin(), files.end(), [&](const fs::path& file) {
-    return text.find(file.filename().string()) != std::string::npos;
-  });
+  std::set<std::string> names;
+  for (const fs::path& file : files) names.insert(file.filename().string());
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
+    for (const std::string& field : fields_of(line, 2))
+      if (names.count(fs::path(field).filename().string()) > 0) return true;
+  return false;
 }
 
 /// What the first of these tables says that is there and about these files.
@@ -300,7 +308,8 @@ bool count_from_zero(const std::vector<double>& times) {
          std::all_of(times.begin(), times.end(), [](double time) { return time == std::floor(time); });
 }
 
-/// Of such: nanoseconds where they are a millisecond or more apart as such, else microseconds.
+/// Of such: nanoseconds where they are a millisecond or more apart as such, else microseconds (which a second
+/// and more apart are taken for nanoseconds).
 std::vector<double> finer_than_seconds(std::vector<double> times) {
   const double apart = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
   for (double& time : times) time *= apart >= 1e6 ? 1e-9 : 1e-6;
@@ -316,10 +325,16 @@ std::vector<TimedFile> counted(const std::vector<fs::path>& files, double rate) 
 }  // namespace
 
 std::vector<fs::path> in_order_of_names(std::vector<fs::path> files) {
-  const bool are_times = name_times(files).has_value();
-  std::sort(files.begin(), files.end(), [are_times](const fs::path& a, const fs::path& b) {
-    if (!are_times) return comes_before(a.filename().string(), b.filename().string());
-    return std::pair(*time_in_name(a.stem().string()), a) < std::pair(*time_in_name(b.stem().string()), b);
+  if (const auto times = name_times(files)) {
+    std::vector<TimedFile> timed = together(files, *times);
+    std::sort(timed.begin(), timed.end(), [](const TimedFile& a, const TimedFile& b) {
+      return std::tie(a.time, a.file) < std::tie(b.time, b.file);
+    });
+    for (std::size_t i = 0; i < files.size(); ++i) files[i] = std::move(timed[i].file);
+    return files;
+  }
+  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
+    return comes_before(a.filename().string(), b.filename().string());
   });
   return files;
 }

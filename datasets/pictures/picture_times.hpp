@@ -45,7 +45,7 @@ std::vector<TimedFile> times_of_names(const std::vector<std::filesystem::path>& 
 /// file in the folder that names one of them, FOLDER.csv or FOLDER.txt beside it, or TUM's associations.txt
 /// in or beside it, unless names are a clock's; files that it does not name are left out and reported.
 /// @param files of one folder, at least one
-/// @throws std::invalid_argument for a table that cannot be read or names none of the files.
+/// @throws std::invalid_argument for a table about these files that cannot be read, or several of them
 TimedFiles times_of_files(const std::vector<std::filesystem::path>& files, std::optional<double> rate);
 
 }  // namespace clearway

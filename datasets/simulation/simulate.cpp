@@ -36,8 +36,8 @@ void require_own_truth(const std::filesystem::path& file, const std::filesystem:
                                 "folder for the recording.");
   if (!std::filesystem::exists(recording, error))
     throw std::invalid_argument("'" + file.string() +
-                                "' is the truth of another recording, which simulate would replace: expected "
-                                "another folder for '" +
+                                "' is the truth of another recording, or of one that is gone, and simulate "
+                                "would replace it: remove it, or take another folder for '" +
                                 recording.filename().string() + "'.");
 }
 

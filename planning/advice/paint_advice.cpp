@@ -11,6 +11,7 @@
 #include "mapping/system/plain_text.hpp"
 #include "planning/beam/beam_guided.hpp"
 #include "planning/beam/via_beam.hpp"
+#include "planning/problem/held_to_task.hpp"
 #include "planning/robot/reach.hpp"
 #include "planning/routes/end_effector.hpp"
 #include "planning/routes/free_route.hpp"
@@ -162,7 +163,7 @@ PaintAdvice advise_paint(const Planner& planner, const PlanProblem& problem, boo
   if (dynamic_cast<const BeamGuided*>(&planner) == nullptr) {
     advice.way_exists = BeamGuided({.max_samples = 20000}).plan(problem).status == PlanStatus::solved;
   }
-  const PlanResult own = planner.plan(free);
+  const PlanResult own = held_to_task(planner, free);
   std::optional<std::vector<PaintHint>> ours, other;
   if (own.status == PlanStatus::solved) ours = missing_paint(problem.space, own.waypoints);
   const Path near_paint = path_near_paint(problem, free);

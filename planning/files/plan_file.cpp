@@ -136,10 +136,10 @@ PlanStatus Plan::status() const {
 }
 
 bool Plan::is_proved() const {
-  return status() == PlanStatus::solved && validation.valid && end_violation().empty();
+  return status() == PlanStatus::solved && validation.valid && end_violation(true).empty();
 }
 
-std::string Plan::end_violation() const {
+std::string Plan::end_violation(bool by_goal_box) const {
   const auto path_has = [](const char* verb, const Configuration& found, const Configuration& asked) {
     const double off = found.size() == asked.size() ? (found - asked).lpNorm<Eigen::Infinity>()
                                                     : std::numeric_limits<double>::quiet_NaN();
@@ -155,10 +155,16 @@ std::string Plan::end_violation() const {
   const std::string count = std::to_string(goals.size());
   if (reached != goals.size())
     return "goals: expected a leg to each of " + count + ", the path has " + std::to_string(reached);
-  if (const auto found = options.find("last_segment"); found != options.end() && found->second == "false")
-    return {};
+  const bool is_beam = planner == "beam" || planner == "beam_reference";
+  const auto is_in_goal_box = [&](const PlanResult& leg, const Configuration& goal) {
+    if (!by_goal_box || !is_beam || leg.last_segment || leg.waypoints.back().size() != goal.size())
+      return false;
+    return (leg.waypoints.back() - goal).norm() <= leg.final_distance + contract_tolerance;
+  };
   for (std::size_t i = 0; i < goals.size(); ++i)
-    if (const std::string off = path_has("ends its leg", at[i + 1], goals[i]); !off.empty())
+    if (is_in_goal_box(legs[i], goals[i])) {
+      continue;
+    } else if (const std::string off = path_has("ends its leg", at[i + 1], goals[i]); !off.empty())
       return "goal " + std::to_string(i + 1) + " of " + count + ": " + off;
   return {};
 }

@@ -70,12 +70,13 @@ struct Plan {
 
   PlanStatus status() const;  ///< of the first leg that is not solved, else solved
   /// Every leg is solved, the check found the whole path valid, and it joins what was asked: no
-  /// end_violation.
+  /// end_violation(true).
   bool is_proved() const;
   /// Why the path does not join start and goals as this plan states them, one sentence without a full stop:
-  /// a leg is missing or left over, or ends elsewhere. Empty: it does, or the plan states none. A beam with
-  /// last_segment = false may end one step short of a goal.
-  std::string end_violation() const;
+  /// a leg is missing or left over, or ends elsewhere. Empty: it does, or the plan states none.
+  /// @param by_goal_box legs of a beam search may end in the goal's box (Chong 2008, eq. 11), as far from the
+  ///        goal as they say; `clearway check` refuses those unless told to accept them
+  std::string end_violation(bool by_goal_box = false) const;
   std::string explanation() const;
   std::vector<Configuration> waypoints() const;  ///< of all solved legs, joined without doubles
   /// Of waypoints(): how the planner got to each; unknown for legs that do not say.

@@ -314,6 +314,9 @@ TEST(PlanAndCheck, APlannerThatDoesNotReachWhatItWasAskedIsNotBelieved) {
   EXPECT_EQ(sound.legs[0].cost,
             path_cost({.space = space, .start = left, .goals = {right}})({left, above, right}));
   EXPECT_FALSE(planned({left, above, right}, PlanStatus::no_path).is_proved());
+  const VoxelScene two{
+      0.05, {}, {{Eigen::Vector3d(0, 0, 0), 0.5}, {Eigen::Vector3d(2, 0, 0), 0.5}}, {"base"}};
+  const ConfigurationSpace gap(load_robot("point"), two.snapshot());
   const double nan = std::nan("");
   const Configuration aside = right + Eigen::Vector2d(0.0, 1e-3), lost = Eigen::Vector2d(nan, 1.0);
   const std::vector<std::vector<Configuration>> wrong = {
@@ -334,7 +337,33 @@ TEST(PlanAndCheck, APlannerThatDoesNotReachWhatItWasAskedIsNotBelieved) {
     EXPECT_EQ(plan.explanation().find("Planner 'given' gave a path that is none: "), 0U)
         << plan.explanation();
     EXPECT_TRUE(plan.waypoints().empty());
+    const Plan advised = plan_and_check(  // which asks the planner once more
+        {.space = gap, .start = left, .goals = {right}, .planner = std::make_shared<Given>(path)});
+    EXPECT_EQ(advised.status(), PlanStatus::no_path) << advised.explanation();
   }
+}
+
+/// The step to the exact goal is not free: the search ends in the goal's box, as the paper has it, which the
+/// plan says and `check` refuses.
+TEST(PlanAndCheck, ABeamMayEndInTheBoxOfItsGoal) {
+  const VoxelScene scene{0.05, {box_of(0.9, -0.5, -0.1, 1.1, 0.5, 0.1)}, {}, {}};
+  const ConfigurationSpace space{load_robot("point"), scene.snapshot(), anywhere_but_occupied(), {}};
+  const Plan plan =
+      plan_and_check({.space = space,
+                      .start = left,
+                      .goals = {right},
+                      .planner = std::make_shared<Beam>(BeamOptions{.step = {0.3}, .last_segment = false})});
+  ASSERT_EQ(plan.status(), PlanStatus::solved) << plan.explanation();
+  ASSERT_GT(plan.legs[0].final_distance, 0.01);
+  EXPECT_TRUE(plan.is_proved());
+  EXPECT_EQ(plan.end_violation(true), "");
+  EXPECT_NE(plan.end_violation().find("goal 1 of 1: the path ends its leg"), std::string::npos);
+  Plan other = plan;
+  other.planner = "auto";
+  EXPECT_FALSE(other.is_proved());
+  other = plan;
+  other.goals[0].y() += 0.3;  // farther than the search says
+  EXPECT_FALSE(other.is_proved());
 }
 
 TEST(PlanAndCheck, APlanWhosePathMissesItsOwnWordsIsNotProved) {

@@ -357,14 +357,15 @@ std::string millimetres(double metres) { return words(1e3 * metres, " mm"); }
 
 /// A joint that reads as no joint of the stated error does; empty: none.
 std::string joint_off(const RobotWorldCalibration& found, const RobotWorldOptions& options) {
-  std::size_t worst = 0;
-  for (std::size_t j = 0; j < found.offsets.size(); ++j)
-    if (std::abs(found.offsets[j]) > std::abs(found.offsets[worst])) worst = j;
-  if (found.offsets.empty()) return "";
-  const double off = std::abs(found.offsets[worst]);
-  if (off <= 3.0 * options.joint_error || off <= 4.0 * found.offset_sigmas[worst]) return "";
-  return "joint '" + options.joints[worst] + "' reads as if its zero were off by " + words(off) +
-         " rad or m, expected " + words(3.0 * options.joint_error) +
+  std::size_t worst = found.offsets.size();
+  for (std::size_t j = 0; j < found.offsets.size(); ++j) {
+    const double off = std::abs(found.offsets[j]);
+    if (off <= 3.0 * options.joint_error || off <= 4.0 * found.offset_sigmas[j]) continue;
+    if (worst == found.offsets.size() || off > std::abs(found.offsets[worst])) worst = j;
+  }
+  if (worst == found.offsets.size()) return "";
+  return "joint '" + options.joints[worst] + "' reads as if its zero were off by " +
+         words(std::abs(found.offsets[worst])) + " rad or m, expected " + words(3.0 * options.joint_error) +
          " or less, three times `joint_error`: set the zeros of its joints, or say how far they may be off";
 }
 
@@ -434,17 +435,16 @@ RobotWorldCalibration calibrate_robot_world(const std::vector<RobotLook>& given,
   judge(looks, fit, *answer, found);
   report_covariances(looks, fit.all(*answer), options.joint_error, found);
   const double sigma = worst_sigma(found, looks);
-  if (const std::string off = joint_off(found, options); !off.empty()) {
+  const std::string off = joint_off(found, options);
+  if (std::abs(found.scale - 1.0) > 0.02 && std::abs(found.scale - 1.0) > 5.0 * found.scale_sigma)
+    found.refusal = "by the robot's motion the tags are " + words(found.scale) +
+                    " times as large as the setup says: measure them";
+  else if (!off.empty())
     found.refusal = off;
-    return found;
-  }
-  if (!(found.left_out <= options.most_residual))
+  else if (!(found.left_out <= options.most_residual))
     found.refusal = "an image that took no part is off by " + millimetres(found.left_out) + ", expected " +
                     millimetres(options.most_residual) +
                     " or less: are the joints those of the images, the robot the right one, the board fixed?";
-  else if (std::abs(found.scale - 1.0) > 0.02 && std::abs(found.scale - 1.0) > 5.0 * found.scale_sigma)
-    found.refusal = "by the robot's motion the tags are " + words(found.scale) +
-                    " times as large as the setup says: measure them";
   else if (!(sigma <= options.most_sigma))
     found.refusal = "the places are known to " + millimetres(sigma) + " only, expected " +
                     millimetres(options.most_sigma) + " or better: calibrate the camera first, and " +

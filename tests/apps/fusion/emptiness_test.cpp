@@ -61,7 +61,7 @@ TEST_F(Emptiness, ACropThatTakesEveryPointIsReported) {
 TEST_F(Emptiness, BallsTooSmallToHoldAVoxelAreReportedWithTheResolutionThatTheyTake) {
   write_stroke();
   const std::string sentence = refusal("r.rawlog", small_setup + "map: {resolution: 0.2}\n");
-  EXPECT_NE(sentence.find("hold no whole voxel of 200 mm; expected `resolution` (--resolution) of at most "),
+  EXPECT_NE(sentence.find("holds a whole voxel of 200 mm; expected `resolution` (--resolution) of at most "),
             std::string::npos)
       << sentence;
   EXPECT_EQ(refusal("r.rawlog", small_setup), "");

@@ -235,6 +235,17 @@ TEST(RobotWorld, the_motion_reveals_tags_of_another_size) {
       calibrate_robot_world(cell.looks(30, random), {.most_sigma = 0.05, .most_residual = 0.05});
   EXPECT_NEAR(found.scale, 1.0 / 0.95, 0.01);
   EXPECT_NE(found.refusal.find("times as large as the setup says"), std::string::npos) << found.refusal;
+  for (const double measured : {0.92, 1.05, 1.1}) {  // not taken for a joint whose zero is off
+    Cell other(random);
+    for (auto& [id, tag] : other.stated_board.tags) {
+      tag.size *= measured;
+      tag.body_from_tag.translation() *= measured;
+    }
+    const std::string refusal =
+        calibrate_robot_world(other.looks(30, random), {.joints = {"shoulder", "elbow"}, .most_sigma = 0.05})
+            .refusal;
+    EXPECT_NE(refusal.find("times as large as the setup says"), std::string::npos) << refusal;
+  }
 }
 
 TEST(RobotWorld, one_axis_few_looks_and_foreign_joints_are_refused_with_the_reason) {
