@@ -5,6 +5,8 @@
 
 #include <cstdio>
 #include <functional>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "apps/fusion/fusion.hpp"
 #include "datasets/descriptions/load_setup.hpp"
@@ -103,6 +105,37 @@ TEST_F(OpenFrames, AFolderOfNothingOrOfEverythingIsRefused) {
   folder_.write("shots/1.pcd", format_pcd({{1.0F, 0.0F, 0.0F}}));
   EXPECT_NE(refusal(folder_ / "shots").find("1 clouds; expected a folder of one kind"), std::string::npos);
   EXPECT_NE(refusal(folder_ / "nowhere"), "");
+}
+
+/// Lossless ones are the same pictures, and paint the same.
+TEST_F(OpenFrames, PicturesOfOtherFormatsAndThoseOfARecordingsRgbAreRead) {
+  const Fusion usual = fused("shots");
+  for (const char* end : {".bmp", ".tif", ".ppm", ".pgm", ".webp"}) {
+    const std::string folder = std::string("of") + end,
+                      into = folder + (end == std::string(".bmp") ? "/rgb/" : "/");
+    std::filesystem::create_directories(folder_ / into);
+    std::string table = read_file(folder_ / "shots/times.csv");
+    for (const auto& entry : std::filesystem::directory_iterator(folder_ / "shots")) {
+      if (entry.path().extension() != ".png") continue;
+      const std::string bytes = read_file(entry.path());
+      const cv::Mat picture =
+          cv::imdecode(std::vector<char>(bytes.begin(), bytes.end()), cv::IMREAD_GRAYSCALE);
+      cv::Mat stored = picture;
+      if (end == std::string(".ppm")) cv::cvtColor(picture, stored, cv::COLOR_GRAY2BGR);
+      const std::string name = entry.path().stem().string() + end;
+      folder_.write(into + name, picture_bytes(stored, end));
+      table.replace(table.find(entry.path().filename().string()), entry.path().filename().string().size(),
+                    name);
+    }
+    folder_.write(into + "times.csv", table);
+    const Fusion fusion = fused(folder);
+    EXPECT_EQ(fusion.counts.images, usual.counts.images) << end;
+    if (end != std::string(".webp")) {  // which loses a little
+      EXPECT_EQ(fusion.counts.samples, usual.counts.samples) << end;
+    }
+  }
+  folder_.write("shots/preview.tif", "no picture");  // beside PNG it is something else
+  EXPECT_EQ(fused("shots").counts.images, usual.counts.images);
 }
 
 /// The files and times of all frames, and what was damaged.
