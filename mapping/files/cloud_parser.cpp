@@ -114,9 +114,11 @@ std::unique_ptr<NamelessFile> readable_ply(const std::filesystem::path& file) {
     const PlyHeader header = ply_header(content);
     const bool is_from_windows = header.format == "ascii" && content.find("\r\n") != std::string::npos;
     const bool is_for_others = has_odd_colours(header) || has_scan_grid(header, content);
-    if (!is_from_windows && !is_for_others) return nullptr;
+    const bool has_lists = has_vertex_lists(header);
+    if (!is_from_windows && !is_for_others && !has_lists) return nullptr;
     input.read_at(0, input.size(), content);
     if (is_from_windows) std::erase(content, '\r');
+    if (has_lists) content = without_vertex_lists(content);
     return std::make_unique<NamelessFile>(is_for_others ? as_pcl_reads_rightly(content) : content);
   } catch (const std::runtime_error&) {
     return nullptr;  // the child says what is wrong
@@ -139,6 +141,14 @@ void take_ply_camera(const std::filesystem::path& file, Eigen::Vector4f& origin,
   const bool is_turn =
       (camera->turn * camera->turn.transpose()).isIdentity(1e-3F) && camera->turn.determinant() > 0.0F;
   turn = is_turn ? Eigen::Quaternionf(camera->turn) : Eigen::Quaternionf(0, 0, 0, 0);  // who needs it refuses
+}
+
+/// What PCL would read at wrong places, because readable_ply() could not make it right.
+void require_plain_vertices(const std::filesystem::path& file) {
+  std::string content;
+  const InputFile input(file, "cloud");
+  input.read_at(0, std::min(input.size(), megabyte), content);
+  if (has_vertex_lists(ply_header(content))) throw std::runtime_error("lists of its vertices are cut off");
 }
 
 using Triangle = std::array<std::uint32_t, 3>;
@@ -166,6 +176,7 @@ std::string read_with_pcl(const std::filesystem::path& file, const std::string& 
   Eigen::Vector4f origin = Eigen::Vector4f::Zero();
   Eigen::Quaternionf turn = Eigen::Quaternionf::Identity();
   int version = 0, status = 0;
+  if (!is_pcd) require_plain_vertices(readable);
   const bool has_any_faces = !is_pcd && has_faces(file);
   pcl::PolygonMesh mesh;
   if (is_pcd) {

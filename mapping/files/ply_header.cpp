@@ -103,6 +103,28 @@ class PlyData {
       take(element.count * width);
   }
 
+  std::string_view rest() const { return data_; }
+
+  /// @param use is called with each property that is no list and its bytes, in a text file its word
+  template <class Use>
+  void visit(const PlyElement& element, const Use& use) {
+    std::string_view line = is_text_ ? take_line() : std::string_view();
+    for (const PlyProperty& property : element.properties) {
+      const std::string_view first = is_text_ ? take_word(line) : std::string_view();
+      if (property.count_bytes == 0) {
+        use(property, is_text_ ? first : take(property.bytes));
+      } else if (!is_text_) {
+        const std::uint64_t count = count_at(take(property.count_bytes), property.count_bytes, is_big_);
+        take(count * property.bytes);
+      } else {
+        std::uint64_t count = 0;
+        std::from_chars(first.data(), first.data() + first.size(), count);
+        for (; count > 0 && !line.empty(); --count) take_word(line);
+        if (count > 0) refuse_data();
+      }
+    }
+  }
+
   /// @param use is called with each real number that is no list
   template <class Use>
   void read(const PlyElement& element, const Use& use) {
@@ -128,17 +150,27 @@ class PlyData {
     return taken;
   }
 
-  template <class Use>
-  void read_line(const PlyElement& element, const Use& use) {
+  std::string_view take_line() {
     if (data_.empty()) refuse_data();
     const std::size_t end = std::min(data_.find('\n'), data_.size());
-    std::string_view line = take(end);
+    const std::string_view line = take(end);
     take(std::min<std::size_t>(1, data_.size()));
+    return line;
+  }
+
+  static std::string_view take_word(std::string_view& line) {
+    line.remove_prefix(std::min(line.find_first_not_of(" \t\r"), line.size()));
+    const std::string_view word = line.substr(0, line.find_first_of(" \t\r"));
+    line.remove_prefix(word.size());
+    return word;
+  }
+
+  template <class Use>
+  void read_line(const PlyElement& element, const Use& use) {
+    std::string_view line = take_line();
     for (const PlyProperty& property : element.properties) {
       if (property.count_bytes > 0) return;  // what follows a list is not looked for
-      line.remove_prefix(std::min(line.find_first_not_of(" \t\r"), line.size()));
-      const std::string_view word = line.substr(0, line.find_first_of(" \t\r"));
-      line.remove_prefix(word.size());
+      const std::string_view word = take_word(line);
       double number = 0.0;
       if (std::from_chars(word.data(), word.data() + word.size(), number).ec == std::errc() &&
           property.is_real)
@@ -270,6 +302,48 @@ std::string as_pcl_reads_rightly(std::string_view content) {
     at = end;
   }
   return text.append(content.substr(header.length));
+}
+
+bool has_vertex_lists(const PlyHeader& header) {
+  return std::any_of(header.elements.begin(), header.elements.end(), [](const PlyElement& element) {
+    return element.name == "vertex" &&
+           std::any_of(element.properties.begin(), element.properties.end(),
+                       [](const PlyProperty& property) { return property.count_bytes > 0; });
+  });
+}
+
+std::string without_vertex_lists(std::string_view content) {
+  const PlyHeader header = ply_header(content);
+  const auto is_place = [](const std::string& name) { return name == "x" || name == "y" || name == "z"; };
+  std::string text, element;
+  for (std::size_t at = 0; at < header.length;) {
+    const std::size_t end = content.find('\n', at) + 1;
+    const std::string line(content.substr(at, end - at));
+    at = end;
+    std::istringstream words(line);
+    std::string key, type, name;
+    words >> key >> type >> name;
+    if (key == "element") element = type;
+    if (key == "property" && element == "vertex" && (type == "list" || !is_place(name))) continue;
+    text += line;
+  }
+  const bool is_text = header.format == "ascii";
+  PlyData data(content.substr(header.length), header.format);
+  for (const PlyElement& part : header.elements) {
+    const std::string_view before = data.rest();
+    if (part.name != "vertex") {
+      data.skip(part);
+      text += before.substr(0, before.size() - data.rest().size());
+      continue;
+    }
+    for (std::uint64_t i = 0; i < part.count; ++i) {
+      data.visit(part, [&](const PlyProperty& property, std::string_view bytes) {
+        if (is_place(property.name)) text.append(bytes).append(is_text ? " " : "");
+      });
+      if (is_text) text += '\n';
+    }
+  }
+  return text.append(data.rest());
 }
 
 std::optional<PlyCamera> ply_camera(std::string_view content) {

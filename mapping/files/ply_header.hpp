@@ -62,6 +62,14 @@ bool has_scan_grid(const PlyHeader& header, std::string_view content);
 /// leaves out. @param content all of it
 std::string as_pcl_reads_rightly(std::string_view content);
 
+/// Whether vertices have lists beside their numbers, as OpenMVS writes the views that saw each: PCL reads
+/// what follows one at wrong places.
+bool has_vertex_lists(const PlyHeader& header);
+
+/// The file with x, y and z alone of its vertices, which PCL reads rightly. @param content all of it
+/// @throws std::runtime_error with a clause, when its data are cut off
+std::string without_vertex_lists(std::string_view content);
+
 /// Where a file's `element camera` says that the sensor was, and how it was turned: file_from_sensor.
 struct PlyCamera {
   Eigen::Vector3f origin = Eigen::Vector3f::Zero();

@@ -332,6 +332,49 @@ TEST(CloudFile, TextOfAPlyMayEndItsLinesAsWindowsDoes) {
 }
 
 /// As the scanner at Stanford wrote them: cells of a grid, of which few hold a vertex.
+/// As OpenMVS writes the views that saw a point; PCL alone reads what follows such a list at wrong places.
+TEST(CloudFile, ListsOfVerticesLeaveThePointsWhereTheyAre) {
+  const Points expected{{1.5F, 2, 3}, {4, 5, -6}, {7, 8, 9.25F}};
+  const TemporaryFolder folder;
+  const auto number = [](auto value, bool is_big) {
+    std::string bytes(sizeof(value), '\0');
+    std::memcpy(bytes.data(), &value, sizeof(value));
+    if (is_big) std::reverse(bytes.begin(), bytes.end());
+    return bytes;
+  };
+  for (const std::string format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
+    for (int place = 0; place <= 3; ++place) {  // of the list among x, y, z
+      const bool is_text = format == "ascii", is_big = format == "binary_big_endian";
+      std::string header = "ply\nformat " + format + " 1.0\nelement vertex 3\n", data;
+      for (int i = 0; i <= 3; ++i) {
+        if (i == place) header += "property list uchar int view_indices\nproperty uchar red\n";
+        if (i < 3) header += std::string("property float ") + "xyz"[i] + "\n";
+      }
+      header += "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+      for (std::size_t point = 0; point < 3; ++point) {
+        for (int i = 0; i <= 3; ++i) {
+          if (i == place) {
+            const std::size_t count = (2 * point) % 3;
+            data += is_text ? std::to_string(count) + " " : std::string(1, static_cast<char>(count));
+            for (std::size_t k = 0; k < count; ++k)
+              data +=
+                  is_text ? std::to_string(7 + k) + " " : number(static_cast<std::int32_t>(7 + k), is_big);
+            data += is_text ? "200 " : "\xc8";
+          }
+          if (i < 3)
+            data += is_text ? std::to_string(expected[point][i]) + " " : number(expected[point][i], is_big);
+        }
+        if (is_text) data += "\n";
+      }
+      data += is_text ? "3 0 1 2\n" : "\x03" + number(0, is_big) + number(1, is_big) + number(2, is_big);
+      const std::string file = folder.write("l.ply", header + data);
+      EXPECT_EQ(read_cloud(file), expected) << format << " " << place;
+      folder.write("l.ply", header + data.substr(0, data.size() / 3));
+      EXPECT_THROW(read_cloud(file), DamagedFile) << format << " " << place;
+    }
+  }
+}
+
 TEST(CloudFile, CellsOfAScannersGridAreNoPoints) {
   using Points = std::vector<Eigen::Vector3f>;
   const Points expected{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}};
