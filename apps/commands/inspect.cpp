@@ -45,7 +45,7 @@ bool needs_memory(const InspectOptions& options) {
 }
 
 void require_in_reach(const std::vector<Eigen::Vector3d>& points, const Snapshot& map) {
-  const double farthest = 32000.0 * map.resolution();  // OctoMap's keys end at 32,768 voxels
+  const double farthest = 32768.0 * map.resolution();  // where OctoMap's keys end
   for (const Eigen::Vector3d& point : points) {
     if (point.cwiseAbs().maxCoeff() <= farthest) continue;
     throw std::invalid_argument("--at: " + significant(point.cwiseAbs().maxCoeff()) +

@@ -22,9 +22,12 @@ bool is_edited(const InspectOptions& options) {
 
 namespace {
 
-std::vector<PaintedVolume> painted_volumes(const std::filesystem::path& file) {
+std::vector<PaintedVolume> painted_volumes(const std::filesystem::path& file, double resolution) {
   constexpr std::size_t largest = std::size_t{1} << 30U;
-  return parse_painted(read_input(file, "file of painted spheres", largest), file);
+  std::vector<PaintedVolume> volumes =
+      parse_painted(read_input(file, "file of painted spheres", largest), file);
+  require_paintable(volumes, resolution, file);
+  return volumes;
 }
 
 }  // namespace
@@ -36,7 +39,7 @@ Snapshot edited(const InspectOptions& options, const Snapshot& map, HandEditTall
         "to");
   Snapshot result = map;
   if (!options.merge.empty()) result = merge(result, load_map(options.merge, options.cloud_resolution));
-  if (!options.paint.empty()) result = with_painted(result, painted_volumes(options.paint));
+  if (!options.paint.empty()) result = with_painted(result, painted_volumes(options.paint, map.resolution()));
   if (!options.clear.empty())
     result = with_cleared_voxels(result, cells_inside(options.clear, map.resolution()), tally);
   if (!options.occupy.empty())

@@ -71,6 +71,7 @@ Snapshot load_octree(const fs::path& file, bool in_directory) {
   OctreeContent content = parse_octree(read_bytes(file), file);
   if (!content.has_volumes) {
     content.volumes = volumes_beside(file, in_directory);
+    require_paintable(content.volumes, content.tree->getResolution(), file.parent_path() / painted_name);
     if (!content.volumes.empty()) content.tree = painted(*content.tree, content.volumes);
   }
   unsigned seen = 0;

@@ -2,6 +2,7 @@
 
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -59,6 +60,13 @@ void require_resolution(const CheckedOctree& tree, bool is_stated, const std::fi
     refuse_tree(file, "its resolution ('res') is not a number in [0.0001, 100] m");
 }
 
+/// Letters, digits and the like, as a line of a header has, or nothing.
+bool is_plain_text(std::string_view line) {
+  constexpr std::size_t longest = 200;
+  return line.size() <= longest &&
+         std::all_of(line.begin(), line.end(), [](char c) { return c == '\t' || (c >= ' ' && c <= '~'); });
+}
+
 CheckedOctree parse_header(std::string_view bytes, const std::filesystem::path& file) {
   CheckedOctree tree;
   bool has_size = false, has_resolution = false;
@@ -66,11 +74,15 @@ CheckedOctree parse_header(std::string_view bytes, const std::filesystem::path& 
   for (bool first = true;; first = false) {
     const auto end = bytes.find('\n', at);
     if (end == std::string_view::npos) refuse_tree(file, "the OctoMap header is cut off");
-    const std::string_view line = bytes.substr(at, end - at);
+    std::string_view line = bytes.substr(at, end - at);
     at = end + 1;
-    const auto space = line.find(' ');
+    // As OctoMap reads it: by words, whatever ends the lines, keys that nobody knows skipped.
+    line.remove_suffix(line.size() - (line.find_last_not_of(" \t\r") + 1));
+    line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+    const auto space = line.find_first_of(" \t");
     const std::string_view key = line.substr(0, space);
-    const std::string_view value = space == std::string_view::npos ? "" : line.substr(space + 1);
+    std::string_view value = space == std::string_view::npos ? "" : line.substr(space + 1);
+    value.remove_prefix(std::min(value.find_first_not_of(" \t"), value.size()));
     if (first) {
       tree.binary = line == binary_header;
       if (!tree.binary && line != text_header) refuse_tree(file, "it does not start with an OctoMap header");
@@ -82,7 +94,7 @@ CheckedOctree parse_header(std::string_view bytes, const std::filesystem::path& 
       has_size = parse(value, tree.nodes);
     } else if (key == "res") {
       has_resolution = parse(value, tree.resolution);
-    } else if (!line.starts_with('#')) {
+    } else if (!line.starts_with('#') && !is_plain_text(line)) {
       refuse_tree(file, "its header holds a line that is none of id, size, res and data");
     }
   }

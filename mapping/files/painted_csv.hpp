@@ -23,4 +23,9 @@ std::string format_painted(const std::vector<PaintedVolume>& volumes);
 /// @throws DamagedFile naming the line and what was expected there.
 std::vector<PaintedVolume> parse_painted(std::string_view text, const std::filesystem::path& file);
 
+/// Of spheres that a file names for a map of this resolution (metres): each voxel takes memory.
+/// @throws std::invalid_argument naming the file and the first sphere of more than 1,000 voxels' radius
+void require_paintable(const std::vector<PaintedVolume>& volumes, double resolution,
+                       const std::filesystem::path& file);
+
 }  // namespace clearway

@@ -146,6 +146,11 @@ TEST_F(Inspect, paints_the_spheres_of_a_file) {
   EXPECT_EQ(json({map_, "--at=3.0,3.0,3.0"})["at"][0]["state"], "unknown");
   expect_refused({map_, "--paint", csv}, "--save");
   expect_refused({map_, "--paint", folder_.file("no.csv"), "--save", out}, "no.csv");
+  const std::string large = folder_.write("mm.csv",
+                                          "volume,label,critical_parts,x,y,z,radius,time\n"
+                                          "0,by hand,tool,3.0,3.0,3.0,0.4,1\n0,by hand,tool,3,3,3,310,2\n");
+  expect_refused({map_, "--paint", large, "--save", out},
+                 "sphere 2 of volume 'by hand' has a radius of 310 m");
 }
 
 /// As replay writes them: the plans of a recording do not make way for a map.

@@ -339,6 +339,9 @@ TEST(OctreeFile, RefusesAHeaderThatMakesNoSense) {
   for (const char* size : {"0", "2", "-1", "99999999999999999999", "x"}) {
     EXPECT_TRUE(is_refused(file("OcTree", size, "0.1"))) << size;
   }
+  for (const char* line : {"", "  ", "made by hand", "# a comment"})  // which OctoMap skips
+    EXPECT_FALSE(is_refused(file("OcTree \n" + std::string(line), "1\r", "0.1\r"))) << line;
+  EXPECT_TRUE(is_refused(file("OcTree\n\x01\x02", "1", "0.1")));
   EXPECT_TRUE(is_refused(file("CountingOcTree", "1", "0.1")));
   EXPECT_TRUE(is_refused(file("ClearwayFusedTree", "1", "0.1")));
   EXPECT_TRUE(is_refused(""));
