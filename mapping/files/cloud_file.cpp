@@ -254,9 +254,12 @@ std::shared_ptr<const FusedTree> tree_of_cloud(const std::vector<Eigen::Vector3f
   const auto cell_of = [&](const Eigen::Vector3d& point) {
     const auto cell = tree->cell(point);
     if (!cell) {
-      throw std::invalid_argument(
-          "'" + file.string() + "' has a point beyond " + std::to_string(32768.0 * resolution) +
-          " m, the reach of a map of this resolution: expected metres, or a coarser cloud resolution");
+      throw std::invalid_argument("'" + file.string() + "' has a point at (" + short_text(point.x()) + ", " +
+                                  short_text(point.y()) + ", " + short_text(point.z()) + "), beyond " +
+                                  short_text(32768.0 * resolution) +
+                                  " m, the reach of a map of this resolution: expected metres from an origin "
+                                  "nearby (shift a cloud of "
+                                  "UTM coordinates), or a coarser cloud resolution");
     }
     return *cell;
   };
