@@ -9,13 +9,14 @@
 namespace clearway {
 namespace {
 
-constexpr char digits[] = "0123456789", digits_and_point[] = "0123456789.";
+constexpr char name_digits[] = "0123456789", name_digits_and_point[] = "0123456789.";
 
 /// Microseconds, behind the number of the picture.
 std::optional<double> redwood_time(const std::string& stem) {
   const std::size_t dash = stem.find('-');
   if (dash == std::string::npos || dash == 0 || stem.size() != dash + 13 ||
-      stem.find_first_not_of(digits) != dash || stem.find_first_not_of(digits, dash + 1) != std::string::npos)
+      stem.find_first_not_of(name_digits) != dash ||
+      stem.find_first_not_of(name_digits, dash + 1) != std::string::npos)
     return std::nullopt;
   return 1e-6 * finite_number(stem.substr(dash + 1)).value_or(0.0);
 }
@@ -23,7 +24,8 @@ std::optional<double> redwood_time(const std::string& stem) {
 /// Ten digits of seconds and nine of nanoseconds.
 std::optional<double> stamp_time(const std::string& stem) {
   if (stem.size() != 20 || (stem[10] != '_' && stem[10] != '-')) return std::nullopt;
-  if (stem.find_first_not_of(digits) != 10 || stem.find_first_not_of(digits, 11) != std::string::npos)
+  if (stem.find_first_not_of(name_digits) != 10 ||
+      stem.find_first_not_of(name_digits, 11) != std::string::npos)
     return std::nullopt;
   return *finite_number(stem.substr(0, 10)) + 1e-9 * *finite_number(stem.substr(11));
 }
@@ -46,7 +48,7 @@ std::optional<double> date_time(const std::string& stem) {
 
 /// Whether bare digits are a clock's milliseconds, microseconds or nanoseconds.
 bool has_clock_digits(const std::string& text) {
-  return text.find_first_not_of(digits) == std::string::npos &&
+  return text.find_first_not_of(name_digits) == std::string::npos &&
          (text.size() == 13 || text.size() == 16 || text.size() == 19);
 }
 
@@ -63,16 +65,16 @@ std::optional<double> seconds_of_date(int year, int month, int day, int hour, in
 }
 
 std::optional<double> time_in_name(const std::string& stem) {
-  const bool is_bare = !stem.empty() && stem.find_first_not_of(digits) == std::string::npos;
+  const bool is_bare = !stem.empty() && stem.find_first_not_of(name_digits) == std::string::npos;
   if (const auto number = finite_number(stem)) {
     const auto date = is_bare && !has_clock_digits(stem) ? date_time(stem) : std::nullopt;
     return date ? date : number;
   }
   if (const auto time = redwood_time(stem)) return time;
   if (const auto time = stamp_time(stem)) return time;
-  std::string end = stem.substr(stem.find_last_not_of(digits_and_point) + 1);
+  std::string end = stem.substr(stem.find_last_not_of(name_digits_and_point) + 1);
   end.erase(0, end.find_first_not_of('.'));
-  std::string beginning = stem.substr(0, stem.find_first_not_of(digits_and_point));
+  std::string beginning = stem.substr(0, stem.find_first_not_of(name_digits_and_point));
   beginning.erase(beginning.find_last_not_of('.') + 1);
   for (const std::string& text : {end, beginning}) {
     const std::size_t point = text.find('.');
