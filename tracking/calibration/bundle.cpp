@@ -46,9 +46,9 @@ void note_residuals(const BundleProblem& problem, const BundleState& state, cons
     for (std::size_t t = 0; t < bundle.views[v].tags.size(); ++t) {
       const TagDetection& seen = bundle.views[v].tags[t];
       const MountedTag mounted = problem.mounted_of(state, seen.id);
-      const auto points = tag_corners(mounted.size);
+      const auto points = corners_on_board(mounted, state.bend);
       for (std::size_t i = 0; i < 4; ++i, ++corners)
-        if (const auto pixel = state.camera.project(state.poses[v] * (mounted.body_from_tag * points[i])))
+        if (const auto pixel = state.camera.project(state.poses[v] * points[i]))
           squares += (*pixel + problem.growth_of(state, v, t, i) - seen.corners[i]).squaredNorm();
       const auto residual = problem.residual_of(state, v, t);
       fit.tag_squares.back().push_back(residual ? residual->squaredNorm() : 0.0);
@@ -73,6 +73,12 @@ std::array<Eigen::Vector2d, 4> outward(const std::array<Eigen::Vector2d, 4>& cor
     moved[i] = (before + after) / std::max(0.1, 1.0 + before.dot(after));
   }
   return moved;
+}
+
+std::array<Eigen::Vector3d, 4> corners_on_board(const MountedTag& tag, const BoardBend& bend) {
+  auto corners = tag_corners(tag.size);
+  for (Eigen::Vector3d& corner : corners) corner = bend.bent(tag.body_from_tag * corner);
+  return corners;
 }
 
 std::size_t tags_of(const std::vector<BoardView>& views) {
@@ -107,7 +113,7 @@ Eigen::Matrix<double, 2, kLensUnknowns> seen_by_coefficients(const Camera& camer
   return by;
 }
 
-std::array<double, kCameraUnknowns> camera_priors(const Camera& camera) {
+std::array<double, kSharedUnknowns> camera_priors(const Camera& camera) {
   // What shifts the image's farthest corner by `distortion` pixels; see Camera::shift_by_errors.
   const double x = std::max(camera.cx, camera.width - camera.cx) / camera.fx;
   const double y = std::max(camera.cy, camera.height - camera.cy) / camera.fy;
@@ -149,7 +155,10 @@ BundleFit adjust(Bundle& bundle, const BundlePriors& priors, double noise_px, do
   note_residuals(problem, state, bundle, fit);
   std::map<int, MountedTag> tags;
   for (const auto& [id, tag] : bundle.board.tags) tags[id] = problem.mounted_of(state, id);
+  fit.focal_steps = BundleProblem::focal_steps(*equations);
+  if (fit.is_converged) fit.by_own_focal = BundleProblem::by_own_focal(*equations, fit.covariance);
   bundle.camera = state.camera;
+  bundle.bend = state.bend;
   bundle.board.tags = tags;
   for (std::size_t v = 0; v < bundle.views.size(); ++v) bundle.views[v].camera_from_board = state.poses[v];
   return fit;

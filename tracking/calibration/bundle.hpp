@@ -2,9 +2,11 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <limits>
 #include <string>
 #include <vector>
 
+#include "tracking/calibration/board_bend.hpp"
 #include "tracking/camera.hpp"
 #include "tracking/tag_body.hpp"
 
@@ -18,27 +20,32 @@ struct BoardView {
 };
 
 /// log f (fx and fy together), log(fx / fy), cx, cy, then the coefficients of the lens in OpenCV's order;
-/// pixels where a length. Coefficients that a model does not have are known exactly: 0. Last, how far the
+/// pixels where a length. Coefficients that a model does not have are known exactly: 0. Then, how far the
 /// edges of all tags are seen outside of where they are, as blur and a bent grey scale shift them: pixels,
-/// and pixels times the tag's side in pixels, for small tags are shifted more.
-constexpr int kCameraUnknowns = 14;
+/// and pixels times the tag's side in pixels, for small tags are shifted more. Last, the board's curvatures.
+constexpr int kSharedUnknowns = 17;
 constexpr int kLensUnknowns = 8;  ///< from the fifth on
 constexpr int kFirstOfGrowth = 4 + kLensUnknowns;
+constexpr int kFirstOfBend = kFirstOfGrowth + 2;
 /// Of each tag: log size, place in the board (metres), turn about the tag's axes (radians).
 constexpr int kTagUnknowns = 7;
 
 /// How well camera and board are known before: standard deviations; 0: exactly; infinity: not at all.
 struct BundlePriors {
-  std::array<double, kCameraUnknowns> camera{};
+  std::array<double, kSharedUnknowns> shared{};
   std::vector<std::array<double, kTagUnknowns>> tags;  ///< in the order of TagBody::tags
 };
 
 /// Camera, board and views that explain each other.
 struct Bundle {
   Camera camera;
-  TagBody board;
+  TagBody board;  ///< as if it were flat
   std::vector<BoardView> views;
+  BoardBend bend{};
 };
+
+/// The corners of a tag of the board where the bend has them, in the board's frame.
+std::array<Eigen::Vector3d, 4> corners_on_board(const MountedTag& tag, const BoardBend& bend);
 
 /// How the corners of a tag move when all its edges move out by a pixel, in the image.
 std::array<Eigen::Vector2d, 4> outward(const std::array<Eigen::Vector2d, 4>& corners);
@@ -54,6 +61,14 @@ struct BundleFit {
   int freedom = 0;             ///< corner coordinates and priors, less unknowns
   Eigen::MatrixXd covariance;  ///< of the camera's unknowns, then each tag's; 0 for what is known exactly
   std::vector<std::vector<double>> tag_squares;  ///< whitened squares of each tag of each view; 8 expected
+  /// The logarithm of each view's own focal length over the common one, to first order, its pose free, and
+  /// the standard deviation of that: infinity where the view does not tell.
+  struct FocalStep {
+    double off = 0.0, sigma = std::numeric_limits<double>::infinity();
+  };
+  std::vector<FocalStep> focal_steps;
+  /// How the unknowns (rows, as in `covariance`) follow each view's own focal length (columns).
+  Eigen::MatrixXd by_own_focal;
 };
 
 /// The derivative of a distorted normalised point by the coefficients of the lens; 0 by those that its model
@@ -63,11 +78,11 @@ Eigen::Matrix<double, 2, kLensUnknowns> seen_by_coefficients(const Camera& camer
 
 /// Standard deviations of a known camera's unknowns by its `errors`; k3 to k6 of a plumb bob or rational lens
 /// are taken as exact.
-std::array<double, kCameraUnknowns> camera_priors(const Camera& camera);
+std::array<double, kSharedUnknowns> camera_priors(const Camera& camera);
 
 /// Bundle adjustment (Triggs et al. 2000, section 6: the views' poses are eliminated): Levenberg-Marquardt
-/// over all poses, and over camera and tags about where they are given, held by `priors`. A corner's noise is
-/// `noise_px` per axis; `edge_bias` shifts whole edges of a tag (see view_tag). Deterministic.
+/// over all poses, and over camera, bend and tags about where they are given, held by `priors`. A corner's
+/// noise is `noise_px` per axis; `edge_bias` shifts whole edges of a tag (see view_tag). Deterministic.
 /// @pre each view shows tags of the board alone, and its pose sees their corners
 BundleFit adjust(Bundle& bundle, const BundlePriors& priors, double noise_px, double edge_bias);
 

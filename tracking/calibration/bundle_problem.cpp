@@ -12,9 +12,9 @@ namespace clearway {
 namespace {
 
 // Sizes are dynamic although they are known: fixed ones took half a minute to compile.
-constexpr int kFirstOfPose = kCameraUnknowns + kTagUnknowns;
+constexpr int kFirstOfPose = kSharedUnknowns + kTagUnknowns;
 
-int column(int tag) { return kCameraUnknowns + kTagUnknowns * tag; }
+int column(int tag) { return kSharedUnknowns + kTagUnknowns * tag; }
 
 Eigen::Matrix3d turned(const Eigen::Vector3d& w) {
   const double angle = w.norm();
@@ -26,10 +26,11 @@ Eigen::Vector3d log_of(const Eigen::Matrix3d& turn) {
   return by.angle() * by.axis();
 }
 
-/// The derivative of a pixel by the camera's unknowns. @param point in the camera, in sight
+/// The derivative of a pixel by the camera's unknowns, 0 by the others that are shared. @param point in the
+/// camera, in sight
 Eigen::MatrixXd pixel_by_camera(const Camera& camera, const Eigen::Vector3d& point) {
   const Eigen::Vector2d off = *camera.project(point) - Eigen::Vector2d(camera.cx, camera.cy);
-  Eigen::MatrixXd by = Eigen::MatrixXd::Zero(2, kCameraUnknowns);
+  Eigen::MatrixXd by = Eigen::MatrixXd::Zero(2, kSharedUnknowns);
   by.leftCols<4>() << off.x(), 0.5 * off.x(), 1.0, 0.0, off.y(), -0.5 * off.y(), 0.0, 1.0;
   by.middleCols<kLensUnknowns>(4) = Eigen::Vector2d(camera.fx, camera.fy).asDiagonal() *
                                     seen_by_coefficients(camera, point.head<2>() / point.z());
@@ -46,7 +47,7 @@ void move_camera(Camera& camera, const Eigen::VectorXd& step) {
 
 }  // namespace
 
-/// One tag of one view, whitened: its eight residuals, and their derivatives by camera, tag and pose.
+/// One tag of one view, whitened: its eight residuals, and their derivatives by what is shared, tag and pose.
 struct BundleProblem::Block {
   Eigen::VectorXd residual{8};
   Eigen::MatrixXd by{8, kFirstOfPose + 6};
@@ -54,10 +55,10 @@ struct BundleProblem::Block {
 
 BundleProblem::BundleProblem(const Bundle& bundle, const BundlePriors& priors, double noise_px,
                              double edge_bias)
-    : bundle_(bundle), size_(kCameraUnknowns + kTagUnknowns * static_cast<int>(bundle.board.tags.size())) {
+    : bundle_(bundle), size_(kSharedUnknowns + kTagUnknowns * static_cast<int>(bundle.board.tags.size())) {
   for (const auto& [id, tag] : bundle.board.tags) order_.emplace(id, static_cast<int>(order_.size()));
   sigma_.resize(size_);
-  for (int i = 0; i < kCameraUnknowns; ++i) sigma_[i] = priors.camera[static_cast<std::size_t>(i)];
+  for (int i = 0; i < kSharedUnknowns; ++i) sigma_[i] = priors.shared[static_cast<std::size_t>(i)];
   for (std::size_t tag = 0; tag < priors.tags.size(); ++tag)
     for (int i = 0; i < kTagUnknowns; ++i)
       sigma_[column(static_cast<int>(tag)) + i] = priors.tags[tag][static_cast<std::size_t>(i)];
@@ -74,7 +75,7 @@ BundleProblem::BundleProblem(const Bundle& bundle, const BundlePriors& priors, d
 }
 
 BundleState BundleProblem::start() const {
-  BundleState state{bundle_.camera, {}, {}};
+  BundleState state{bundle_.camera, bundle_.bend, {}, {}};
   state.tags.resize(order_.size(), Eigen::VectorXd::Zero(kTagUnknowns));
   for (const BoardView& view : bundle_.views) state.poses.push_back(view.camera_from_board);
   return state;
@@ -96,9 +97,9 @@ std::optional<Eigen::VectorXd> BundleProblem::residual_of(const BundleState& sta
   Eigen::VectorXd residual(8);
   const TagDetection& seen = bundle_.views[view].tags[tag];
   const MountedTag mounted = mounted_of(state, seen.id);
-  const auto corners = tag_corners(mounted.size);
+  const auto corners = corners_on_board(mounted, state.bend);
   for (std::size_t i = 0; i < 4; ++i) {
-    const auto pixel = state.camera.project(state.poses[view] * (mounted.body_from_tag * corners[i]));
+    const auto pixel = state.camera.project(state.poses[view] * corners[i]);
     if (!pixel) return std::nullopt;
     residual.segment<2>(2 * static_cast<int>(i)) = *pixel + growth_of(state, view, tag, i) - seen.corners[i];
   }
@@ -114,6 +115,8 @@ std::optional<BundleProblem::Equations> BundleProblem::equations(const BundleSta
     e.mixed.emplace_back(Eigen::MatrixXd::Zero(size_, 6));
     e.pose.emplace_back(Eigen::MatrixXd::Zero(6, 6));
     e.pose_pull.emplace_back(Eigen::VectorXd::Zero(6));
+    e.focal.emplace_back(Eigen::VectorXd::Zero(size_));
+    e.focal_pull.push_back(0.0);
     for (std::size_t t = 0; t < bundle_.views[v].tags.size(); ++t) {
       const auto block = block_of(state, v, t);
       if (!block) return std::nullopt;
@@ -146,7 +149,8 @@ Eigen::VectorXd BundleProblem::step(const Equations& e, double damping) const {
 BundleState BundleProblem::moved(const BundleState& from, const Eigen::VectorXd& step) const {
   BundleState to = from;
   move_camera(to.camera, step);
-  to.shift += step.head(kCameraUnknowns);
+  to.bend.curvatures += step.segment<kBendUnknowns>(kFirstOfBend);
+  to.shift += step.head(kSharedUnknowns);
   for (std::size_t t = 0; t < to.tags.size(); ++t) {
     const Eigen::VectorXd by = step.segment(column(static_cast<int>(t)), kTagUnknowns);
     to.tags[t].head(4) += by.head(4);
@@ -170,6 +174,28 @@ Eigen::MatrixXd BundleProblem::covariance(const Equations& e) const {
       covariance.col(i).setZero();
     }
   return covariance;
+}
+
+std::vector<BundleFit::FocalStep> BundleProblem::focal_steps(const Equations& e) {
+  std::vector<BundleFit::FocalStep> steps(e.pose.size());
+  for (std::size_t v = 0; v < steps.size(); ++v) {
+    const Eigen::VectorXd by_pose = e.mixed[v].row(0);
+    const Cholesky pose(e.pose[v]);
+    if (!pose.is_positive()) continue;
+    const double information = e.focal[v][0] - pose.squared(by_pose);
+    if (!(information > 1e-9 * e.focal[v][0])) continue;
+    const double pull = e.focal_pull[v] - by_pose.dot(pose.solve(e.pose_pull[v]).col(0));
+    steps[v] = {-pull / information, 1.0 / std::sqrt(information)};
+  }
+  return steps;
+}
+
+Eigen::MatrixXd BundleProblem::by_own_focal(const Equations& e, const Eigen::MatrixXd& covariance) {
+  Eigen::MatrixXd pull(e.pull.size(), static_cast<int>(e.focal.size()));
+  for (std::size_t v = 0; v < e.focal.size(); ++v)
+    pull.col(static_cast<int>(v)) =
+        e.focal[v] - product(e.mixed[v], Cholesky(e.pose[v]).solve(e.mixed[v].row(0).transpose()));
+  return product(covariance, pull);
 }
 
 MountedTag BundleProblem::mounted_of(const BundleState& state, int id) const {
@@ -208,9 +234,9 @@ Eigen::MatrixXd BundleProblem::whitening(const BoardView& view, const TagDetecti
 }
 
 double BundleProblem::off(const BundleState& state, int i) const {
-  if (i < kCameraUnknowns) return state.shift[i];
-  const int tag = (i - kCameraUnknowns) / kTagUnknowns;
-  return state.tags[static_cast<std::size_t>(tag)][(i - kCameraUnknowns) % kTagUnknowns];
+  if (i < kSharedUnknowns) return state.shift[i];
+  const int tag = (i - kSharedUnknowns) / kTagUnknowns;
+  return state.tags[static_cast<std::size_t>(tag)][(i - kSharedUnknowns) % kTagUnknowns];
 }
 
 double BundleProblem::squares_of_priors(const BundleState& state) const {
@@ -239,20 +265,23 @@ std::optional<BundleProblem::Block> BundleProblem::block_of(const BundleState& s
   const auto corners = tag_corners(mounted.size);
   for (int i = 0; i < 4; ++i) {
     const Eigen::Vector3d& in_tag = corners[static_cast<std::size_t>(i)];
-    const Eigen::Vector3d in_board = mounted.body_from_tag * in_tag, in_camera = pose * in_board;
+    const Eigen::Vector3d flat = mounted.body_from_tag * in_tag, in_board = state.bend.bent(flat);
+    const Eigen::Vector3d in_camera = pose * in_board;
     Eigen::Matrix<double, 2, 3> by_point;
     const auto pixel = state.camera.project(in_camera, by_point);
     if (!pixel) return std::nullopt;
     by_point = by_point * pose.linear();
+    const Eigen::Matrix<double, 2, 3> by_flat = by_point * state.bend.by_point(flat);
     const auto corner = static_cast<std::size_t>(i);
     const Edges& edges = edges_[view][tag];
     block.residual.segment<2>(2 * i) = *pixel + growth_of(state, view, tag, corner) - seen.corners[corner];
-    block.by.block(2 * i, 0, 2, kCameraUnknowns) = pixel_by_camera(state.camera, in_camera);
+    block.by.block(2 * i, 0, 2, kSharedUnknowns) = pixel_by_camera(state.camera, in_camera);
     block.by.block<2, 1>(2 * i, kFirstOfGrowth) = edges.outward[corner];
     block.by.block<2, 1>(2 * i, kFirstOfGrowth + 1) = edges.outward[corner] / edges.side;
-    block.by.block<2, 1>(2 * i, kCameraUnknowns) = by_point * (turn * in_tag);
-    block.by.block<2, 3>(2 * i, kCameraUnknowns + 1) = by_point;
-    block.by.block<2, 3>(2 * i, kCameraUnknowns + 4) = -by_point * turn * cross_matrix(in_tag);
+    block.by.block<2, kBendUnknowns>(2 * i, kFirstOfBend) = by_point * state.bend.by_curvatures(flat);
+    block.by.block<2, 1>(2 * i, kSharedUnknowns) = by_flat * (turn * in_tag);
+    block.by.block<2, 3>(2 * i, kSharedUnknowns + 1) = by_flat;
+    block.by.block<2, 3>(2 * i, kSharedUnknowns + 4) = -by_flat * turn * cross_matrix(in_tag);
     block.by.block<2, 3>(2 * i, kFirstOfPose) = by_point;
     block.by.block<2, 3>(2 * i, kFirstOfPose + 3) = -by_point * cross_matrix(in_board);
   }
@@ -261,24 +290,27 @@ std::optional<BundleProblem::Block> BundleProblem::block_of(const BundleState& s
   block.by = product(white, block.by);
   const int own = column(order_.at(seen.id));
   for (int i = 0; i < kFirstOfPose; ++i)
-    if (sigma_[i < kCameraUnknowns ? i : own + i - kCameraUnknowns] == 0.0) block.by.col(i).setZero();
+    if (sigma_[i < kSharedUnknowns ? i : own + i - kSharedUnknowns] == 0.0) block.by.col(i).setZero();
   return block;
 }
 
 void BundleProblem::add_block(const Block& block, int own, Equations& e) {
-  constexpr int camera = kCameraUnknowns, tag = kTagUnknowns;
+  constexpr int shared = kSharedUnknowns, tag = kTagUnknowns;
   const Eigen::MatrixXd square = transposed_product(block.by, block.by);
   const Eigen::VectorXd pull = transposed_product(block.by, block.residual);
-  e.shared.topLeftCorner(camera, camera) += square.topLeftCorner(camera, camera);
-  e.shared.block(0, own, camera, tag) += square.block(0, camera, camera, tag);
-  e.shared.block(own, 0, tag, camera) += square.block(camera, 0, tag, camera);
-  e.shared.block(own, own, tag, tag) += square.block(camera, camera, tag, tag);
-  e.pull.head(camera) += pull.head(camera);
-  e.pull.segment(own, tag) += pull.segment(camera, tag);
-  e.mixed.back().topRows(camera) += square.topRightCorner(camera, 6);
-  e.mixed.back().middleRows(own, tag) += square.block(camera, kFirstOfPose, tag, 6);
+  e.shared.topLeftCorner(shared, shared) += square.topLeftCorner(shared, shared);
+  e.shared.block(0, own, shared, tag) += square.block(0, shared, shared, tag);
+  e.shared.block(own, 0, tag, shared) += square.block(shared, 0, tag, shared);
+  e.shared.block(own, own, tag, tag) += square.block(shared, shared, tag, tag);
+  e.pull.head(shared) += pull.head(shared);
+  e.pull.segment(own, tag) += pull.segment(shared, tag);
+  e.mixed.back().topRows(shared) += square.topRightCorner(shared, 6);
+  e.mixed.back().middleRows(own, tag) += square.block(shared, kFirstOfPose, tag, 6);
   e.pose.back() += square.bottomRightCorner(6, 6);
   e.pose_pull.back() += pull.tail(6);
+  e.focal.back().head(shared) += square.block(0, 0, shared, 1);
+  e.focal.back().segment(own, tag) += square.block(shared, 0, tag, 1);
+  e.focal_pull.back() += pull[0];
 }
 
 }  // namespace clearway

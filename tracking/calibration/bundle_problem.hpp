@@ -10,9 +10,10 @@ namespace clearway {
 /// What the unknowns of camera and tags have become, and the poses.
 struct BundleState {
   Camera camera;
+  BoardBend bend;
   std::vector<Eigen::VectorXd> tags;  ///< from where they were given
   std::vector<Eigen::Isometry3d> poses;
-  Eigen::VectorXd shift = Eigen::VectorXd::Zero(kCameraUnknowns);
+  Eigen::VectorXd shift = Eigen::VectorXd::Zero(kSharedUnknowns);
 };
 
 /// The least squares of a bundle adjustment (adjust): residuals, their cost and their normal equations, with
@@ -37,6 +38,8 @@ class BundleProblem {
     Eigen::VectorXd pull;
     std::vector<Eigen::MatrixXd> mixed, pose;
     std::vector<Eigen::VectorXd> pose_pull;
+    std::vector<Eigen::VectorXd> focal;  ///< what each view has in the focal length's column of `shared`
+    std::vector<double> focal_pull;      ///< and in its pull
   };
   /// None where a corner is out of sight.
   std::optional<Equations> equations(const BundleState& state) const;
@@ -47,6 +50,10 @@ class BundleProblem {
 
   /// Of the shared unknowns, poses eliminated; empty where these are not determined.
   Eigen::MatrixXd covariance(const Equations& e) const;
+
+  /// See BundleFit.
+  static std::vector<BundleFit::FocalStep> focal_steps(const Equations& e);
+  static Eigen::MatrixXd by_own_focal(const Equations& e, const Eigen::MatrixXd& covariance);
 
   MountedTag mounted_of(const BundleState& state, int id) const;
 

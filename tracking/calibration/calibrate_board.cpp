@@ -52,7 +52,7 @@ Eigen::Isometry3d stated_from_measured(const TagBody& stated, const TagBody& mea
 /// Sizes held by what is stated over the square root of their weights; the rest free within the board.
 BundlePriors priors_of_sizes(const Camera& camera, const TagBody& board, const std::vector<double>& weights) {
   BundlePriors priors;
-  priors.camera = camera_priors(camera);
+  priors.shared = camera_priors(camera);
   // One tag stays in its place, so that the board has a frame.
   for (std::size_t i = 0; i < board.tags.size(); ++i) {
     const double size = std::max(board.errors.size, 1e-4) / std::sqrt(weights[i]);
@@ -155,7 +155,7 @@ BoardCalibration calibrate_board(const Camera& camera, const TagBody& board, std
   const Eigen::VectorXd variances = fit.covariance.diagonal();
   double place = 0.0, turn = 0.0, size = 0.0;
   std::string blurred;
-  int column = kCameraUnknowns;
+  int column = kSharedUnknowns;
   for (const auto& [id, measured] : bundle.board.tags) {
     const MountedTag& stated = board.tags.at(id);
     MountedTag& tag = found.board.tags.at(id);

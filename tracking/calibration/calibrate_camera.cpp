@@ -30,7 +30,7 @@ void free_rational(const Camera& camera, double pixels, BundlePriors& priors) {
   const bool is_seen = corner && corner->norm() < 2.0;
   const auto by = seen_by_coefficients(camera, is_seen ? *corner : Eigen::Vector2d(2.0, 0.0));
   for (int i = 0; i < kLensUnknowns; ++i)
-    priors.camera[static_cast<std::size_t>(4 + i)] = pixels / (f * by.col(i).norm());
+    priors.shared[static_cast<std::size_t>(4 + i)] = pixels / (f * by.col(i).norm());
 }
 
 /// The camera as free as lenses differ, so that it decides only what the images leave entirely open; k3 of a
@@ -39,15 +39,15 @@ BundlePriors priors_of(Camera camera, const TagBody& board, bool with_k3, double
   BundlePriors priors;
   const double diagonal = std::hypot(camera.width, camera.height);
   camera.errors = {0.5, 0.5, 0.5 * camera.width, 0.5 * diagonal};
-  priors.camera = camera_priors(camera);
+  priors.shared = camera_priors(camera);
   if (camera.lens == Lens::rational) free_rational(camera, 0.5 * diagonal, priors);
-  if (camera.lens == Lens::plumb_bob && with_k3) priors.camera[8] = priors.camera[5];
+  if (camera.lens == Lens::plumb_bob && with_k3) priors.shared[8] = priors.shared[5];
   // Measured of rendered boards: blur of a pixel moves edges out by 0.06 px at 18 px of side, 0.005 above 60;
   // a gamma of 0.45 moves all in by 0.04 px.
   constexpr double side_of_small = 20.0;  // px
   if (camera.lens != Lens::rational) {    // whose many coefficients take it for their own
-    priors.camera[kFirstOfGrowth] = growth;
-    priors.camera[kFirstOfGrowth + 1] = side_of_small * growth;
+    priors.shared[kFirstOfGrowth] = growth;
+    priors.shared[kFirstOfGrowth + 1] = side_of_small * growth;
   }
   const TagErrors& e = board.errors;
   priors.tags.assign(board.tags.size(), {e.size, e.place, e.place, e.place, e.turn, e.turn, e.turn});
@@ -199,7 +199,7 @@ struct Fitted {
 void free_k3_where_it_shows(const TagBody& board, double edge_bias, Fitted& fitted) {
   Fitted freed{fitted.bundle, {}, {}};
   freed.bundle.board = board;
-  freed.priors = priors_of(freed.bundle.camera, board, true, fitted.priors.camera[kFirstOfGrowth]);
+  freed.priors = priors_of(freed.bundle.camera, board, true, fitted.priors.shared[kFirstOfGrowth]);
   freed.fit = adjust(freed.bundle, freed.priors, fitted.fit.noise_px, edge_bias);
   const double sigma = freed.fit.is_converged ? std::sqrt(freed.fit.covariance(8, 8)) : kInfinity;
   if (std::abs(freed.bundle.camera.distortion[4]) > 4.0 * sigma) fitted = std::move(freed);
@@ -262,7 +262,7 @@ CameraCalibration refused(CameraCalibration c, const std::string& reason) {
 void note_fit(const Fitted& fitted, const BoardPlane& plane, CameraCalibration& c) {
   const auto& [bundle, priors, fit] = fitted;
   c.camera = bundle.camera;
-  c.covariance = fit.covariance.topLeftCorner<kCameraUnknowns, kCameraUnknowns>();
+  c.covariance = fit.covariance.topLeftCorner<kSharedUnknowns, kSharedUnknowns>();
   c.noise_px = fit.noise_px;
   c.rms_px = fit.rms_px;
   c.views = bundle.views.size();

@@ -30,7 +30,7 @@ struct OtherLens {
 struct CameraCalibration {
   Camera camera;               ///< with what is not known of it
   std::string refusal;         ///< one sentence why it is not to be used; empty: it is good
-  Eigen::MatrixXd covariance;  ///< of the kCameraUnknowns
+  Eigen::MatrixXd covariance;  ///< of the kSharedUnknowns
   double noise_px = 0.0;       ///< of a corner per axis
   double rms_px = 0.0;         ///< of the views that were used
   double held_out_px = 0.0;    ///< rms of views that the calibration has not seen, their poses fitted

@@ -5,17 +5,15 @@
 #include <limits>
 
 #include "tracking/pose_refinement.hpp"
-#include "tracking/tag_pose.hpp"
 
 namespace clearway {
 namespace {
 
-std::vector<CornerMatch> matches(const TagBody& board, const BoardView& view) {
+std::vector<CornerMatch> matches(const Bundle& bundle, const BoardView& view) {
   std::vector<CornerMatch> corners;
   for (const TagDetection& tag : view.tags) {
-    const auto points = tag_corners(board.tags.at(tag.id).size);
-    for (std::size_t i = 0; i < 4; ++i)
-      corners.push_back({board.tags.at(tag.id).body_from_tag * points[i], tag.corners[i]});
+    const auto points = corners_on_board(bundle.board.tags.at(tag.id), bundle.bend);
+    for (std::size_t i = 0; i < 4; ++i) corners.push_back({points[i], tag.corners[i]});
   }
   return corners;
 }
@@ -24,8 +22,9 @@ std::vector<CornerMatch> matches(const TagBody& board, const BoardView& view) {
 struct Sums {
   double squared_px = 0.0, squared_mm = 0.0, freedom = 0.0;
 
-  void add(const Camera& camera, const TagBody& board, const BoardView& view) {
-    const std::vector<CornerMatch> corners = matches(board, view);
+  void add(const Bundle& bundle, const BoardView& view) {
+    const Camera& camera = bundle.camera;
+    const std::vector<CornerMatch> corners = matches(bundle, view);
     const auto pose = refine_pose(camera, corners, view.camera_from_board);
     if (!pose || corners.size() < 4) return;
     for (const CornerMatch& corner : corners) {
@@ -50,12 +49,12 @@ HeldOut test_held_out(const Bundle& fitted, const TagBody& reported, const Bundl
   for (std::size_t part = 0; part < parts; ++part) {
     Bundle others = fitted;
     others.board = reported;
+    others.bend.curvatures.setZero();
     others.views.clear();
     for (std::size_t v = 0; v < fitted.views.size(); ++v)
       if (v % parts != part) others.views.push_back(fitted.views[v]);
     if (!adjust(others, priors, noise_px, edge_bias).is_converged) continue;
-    for (std::size_t v = part; v < fitted.views.size(); v += parts)
-      sums.add(others.camera, others.board, fitted.views[v]);
+    for (std::size_t v = part; v < fitted.views.size(); v += parts) sums.add(others, fitted.views[v]);
   }
   constexpr double infinity = std::numeric_limits<double>::infinity();
   if (sums.freedom <= 0.0) return {infinity, infinity};

@@ -11,7 +11,7 @@ struct HeldOut {
 };
 
 /// What a fit explains of views that are held out, by `folds` further fits that begin at it.
-/// @param fitted camera and views of the fit @param reported the board that `priors` are about
+/// @param fitted camera and views of the fit @param reported the flat board that `priors` are about
 /// @param noise_px of a corner per axis
 HeldOut test_held_out(const Bundle& fitted, const TagBody& reported, const BundlePriors& priors,
                       double noise_px, double edge_bias, int folds);
