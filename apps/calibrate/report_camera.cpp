@@ -56,7 +56,13 @@ void describe_camera(const CameraCalibration& found, CalibrationReport& report) 
        {"distortion", "+- " + significant(*camera.errors.distortion, 2) + " px in the image's corner"},
        {"covered", std::to_string(std::lround(16.0 * found.coverage)) + " of 16 parts of the image"},
        {"tilt", "up to " + std::to_string(std::lround(180.0 / M_PI * found.widest_tilt)) + " degrees"},
+       {"bend", significant(1e3 * found.sag, 2) + " mm of the board's " +
+                    std::to_string(std::lround(1e3 * found.width)) + " mm"},
        {"residuals", significant(found.rms_px, 3) + " px rms"}});
+  if (found.focal_scatter.sigma > 0.0)
+    report.rows.push_back({"focus", "the focal length changes by " +
+                                        significant(100.0 * found.focal_scatter.sigma, 2) +
+                                        " % from image to image"});
   if (found.held_out_px > 0.0)
     report.rows.push_back({"held out", significant(found.held_out_px, 3) + " px, " +
                                            significant(found.held_out_mm, 3) +
@@ -71,6 +77,8 @@ void describe_camera(const CameraCalibration& found, CalibrationReport& report) 
                     {"rms_px", found.rms_px},
                     {"held_out_px", found.held_out_px},
                     {"held_out_m", 1e-3 * found.held_out_mm},
+                    {"sag_m", found.sag},
+                    {"focal_scatter", found.focal_scatter.sigma},
                     {"views", static_cast<double>(found.views)}};
   if (!found.simpler.empty()) describe_simpler(found, report);
 }

@@ -49,6 +49,9 @@ BundlePriors priors_of(Camera camera, const TagBody& board, bool with_k3, double
     priors.shared[kFirstOfGrowth] = growth;
     priors.shared[kFirstOfGrowth + 1] = side_of_small * growth;
   }
+  constexpr double usual_sag = 0.01;  // of paper on a clipboard, over its width
+  for (int i = 0; i < kBendUnknowns; ++i)
+    priors.shared[static_cast<std::size_t>(kFirstOfBend + i)] = 4.0 * usual_sag / plane_of(board).reach;
   const TagErrors& e = board.errors;
   priors.tags.assign(board.tags.size(), {e.size, e.place, e.place, e.place, e.turn, e.turn, e.turn});
   return priors;
@@ -56,10 +59,8 @@ BundlePriors priors_of(Camera camera, const TagBody& board, bool with_k3, double
 
 bool has_sight(const Bundle& bundle, const BoardView& view) {
   for (const TagDetection& tag : view.tags)
-    for (const Eigen::Vector3d& corner : tag_corners(bundle.board.tags.at(tag.id).size))
-      if (!bundle.camera.project(view.camera_from_board *
-                                 (bundle.board.tags.at(tag.id).body_from_tag * corner)))
-        return false;
+    for (const Eigen::Vector3d& corner : corners_on_board(bundle.board.tags.at(tag.id), bundle.bend))
+      if (!bundle.camera.project(view.camera_from_board * corner)) return false;
   return true;
 }
 
@@ -122,6 +123,7 @@ BundleFit fit_all(Bundle& bundle, const BundlePriors& priors, const CameraCalibr
     if (!fit.is_converged) return fit;
     Bundle less = again;
     less.board = bundle.board;
+    less.bend = bundle.bend;
     std::vector<RefusedView> more;
     const bool is_less = round < 4 && leave_out(less, fit, may, more);
     if (is_less) leave_out_unseen(less, more);
@@ -189,6 +191,19 @@ CameraErrors errors_of(const Camera& camera, const Eigen::MatrixXd& covariance) 
   return errors;
 }
 
+/// How far the bend takes corners of the board apart, along its normal.
+double sag_of(const Bundle& bundle) {
+  double least = kInfinity, most = -kInfinity;
+  for (const auto& [id, tag] : bundle.board.tags)
+    for (const Eigen::Vector3d& corner : tag_corners(tag.size)) {
+      const Eigen::Vector3d flat = tag.body_from_tag * corner, by_bend = bundle.bend.bent(flat) - flat;
+      const double height = bundle.bend.board_from_plane.linear().col(2).dot(by_bend);
+      least = std::min(least, height);
+      most = std::max(most, height);
+    }
+  return most - least;
+}
+
 struct Fitted {
   Bundle bundle;
   BundlePriors priors;
@@ -199,6 +214,7 @@ struct Fitted {
 void free_k3_where_it_shows(const TagBody& board, double edge_bias, Fitted& fitted) {
   Fitted freed{fitted.bundle, {}, {}};
   freed.bundle.board = board;
+  freed.bundle.bend.curvatures.setZero();
   freed.priors = priors_of(freed.bundle.camera, board, true, fitted.priors.shared[kFirstOfGrowth]);
   freed.fit = adjust(freed.bundle, freed.priors, fitted.fit.noise_px, edge_bias);
   const double sigma = freed.fit.is_converged ? std::sqrt(freed.fit.covariance(8, 8)) : kInfinity;
@@ -231,6 +247,7 @@ double held_out_by(Lens lens, const Fitted& fitted, const TagBody& board, const 
   bundle.camera.lens = lens;
   bundle.camera.distortion = {};
   bundle.board = board;
+  bundle.bend.curvatures.setZero();
   if (!find_initial(bundle, plane)) return kInfinity;
   std::erase_if(bundle.views, [&](const BoardView& view) { return !has_sight(bundle, view); });
   if (tags_of(bundle.views) < tags_of(fitted.bundle.views)) return kInfinity;
@@ -262,13 +279,17 @@ CameraCalibration refused(CameraCalibration c, const std::string& reason) {
 void note_fit(const Fitted& fitted, const BoardPlane& plane, CameraCalibration& c) {
   const auto& [bundle, priors, fit] = fitted;
   c.camera = bundle.camera;
-  c.covariance = fit.covariance.topLeftCorner<kSharedUnknowns, kSharedUnknowns>();
+  c.focal_scatter = focal_scatter(fit.focal_steps);
+  c.covariance = fit.covariance.topLeftCorner<kSharedUnknowns, kSharedUnknowns>() +
+                 squared(c.focal_scatter.sigma * fit.by_own_focal.topRows(kSharedUnknowns));
   c.noise_px = fit.noise_px;
   c.rms_px = fit.rms_px;
   c.views = bundle.views.size();
   c.coverage = coverage_of(bundle);
   c.widest_tilt = widest_tilt(bundle, plane);
   c.camera.errors = errors_of(c.camera, c.covariance);
+  c.sag = sag_of(bundle);
+  c.width = 2.0 * plane.reach;
 }
 
 void require_flat(const TagBody& board, const BoardPlane& plane) {
@@ -296,7 +317,7 @@ CameraCalibration calibrate_camera(int width, int height, const TagBody& board, 
                                       options.least_views, " or more"));
   }
   const std::size_t may = views.size() / 3;
-  Fitted fitted{{calibration.camera, board, std::move(views)}, {}, {}};
+  Fitted fitted{{calibration.camera, board, std::move(views), {plane.board_from_plane}}, {}, {}};
   Bundle& bundle = fitted.bundle;
   calibration.coverage = coverage_of(bundle);
   if (!find_initial(bundle, plane)) return refused(calibration, judge_images(calibration, options));
@@ -315,10 +336,15 @@ CameraCalibration calibrate_camera(int width, int height, const TagBody& board, 
   if (is_rational && judge_coverage(calibration, options).empty()) {
     note_held_out(fitted, board, options, calibration);
     add_simpler(fitted, board, plane, options, calibration);
-    calibration.refusal = judge_rational(calibration);
+    // A focus that moves blurs k4, k5 and k6.
+    calibration.refusal = judge_focus(calibration, options);
+    if (calibration.refusal.empty()) calibration.refusal = judge_rational(calibration);
   }
   if (calibration.refusal.empty()) calibration.refusal = judge(calibration, options);
   if (calibration.refusal.empty() && is_rational) calibration.refusal = judge_corners(calibration);
+  // The next image has a focal length of its own.
+  double& focal = calibration.camera.errors.focal;
+  focal = std::hypot(focal, calibration.focal_scatter.sigma);
   if (calibration.refusal.empty() && !is_rational) note_held_out(fitted, board, options, calibration);
   return calibration;
 }

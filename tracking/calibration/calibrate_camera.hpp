@@ -4,15 +4,18 @@
 #include <vector>
 
 #include "tracking/calibration/bundle.hpp"
+#include "tracking/calibration/focal_scatter.hpp"
 
 namespace clearway {
 
 struct CameraCalibrationOptions {
-  double edge_bias = 0.1;           ///< see BodyPoseOptions
-  std::size_t least_views = 8;      ///< that explain each other
-  double most_focal_sigma = 0.005;  ///< relative; a camera that is known less well is refused
-  double least_coverage = 0.5;      ///< share of the image's 4 x 4 cells that must show a corner
-  int folds = 5;                    ///< of the test on views that were held out
+  double edge_bias = 0.1;             ///< see BodyPoseOptions
+  std::size_t least_views = 8;        ///< that explain each other
+  double most_focal_sigma = 0.005;    ///< relative; a camera that is known less well is refused
+  double least_coverage = 0.5;        ///< share of the image's 4 x 4 cells that must show a corner
+  double most_sag = 0.02;             ///< of a bent board over its width
+  double most_focal_scatter = 0.002;  ///< relative, of the focal length from view to view
+  int folds = 5;                      ///< of the test on views that were held out
   LensDistortion::Model lens = LensDistortion::Model::plumb_bob;
 };
 
@@ -37,6 +40,9 @@ struct CameraCalibration {
   double held_out_mm = 0.0;    ///< the same at the board
   double coverage = 0.0;       ///< share of the image's 4 x 4 cells with a corner
   double widest_tilt = 0.0;    ///< radians between board and image plane, which one in ten views exceeds
+  double sag = 0.0;            ///< metres by which the board is bent out of its plane
+  double width = 0.0;          ///< metres, of the circle around the board's tags
+  FocalScatter focal_scatter;  ///< from view to view; `covariance` and `camera.errors` count it
   std::size_t views = 0;       ///< used
   std::vector<RefusedView> refused;
   std::vector<OtherLens> simpler;  ///< of a rational lens: plumb_bob and fisheye

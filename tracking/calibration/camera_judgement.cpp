@@ -49,8 +49,16 @@ std::string judge_coverage(const CameraCalibration& c, const CameraCalibrationOp
   return "";
 }
 
+std::string judge_focus(const CameraCalibration& c, const CameraCalibrationOptions& options) {
+  if (!c.focal_scatter.is_certain || c.focal_scatter.sigma <= options.most_focal_scatter) return "";
+  return words("the focal length changes from image to image by ", 100.0 * c.focal_scatter.sigma,
+               " %, expected ", 100.0 * options.most_focal_scatter,
+               " % or less: does the camera focus or zoom by itself? Switch that off");
+}
+
 std::string judge(const CameraCalibration& c, const CameraCalibrationOptions& options) {
-  if (!(c.camera.errors.focal <= options.most_focal_sigma))
+  const std::string refocused = judge_focus(c, options);
+  if (refocused.empty() && !(c.camera.errors.focal <= options.most_focal_sigma))
     return words("the focal length is known to ", 100.0 * c.camera.errors.focal, " % only, expected ",
                  100.0 * options.most_focal_sigma, " % or better", advice(c));
   if (const std::string unseen = judge_coverage(c, options); !unseen.empty()) return unseen;
@@ -64,7 +72,11 @@ std::string judge(const CameraCalibration& c, const CameraCalibrationOptions& op
            "not seen: hold it into the corners, too" +
            wide;
   }
-  return "";
+  if (c.sag > options.most_sag * c.width)
+    return words("the board is bent by ", 1e3 * c.sag, " mm over its ", std::lround(1e3 * c.width),
+                 " mm, expected ", 1e3 * options.most_sag * c.width,
+                 " mm or less: glue it on something stiff and flat");
+  return refocused;
 }
 
 std::string judge_rational(const CameraCalibration& c) {

@@ -13,7 +13,11 @@ constexpr int cells_a_side = 4;  ///< of the parts of an image in which the boar
 /// Whether the board was seen all over the image.
 std::string judge_coverage(const CameraCalibration& c, const CameraCalibrationOptions& options);
 
-/// Coverage, how well the focal length is known, and whether the distortion holds in the image's corners.
+/// Whether the focal length was the same in all images.
+std::string judge_focus(const CameraCalibration& c, const CameraCalibrationOptions& options);
+
+/// Coverage, how well the focal length is known, whether the distortion holds in the image's corners, the
+/// board was flat and the focus stayed.
 std::string judge(const CameraCalibration& c, const CameraCalibrationOptions& options);
 
 /// Whether the views determine a rational lens. Where k4, k5 and k6 are not needed they trade against k1, k2

@@ -148,8 +148,10 @@ BoardPlane plane_of(const TagBody& board) {
   const Eigen::Vector3d along = axes.col(2);
   plane.board_from_plane.linear() << along, normal.cross(along), normal;
   plane.board_from_plane.translation() = middle;
-  for (const Eigen::Vector3d& point : points)
+  for (const Eigen::Vector3d& point : points) {
     plane.thickness = std::max(plane.thickness, std::abs(normal.dot(point - middle)));
+    plane.reach = std::max(plane.reach, (point - middle).norm());
+  }
   return plane;
 }
 

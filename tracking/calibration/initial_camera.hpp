@@ -8,6 +8,7 @@ namespace clearway {
 struct BoardPlane {
   Eigen::Isometry3d board_from_plane = Eigen::Isometry3d::Identity();
   double thickness = 0.0;  ///< metres
+  double reach = 0.0;      ///< metres, from its origin, the corners' middle, to the farthest corner
 };
 
 /// The plane through the corners of a board's tags that is nearest to them; its z as the first tag's.

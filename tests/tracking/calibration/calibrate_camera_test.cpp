@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "tests/worlds/calibration_views.hpp"
 #include "tests/worlds/trials.hpp"
 #include "tracking/dense.hpp"
+#include "tracking/tag_pose.hpp"
 
 namespace clearway {
 namespace calibrate_camera_test {
@@ -44,6 +46,8 @@ TEST(CalibrateCamera, sigmas_cover_the_true_errors_of_drawn_cameras_boards_and_n
     const CameraCalibration found =
         calibrate_camera(truth.width, truth.height, drawn.stated_board, drawn.views, options);
     ASSERT_EQ(found.refusal, "") << seed;
+    EXPECT_FALSE(found.focal_scatter.is_certain) << seed;
+    EXPECT_LT(found.sag, 0.0005) << seed;
     Eigen::Vector4d off(std::log(found.camera.fx * found.camera.fy / (truth.fx * truth.fy)) / 2.0,
                         std::log(found.camera.fx / found.camera.fy * truth.fy / truth.fx),
                         found.camera.cx - truth.cx, found.camera.cy - truth.cy);
@@ -62,6 +66,124 @@ TEST(CalibrateCamera, sigmas_cover_the_true_errors_of_drawn_cameras_boards_and_n
   EXPECT_LT(joint, chi_square_of_a_thousand(4 * drawn_cameras));
   EXPECT_GT(joint, drawn_cameras);  // not many times too careful
   EXPECT_LT(claimed, 4.0 * actual);
+}
+
+/// The same views of other corners: each is seen where `place` has it, by the camera of `camera_of(view)`.
+template <typename Place, typename CameraOf>
+void look_anew(DrawnViews& drawn, unsigned seed, const Place& place, const CameraOf& camera_of) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0.0, drawn.noise);
+  for (std::size_t v = 0; v < drawn.views.size(); ++v) {
+    const Camera camera = camera_of(v);
+    for (TagDetection& tag : drawn.views[v].tags) {
+      const MountedTag& mounted = drawn.true_board.tags.at(tag.id);
+      const auto corners = tag_corners(mounted.size);
+      for (std::size_t i = 0; i < 4; ++i) {
+        const auto pixel = camera.project(drawn.true_poses[v] * place(mounted.body_from_tag * corners[i]));
+        ASSERT_TRUE(pixel);
+        tag.corners[i] = *pixel + Eigen::Vector2d(noise(random), noise(random));
+      }
+    }
+  }
+}
+
+/// On a cylinder of that radius, whose bent way is `way`.
+void bend_board(DrawnViews& drawn, unsigned seed, double radius, double way) {
+  const Eigen::Vector3d along(std::cos(way), std::sin(way), 0.0), across(-along.y(), along.x(), 0.0);
+  const auto on_cylinder = [&](const Eigen::Vector3d& flat) -> Eigen::Vector3d {
+    const double angle = along.dot(flat) / radius, inner = radius - flat.z();
+    return inner * std::sin(angle) * along + across.dot(flat) * across +
+           Eigen::Vector3d(0.0, 0.0, radius - inner * std::cos(angle));
+  };
+  look_anew(drawn, seed, on_cylinder, [&](std::size_t) { return drawn.camera; });
+}
+
+CameraCalibration found_of(const DrawnViews& drawn) {
+  CameraCalibrationOptions options;
+  options.folds = 2;
+  return calibrate_camera(drawn.camera.width, drawn.camera.height, drawn.stated_board, drawn.views, options);
+}
+
+/// Logarithm of the focal length found over the true one.
+double focal_off(const CameraCalibration& found, const Camera& truth) {
+  return std::log(found.camera.fx * found.camera.fy / (truth.fx * truth.fy)) / 2.0;
+}
+
+TEST(CalibrateCamera, sigmas_cover_the_true_errors_by_boards_bent_on_a_cylinder) {
+  const int drawn_cameras = trials(4, 30);
+  double focal = 0.0, centre = 0.0, actual = 0.0;
+  for (int seed = 1; seed <= drawn_cameras; ++seed) {
+    DrawnViews drawn = scene::draw_views(static_cast<unsigned>(seed), 16, {.spread = 0.7});
+    const double radius = seed % 2 == 0 ? 1.5 : -1.5;  // metres: 2 mm over its 0.2 m
+    bend_board(drawn, static_cast<unsigned>(seed), radius, 0.6 * seed);
+    const CameraCalibration found = found_of(drawn);
+    ASSERT_EQ(found.refusal, "") << seed;
+    const double off = focal_off(found, drawn.camera);
+    focal += off * off / found.covariance(0, 0);
+    actual += off * off;
+    centre += std::pow(found.camera.cx - drawn.camera.cx, 2) / found.covariance(2, 2) +
+              std::pow(found.camera.cy - drawn.camera.cy, 2) / found.covariance(3, 3);
+    EXPECT_GT(found.sag, 0.001) << seed;
+    EXPECT_NEAR(found.held_out_px / std::sqrt(2.0), drawn.noise, 0.35 * drawn.noise + 0.08) << seed;
+  }
+  EXPECT_LT(focal, chi_square_of_a_thousand(drawn_cameras));
+  EXPECT_LT(centre, chi_square_of_a_thousand(2 * drawn_cameras));
+  EXPECT_LT(std::sqrt(actual / drawn_cameras), 0.003);
+}
+
+TEST(CalibrateCamera, board_bent_more_than_paper_on_a_clipboard_is_refused) {
+  DrawnViews drawn = scene::draw_views(3, 16, {.spread = 0.7});
+  bend_board(drawn, 3, 0.5, 0.3);
+  const CameraCalibration found = found_of(drawn);
+  EXPECT_NE(found.refusal.find("the board is bent by"), std::string::npos) << found.refusal;
+  EXPECT_NE(found.refusal.find("glue it on something stiff"), std::string::npos) << found.refusal;
+}
+
+/// The focal length of each view differs by so much, at random.
+void vary_focus(DrawnViews& drawn, unsigned seed, double scatter) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  const auto camera_of = [&](std::size_t) {
+    Camera camera = drawn.camera;
+    const double factor = std::exp(scatter * normal(random));
+    camera.fx *= factor;
+    camera.fy *= factor;
+    return camera;
+  };
+  look_anew(
+      drawn, seed, [](const Eigen::Vector3d& flat) { return flat; }, camera_of);
+}
+
+TEST(CalibrateCamera, camera_that_focuses_by_itself_is_refused) {
+  const auto drawn_cameras = static_cast<unsigned>(trials(3, 20));
+  unsigned refused = 0;
+  for (unsigned seed = 1; seed <= drawn_cameras; ++seed) {
+    DrawnViews drawn = scene::draw_views(seed, 25, {.spread = 0.7});
+    vary_focus(drawn, seed, 0.01);
+    const CameraCalibration found = found_of(drawn);
+    if (found.refusal.empty()) continue;  // of 20 cameras one, whose views hardly tell
+    ++refused;
+    EXPECT_NE(found.refusal.find("the focal length changes from image to image by"), std::string::npos)
+        << seed << found.refusal;
+    EXPECT_NEAR(found.focal_scatter.sigma, 0.01, 0.006) << seed;
+  }
+  EXPECT_GE(refused, drawn_cameras - drawn_cameras / 10);
+}
+
+TEST(CalibrateCamera, stated_focal_error_covers_a_focus_that_hardly_moves) {
+  const int drawn_cameras = trials(6, 40);
+  double focal = 0.0;
+  int accepted = 0;
+  for (int seed = 1; seed <= drawn_cameras; ++seed) {
+    DrawnViews drawn = scene::draw_views(static_cast<unsigned>(seed), 25, {.spread = 0.7});
+    vary_focus(drawn, static_cast<unsigned>(seed), 0.004);
+    const CameraCalibration found = found_of(drawn);
+    if (!found.refusal.empty()) continue;
+    ++accepted;
+    focal += std::pow(focal_off(found, drawn.camera) / found.camera.errors.focal, 2);
+  }
+  EXPECT_GE(accepted, drawn_cameras / 4);
+  EXPECT_LT(focal, chi_square_of_a_thousand(std::max(1, accepted)));
 }
 
 /// All edges seen outside of where they are, those of small tags more, as blur does it, or inside (a bent
