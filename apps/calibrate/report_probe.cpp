@@ -8,6 +8,15 @@
 #include "tracking/calibration/pivot.hpp"
 
 namespace clearway {
+namespace {
+
+/// One standard deviation in the worst direction, millimetres.
+std::string mm(const Eigen::Matrix3d& covariance) {
+  return significant(1e3 * UncertainPoint{Eigen::Vector3d::Zero(), covariance}.largest_sigma(), 2);
+}
+
+}  // namespace
+
 CalibrationReport report_probe(const CalibrateOptions& options, const Setup& setup,
                                const SearchedImages& images) {
   if (!setup.probe)
@@ -27,8 +36,9 @@ CalibrationReport report_probe(const CalibrateOptions& options, const Setup& set
     if (fixed == nullptr) continue;
     if (auto base = poses.of(*fixed, image)) with_base.push_back({*found, base});
   }
+  const PivotRig rig{known_camera(setup, images), tag_body(body), fixed ? tag_body(*fixed) : TagBody{}};
   const bool has_base = with_base.size() >= 15 && 2 * with_base.size() >= alone.size();
-  const PivotCalibration found = calibrate_pivot(has_base ? with_base : alone);
+  const PivotCalibration found = calibrate_pivot(has_base ? with_base : alone, rig);
   const double sigma = UncertainPoint{found.ball, found.covariance}.largest_sigma();
   CalibrationReport report;
   report.refusal = found.refusal;
@@ -44,6 +54,9 @@ CalibrationReport report_probe(const CalibrateOptions& options, const Setup& set
       {{"ball", significant(1e3 * found.ball.x()) + ", " + significant(1e3 * found.ball.y()) + ", " +
                     significant(1e3 * found.ball.z()) + " mm in the probe"},
        {"known to", significant(1e3 * sigma, 2) + " mm (one standard deviation, worst direction)"},
+       {"of it", "noise " + mm(found.parts.noise) + ", camera " + mm(found.parts.camera) +
+                     ", the probe's tags " + mm(found.parts.probe) +
+                     (has_base ? ", the board's " + mm(found.parts.base) : "") + " mm"},
        {"residuals", significant(1e3 * found.rms, 3) + " mm rms"},
        {"moved by", significant(1e3 * (found.ball - probe.ball_center).norm(), 3) + " mm from the setup's"}});
   report.figures = {{"ball_x_m", found.ball.x()},
