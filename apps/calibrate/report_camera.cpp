@@ -59,7 +59,7 @@ void describe_camera(const CameraCalibration& found, CalibrationReport& report) 
        {"bend", significant(1e3 * found.sag, 2) + " mm of the board's " +
                     std::to_string(std::lround(1e3 * found.width)) + " mm"},
        {"residuals", significant(found.rms_px, 3) + " px rms"}});
-  if (found.focal_scatter.sigma > 0.0)
+  if (found.focal_scatter.is_likely)
     report.rows.push_back({"focus", "the focal length changes by " +
                                         significant(100.0 * found.focal_scatter.sigma, 2) +
                                         " % from image to image"});

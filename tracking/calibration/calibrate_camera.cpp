@@ -342,9 +342,10 @@ CameraCalibration calibrate_camera(int width, int height, const TagBody& board, 
   }
   if (calibration.refusal.empty()) calibration.refusal = judge(calibration, options);
   if (calibration.refusal.empty() && is_rational) calibration.refusal = judge_corners(calibration);
-  // The next image has a focal length of its own.
-  double& focal = calibration.camera.errors.focal;
-  focal = std::hypot(focal, calibration.focal_scatter.sigma);
+  if (calibration.focal_scatter.is_likely) {  // the next image has a focal length of its own
+    double& focal = calibration.camera.errors.focal;
+    focal = std::hypot(focal, calibration.focal_scatter.sigma);
+  }
   if (calibration.refusal.empty() && !is_rational) note_held_out(fitted, board, options, calibration);
   return calibration;
 }

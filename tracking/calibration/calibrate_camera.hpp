@@ -42,7 +42,7 @@ struct CameraCalibration {
   double widest_tilt = 0.0;    ///< radians between board and image plane, which one in ten views exceeds
   double sag = 0.0;            ///< metres by which the board is bent out of its plane
   double width = 0.0;          ///< metres, of the circle around the board's tags
-  FocalScatter focal_scatter;  ///< from view to view; `covariance` and `camera.errors` count it
+  FocalScatter focal_scatter;  ///< `covariance` counts it, errors.focal where it is likely
   std::size_t views = 0;       ///< used
   std::vector<RefusedView> refused;
   std::vector<OtherLens> simpler;  ///< of a rational lens: plumb_bob and fisheye

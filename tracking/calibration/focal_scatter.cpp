@@ -20,10 +20,14 @@ FocalScatter focal_scatter(const std::vector<BundleFit::FocalStep>& steps) {
   }
   if (told < 2) return {};
   const double q = squares - sum * sum / weights;
-  const double freedom = told - 1, ninth = 2.0 / (9.0 * freedom);
-  const double usual = freedom * std::pow(1.0 - ninth + 1.645 * std::sqrt(ninth), 3.0);  // of 0.95
-  if (q < usual) return {};
-  return {std::sqrt((q - freedom) / (weights - squared_weights / weights)), q > chi_square_limit(told - 1)};
+  const double freedom = told - 1;
+  const auto limit = [freedom](double normal_quantile) {  // Wilson and Hilferty 1931
+    const double ninth = 2.0 / (9.0 * freedom);
+    return freedom * std::pow(1.0 - ninth + normal_quantile * std::sqrt(ninth), 3.0);
+  };
+  if (q < limit(1.645)) return {};
+  return {std::sqrt((q - freedom) / (weights - squared_weights / weights)), q > limit(2.326),
+          q > chi_square_limit(told - 1)};
 }
 
 }  // namespace clearway

@@ -176,7 +176,7 @@ TEST(CalibrateCamera, stated_focal_error_covers_a_focus_that_hardly_moves) {
   int accepted = 0;
   for (int seed = 1; seed <= drawn_cameras; ++seed) {
     DrawnViews drawn = scene::draw_views(static_cast<unsigned>(seed), 25, {.spread = 0.7});
-    vary_focus(drawn, static_cast<unsigned>(seed), 0.004);
+    vary_focus(drawn, static_cast<unsigned>(seed), 0.003);
     const CameraCalibration found = found_of(drawn);
     if (!found.refusal.empty()) continue;
     ++accepted;

@@ -21,13 +21,15 @@ std::vector<BundleFit::FocalStep> drawn_steps(double scatter, unsigned seed, int
 }
 
 TEST(FocalScatter, is_none_where_noise_explains_the_differences) {
-  int seen = 0;
+  int seen = 0, likely = 0;
   for (unsigned seed = 1; seed <= 400; ++seed) {
     const FocalScatter found = focal_scatter(drawn_steps(0.0, seed, 25));
     EXPECT_FALSE(found.is_certain) << seed;
     seen += found.sigma > 0.0;
+    likely += found.is_likely;
   }
-  EXPECT_NEAR(seen, 20, 18);  // of a binomial distribution: four standard deviations
+  EXPECT_NEAR(seen, 20, 18);  // four standard deviations of a binomial distribution
+  EXPECT_LT(likely, 4 + 8);
   EXPECT_EQ(focal_scatter({}).sigma, 0.0);
   EXPECT_EQ(focal_scatter({{0.1, 0.001}}).sigma, 0.0);
   EXPECT_EQ(focal_scatter({{0.1, 0.001}, {}}).sigma, 0.0);
