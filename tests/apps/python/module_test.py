@@ -201,7 +201,7 @@ class Hostile(unittest.TestCase):
                 with self.subTest(name), self.assertRaises(ValueError):
                     take(value)
         sheared, mirrored, broken, moved = (np.eye(4) for _ in range(4))
-        sheared[0, 1], mirrored[0, 0], broken[2, 3], moved[3, 0] = 1e-3, -1.0, np.nan, 1.0
+        sheared[0, 1], mirrored[0, 0], broken[2, 3], moved[3, 0] = 3e-3, -1.0, np.nan, 1.0
         for value in (sheared, mirrored, broken, moved, 2 * np.eye(4), np.zeros((4, 4)), np.eye(3)):
             with self.assertRaisesRegex(ValueError, "^map_from_base: expected"):
                 robot.placed(value)

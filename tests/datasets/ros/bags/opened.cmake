@@ -48,7 +48,7 @@ stroke:
   waypoints: [{ball: [0.05, -0.03, 0.06]}, {ball: [0.08, 0, 0.09]}, {ball: [0.05, 0.03, 0.06]}]
 ")
 run(COMMAND ${CLEARWAY} simulate scene.yaml --out ${WORK}/stroke.rawlog)
-run(COMMAND ${CLEARWAY} replay stroke.rawlog --out ${WORK}/stroke --record ${WORK}/stroke.mcap)
+run(COMMAND ${CLEARWAY} replay stroke.rawlog --resolution 0.005 --out ${WORK}/stroke --record ${WORK}/stroke.mcap)
 run(COMMAND node read_record.mjs stroke.mcap truth.json)
 foreach(expected "\"/poses/camera\":[1-9]" "\"/poses/probe\":[1-9]" "\"/camera/camera_info\":1[01]")
   if(NOT out MATCHES "${expected}")
