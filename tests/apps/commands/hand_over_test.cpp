@@ -112,8 +112,9 @@ TEST(HandOver, RecordingsAreWrittenAndRead) {
       run_program("simulate " + scene + " --out " + folder.file("own.rawlog") + " --json");
   ASSERT_EQ(made.status, 0) << made.log;
   EXPECT_GT(nlohmann::json::parse(made.out).at("images").get<int>(), 0);
-  ASSERT_EQ(run_command({"simulate", scene, "--out", folder.file("full.rawlog")}).status, 0);
-  EXPECT_EQ(read_file(folder.file("own.rawlog")), read_file(folder.file("full.rawlog")));
+  std::filesystem::create_directory(folder / "by_full");
+  ASSERT_EQ(run_command({"simulate", scene, "--out", folder.file("by_full/own.rawlog")}).status, 0);
+  EXPECT_EQ(read_file(folder.file("own.rawlog")), read_file(folder.file("by_full/own.rawlog")));
   const std::string recording = folder.file("own.rawlog"), flags = " --no-plan --quiet --out ";
   ASSERT_EQ(run_program("replay " + recording + flags + folder.file("own")).status, 0);
   ASSERT_EQ(run_command({"replay", recording, "--no-plan", "--quiet", "--out", folder.file("full")}).status,

@@ -64,7 +64,7 @@ TEST_F(Emptiness, BallsTooSmallToHoldAVoxelAreReportedWithTheResolutionThatTheyT
   EXPECT_NE(sentence.find("holds a whole voxel of 200 mm; expected `resolution` (--resolution) of at most "),
             std::string::npos)
       << sentence;
-  EXPECT_EQ(refusal("r.rawlog", small_setup), "");
+  EXPECT_EQ(refusal("r.rawlog", small_setup + "map: {resolution: 0.001}\n"), "");
 }
 
 TEST_F(Emptiness, ImagesOfABagThatCannotBeUsedAreReportedWithTheReason) {

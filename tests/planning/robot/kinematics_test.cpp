@@ -217,7 +217,8 @@ TEST(InverseKinematics, IsEmptyOutOfReachAndForBadInput) {
     EXPECT_FALSE(inverse_kinematics(robot, far, q));
     far.translation().x() = NAN;
     EXPECT_FALSE(inverse_kinematics(robot, far, q));
-    EXPECT_FALSE(inverse_kinematics(robot, tip_pose(robot, q), Configuration::Zero(1)));
+    EXPECT_THROW(inverse_kinematics(robot, tip_pose(robot, q), Configuration::Zero(1)),
+                 std::invalid_argument);
   }
   EXPECT_THROW(puma_inverse_kinematics(load_robot("planar2"), Eigen::Isometry3d::Identity()),
                std::invalid_argument);
