@@ -14,7 +14,7 @@
 namespace clearway::bench {
 namespace {
 
-constexpr double half = 1.2, height = 2.4, thickness = 0.1;
+constexpr double half = 1.2, room_height = 2.4, thickness = 0.1;
 constexpr std::size_t frames_a_place = 10, frames_with_fist = 3;
 
 SceneShape box_at(const Eigen::Vector3d& size, const Eigen::Vector3d& center) {
@@ -32,7 +32,7 @@ SceneShape ball(const Sphere& sphere) {
 /// Floor, ceiling and walls; their faces a third of a voxel off the grid.
 std::vector<SceneShape> walls(double resolution) {
   std::vector<SceneShape> all;
-  const Eigen::Vector3d middle(0.0, 0.0, height / 2 - 0.2);
+  const Eigen::Vector3d middle(0.0, 0.0, room_height / 2 - 0.2);
   for (int axis = 0; axis < 3; ++axis) {
     for (const double side : {-1.0, 1.0}) {
       Eigen::Vector3d size = Eigen::Vector3d::Constant(2 * half + 2 * thickness), at = middle;
