@@ -88,7 +88,7 @@ Eigen::Isometry3d rigid(const double* numbers, const std::string& name) {
   const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
   const bool is_finite = matrix.allFinite();
   // Files print matrices with few decimals.
-  if (!is_rotation(rotation, 1e-3) || matrix.row(3) != Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0))
+  if (!is_finite || !is_rotation(rotation, 1e-3) || matrix.row(3) != Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0))
     throw std::invalid_argument(name +
                                 ": expected a rigid motion, with a rotation orthonormal within 1e-3 and the "
                                 "last row 0, 0, 0, 1; got " +

@@ -37,7 +37,7 @@ class OpenFrames : public testing::Test {
   void SetUp() override {
     setup_ = small_setup;  // with room for the error of tags this small
     setup_.replace(setup_.find("ball_radius: 0.02"), 17, "ball_radius: 0.02, tracking_error: 0.012");
-    setup_ += "map: {resolution: 0.001}\n";  // such that balls this small hold voxels
+    setup_ += "map: {resolution: 0.0004}\n";  // such that balls this small hold voxels
     folder_.write("setup.yaml", setup_);
     Scene scene = parse_scene(small_scene, "small scene", folder_ / "");
     scene.depth.reset();
