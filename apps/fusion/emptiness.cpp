@@ -122,8 +122,8 @@ std::string unpainted_reason(const Fusion& fusion) {
 
 bool has_content(const Fusion& fusion) {
   const FusionCounts& counts = fusion.counts;
-  return (counts.spheres > 0 && unpainted_reason(fusion).empty()) || counts.body_spheres > 0 ||
-         counts.points.inserted > 0 || counts.points.cleared > 0;
+  return counts.body_spheres > 0 || counts.points.inserted > 0 || counts.points.cleared > 0 ||
+         (counts.spheres > 0 && unpainted_reason(fusion).empty());  // last: it walks the map
 }
 
 void require_content(const Fusion& fusion, const std::filesystem::path& recording) {

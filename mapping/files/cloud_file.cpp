@@ -258,8 +258,7 @@ std::shared_ptr<const FusedTree> tree_of_cloud(const std::vector<Eigen::Vector3f
                                   short_text(point.y()) + ", " + short_text(point.z()) + "), beyond " +
                                   short_text(32768.0 * resolution) +
                                   " m, the reach of a map of this resolution: expected metres from an origin "
-                                  "nearby (shift a cloud of "
-                                  "UTM coordinates), or a coarser cloud resolution");
+                                  "nearby (shift a cloud of UTM coordinates), or a coarser cloud resolution");
     }
     return *cell;
   };

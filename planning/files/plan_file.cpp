@@ -11,6 +11,7 @@
 #include "planning/files/json_field.hpp"
 #include "planning/files/load_json.hpp"
 #include "planning/path/path_pieces.hpp"
+#include "planning/problem/held_to_task.hpp"
 #include "planning/problem/option_reader.hpp"
 
 namespace clearway {
@@ -155,17 +156,13 @@ std::string Plan::end_violation(bool by_goal_box) const {
   const std::string count = std::to_string(goals.size());
   if (reached != goals.size())
     return "goals: expected a leg to each of " + count + ", the path has " + std::to_string(reached);
-  const bool is_beam = planner == "beam" || planner == "beam_reference";
-  const auto is_in_goal_box = [&](const PlanResult& leg, const Configuration& goal) {
-    if (!by_goal_box || !is_beam || leg.last_segment || leg.waypoints.back().size() != goal.size())
-      return false;
-    return (leg.waypoints.back() - goal).norm() <= leg.final_distance + contract_tolerance;
-  };
-  for (std::size_t i = 0; i < goals.size(); ++i)
-    if (is_in_goal_box(legs[i], goals[i])) {
-      continue;
-    } else if (const std::string off = path_has("ends its leg", at[i + 1], goals[i]); !off.empty())
-      return "goal " + std::to_string(i + 1) + " of " + count + ": " + off;
+  for (std::size_t i = 0; i < goals.size(); ++i) {
+    const std::string off = path_has("ends its leg", at[i + 1], goals[i]);
+    if (off.empty()) continue;
+    const bool is_comparable = at[i + 1].size() == goals[i].size();
+    if (by_goal_box && is_comparable && ends_in_goal_box(planner, legs[i], goals[i])) continue;
+    return "goal " + std::to_string(i + 1) + " of " + count + ": " + off;
+  }
   return {};
 }
 

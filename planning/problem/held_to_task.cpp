@@ -27,10 +27,8 @@ std::string fault_of(const Planner& planner, const PlanProblem& problem, const P
   const double begins = (first - problem.start).lpNorm<Eigen::Infinity>();
   if (begins > contract_tolerance) return off_text(begins, "begins", "start");
   const double ends = (last - problem.goal).lpNorm<Eigen::Infinity>();
-  const bool may_end_in_box =
-      (planner.name() == "beam" || planner.name() == "beam_reference") && !result.last_segment;
-  if (may_end_in_box && (last - problem.goal).norm() <= result.final_distance + contract_tolerance) return "";
-  return ends > contract_tolerance ? off_text(ends, "ends", "goal") : "";
+  if (ends <= contract_tolerance || ends_in_goal_box(planner.name(), result, problem.goal)) return "";
+  return off_text(ends, "ends", "goal");
 }
 
 void replace_figures(const PlanProblem& problem, PlanResult& result) {
@@ -43,6 +41,12 @@ void replace_figures(const PlanProblem& problem, PlanResult& result) {
 }
 
 }  // namespace
+
+bool ends_in_goal_box(std::string_view planner, const PlanResult& leg, const Configuration& goal) {
+  const bool is_beam = planner == "beam" || planner == "beam_reference";
+  return is_beam && !leg.last_segment &&
+         (leg.waypoints.back() - goal).norm() <= leg.final_distance + contract_tolerance;
+}
 
 PlanResult held_to_task(const Planner& planner, const PlanProblem& problem) {
   PlanResult result = planner.plan(problem);
