@@ -18,8 +18,7 @@ inline constexpr const char* kinds_of_recordings =
 /// - a folder of depth pictures as RGB-D data sets have it (datasets/pictures/depth_folder.hpp);
 /// - a video, recognized by its first bytes (datasets/pictures/video.hpp);
 /// - a folder of .png and .jpg files (else of .bmp, .tif, .webp, .ppm or .pgm, where no clouds are), or one
-/// of
-///   them: images (datasets/pictures/image_folder.hpp);
+///   of them: images (datasets/pictures/image_folder.hpp);
 /// - a folder of .pcd and .ply files, or one of them: scans of kind "points", each seen from the file's
 ///   viewpoint, which is in the same frame as its points. Their time is the number that is their name (as the
 ///   TUM benchmark names them), else 0, 1, 2, ... s;
