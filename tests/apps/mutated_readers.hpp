@@ -72,7 +72,7 @@ class MutatedReaders : public ::testing::Test {
   void expect_read_or_refused(const std::string& file, const std::string& whole, const Read& read) {
     folder_.write(file, whole);
     ASSERT_NO_THROW(read(folder_.path() / file)) << file;
-    const int count = mutations(40);
+    const int count = mutations(25);
     *progress_ = {};
     while (progress_->at < count) {
       const int status = run_child(file, whole, count, read);

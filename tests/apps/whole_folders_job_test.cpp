@@ -1,5 +1,6 @@
 // replay, inspect --save and compare over an older folder: whatever fails or ends them, the older set or the
-// new one is there, whole. CLEARWAY_KILLS says how often they are killed at random times (12 by default).
+// new one is there, whole. CLEARWAY_KILLS says how often they are killed at random times (12 by default);
+// with CLEARWAY_TRIALS=many every call to the disk fails, else a third of them and the last ones.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -19,6 +20,7 @@
 #include "tests/apps/faulty_disk/faulty_disk.hpp"
 #include "tests/apps/run_command.hpp"
 #include "tests/worlds/small_scene.hpp"
+#include "tests/worlds/trials.hpp"
 
 namespace clearway {
 namespace whole_folders_job_test {
@@ -225,6 +227,15 @@ class WholeFolders : public ::testing::TestWithParam<const char*> {
     return std::max(1, (text != nullptr ? std::atoi(text) : 12) / 3);
   }
 
+  /// The calls to the disk that shall fail, one at a time. Folders change places in the last ones.
+  std::vector<long> failing_calls() const {
+    const int apart = trials(3, 1);
+    std::vector<long> chosen;
+    for (long n = 1; n <= calls_; ++n)
+      if (n % apart == 0 || n > calls_ - 12) chosen.push_back(n);
+    return chosen;
+  }
+
   const TemporaryFolder base_;
   Content old_, new_;
   long calls_ = 0;
@@ -232,7 +243,7 @@ class WholeFolders : public ::testing::TestWithParam<const char*> {
 
 TEST_P(WholeFolders, EveryCallToTheDiskMayFail) {
   ASSERT_GT(calls_, 10);
-  for (long n = 1; n <= calls_; ++n) {
+  for (const long n : failing_calls()) {
     SCOPED_TRACE(kind() + ", call " + std::to_string(n) + " of " + std::to_string(calls_));
     restore();
     const Ending ending = run(n, n % 2 == 0 ? ENOSPC : EIO);
@@ -248,7 +259,7 @@ TEST_P(WholeFolders, EveryCallToTheDiskMayFail) {
 /// A file system that cannot exchange two names says EINVAL: then the older folder moves aside.
 TEST_P(WholeFolders, ACallThatTheFileSystemDoesNotKnowEndsInOneOfTheTwo) {
   int done = 0;
-  for (long n = 1; n <= calls_; ++n) {
+  for (const long n : failing_calls()) {
     SCOPED_TRACE(kind() + ", call " + std::to_string(n) + " of " + std::to_string(calls_));
     restore();
     const Ending ending = run(n, EINVAL);
@@ -263,7 +274,7 @@ TEST_P(WholeFolders, ACallThatTheFileSystemDoesNotKnowEndsInOneOfTheTwo) {
 
 TEST_P(WholeFolders, AKillBeforeAnyCallToTheDiskLeavesOneOfTheTwo) {
   std::size_t old = 0;
-  for (long n = 1; n <= calls_; ++n) {
+  for (const long n : failing_calls()) {
     restore();
     const Ending ending = run(n, 0);
     if (!WIFSIGNALED(ending.status)) {  // the call was one of the child that reads the recording

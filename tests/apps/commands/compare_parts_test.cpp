@@ -63,7 +63,7 @@ std::map<std::string, std::string> findings(const fs::path& folder) {
 
 std::string many_runs() {
   std::string suite = small_suite;
-  return suite.replace(suite.find("runs: 2"), 7, "runs: 12");
+  return suite.replace(suite.find("runs: 2"), 7, "runs: 5");
 }
 
 class CompareParts : public testing::Test {
@@ -131,7 +131,7 @@ TEST_F(CompareParts, ASignalLeavesATableAndResumingFindsWhatNobodyInterrupted) {
     arguments.insert(arguments.begin(), "compare");
     arguments.emplace_back("--resume");  // the second time
     const Interrupted ended =
-        interrupt(arguments, signal, partial / "runs.jsonl", signal == SIGINT ? 12 : 40, folder_.path());
+        interrupt(arguments, signal, partial / "runs.jsonl", signal == SIGINT ? 8 : 25, folder_.path());
     ASSERT_TRUE(WIFEXITED(ended.status));
     EXPECT_EQ(WEXITSTATUS(ended.status), 128 + signal) << ended.log;
     EXPECT_NE(ended.out.find("solved / valid / total"), std::string::npos) << ended.out;

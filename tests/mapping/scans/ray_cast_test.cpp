@@ -125,13 +125,13 @@ TEST(RayCast, TurnsOfALaserPassOctoMapsVoxelsAndLeaveNoMark) {
   Dice dice(31);
   for (const double tilt : {0.0, 0.01, 0.3}) {
     ScanRays turn{dice.point(1.0).cast<float>(), {}}, dense{turn.origin, {}};
-    for (int i = 0; i < 90; ++i) {
-      const double angle = i * M_PI / 45.0, range = dice.uniform(0.1, 15.0);
+    for (int i = 0; i < 60; ++i) {
+      const double angle = i * M_PI / 30.0, range = dice.uniform(0.1, 15.0);
       turn.ends.push_back({turn.origin + (range * Eigen::Vector3d(std::cos(angle), std::sin(angle),
                                                                   tilt * std::sin(3.0 * angle)))
                                              .cast<float>()});
     }
-    for (int i = 0; i < 2000; ++i) dense.ends.push_back({turn.origin + dice.point(0.8).cast<float>()});
+    for (int i = 0; i < 800; ++i) dense.ends.push_back({turn.origin + dice.point(0.8).cast<float>()});
     expect_stock_cells(turn, 0.04, workspace);
     expect_stock_cells(dense, 0.04, workspace);
   }
@@ -141,7 +141,7 @@ TEST(RayCast, ADepthFramePassesOctoMapsVoxelsOnBothSidesOfTheLargestWindow) {
   RayWorkspace workspace;
   Dice dice(17);
   ScanRays rays{Eigen::Vector3f(0.31F, -0.12F, 1.05F), {}};
-  for (int i = 0; i < 100; ++i) {
+  for (int i = 0; i < 40; ++i) {
     const Eigen::Vector3d way(1.0, dice.uniform(-0.6, 0.6), dice.uniform(-0.45, 0.45));
     const double range = i == 0 ? 9.0 : dice.uniform(0.5, 4.0);  // the first fits no window of its own group
     rays.ends.push_back({rays.origin + (range * way).cast<float>()});
