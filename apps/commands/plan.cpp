@@ -18,6 +18,7 @@
 #include "mapping/files/map_file.hpp"
 #include "mapping/maps/map_damage.hpp"
 #include "mapping/system/atomic_file.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/check/check_pick.hpp"
 #include "planning/files/trajectory_file.hpp"
 #include "planning/plan_and_check.hpp"
@@ -47,17 +48,26 @@ bool wants_motion(const PlanOptions& options) {
   return !options.trajectories.empty() || !options.view.empty() || options.motion;
 }
 
+/// "; 'FILE' stays as it was": who sends it to the robot sends an earlier plan.
+std::string older_trajectory(const PlanOptions& options) {
+  for (const auto& [format, file] : options.trajectories)
+    if (std::filesystem::exists(file)) return "; '" + file + "' stays as it was";
+  return "";
+}
+
 /// Nothing but a proved path is given time: a controller would follow it.
 void add_motion(const PlanOptions& options, const ConfigurationSpace& space, Plan& plan, Console& console) {
   if (!wants_motion(options)) return;
   give_motion(space, plan, {.scales = options.scales, .period = options.period}, options.grip_time);
   if (plan.is_proved()) {
-    if (!plan.motion) console.warn("clearway: no trajectory was written: " + plan.motion_caveat);
+    if (!plan.motion)
+      console.warn("clearway: no trajectory was written: " + plan.motion_caveat + older_trajectory(options));
   } else if (!options.trajectories.empty() || options.motion) {
     console.warn("clearway: no trajectory was written, because the plan is " +
                  (plan.status() == PlanStatus::solved
                       ? "refused by the check"
-                      : "not solved (" + std::string(to_string(plan.status())) + ")"));
+                      : "not solved (" + std::string(to_string(plan.status())) + ")") +
+                 older_trajectory(options));
   }
 }
 
