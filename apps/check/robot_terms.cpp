@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "apps/console/parse.hpp"
 #include "apps/query/query.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/robot_files/load_robot.hpp"

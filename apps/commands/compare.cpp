@@ -30,6 +30,7 @@
 #include "mapping/system/nearest_name.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/planner_table.hpp"
+#include "planning/robot_files/load_robot.hpp"
 
 namespace clearway {
 namespace {

@@ -1,6 +1,7 @@
 #include "apps/fusion/paced_frames.hpp"
 
 #include <thread>
+#include <utility>
 
 namespace clearway {
 

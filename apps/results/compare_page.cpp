@@ -1,5 +1,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "apps/console/number_or_null.hpp"
 #include "apps/console/parse.hpp"
