@@ -4,6 +4,7 @@
 #include "apps/suites/suite_cells.hpp"
 #include "apps/suites/suite_draws.hpp"
 #include "apps/suites/suite_furniture.hpp"
+#include "apps/suites/suite_reaching.hpp"
 
 namespace clearway {
 namespace {

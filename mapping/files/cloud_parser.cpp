@@ -10,6 +10,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cstring>
 #include <memory>
 #include <stdexcept>
@@ -25,14 +27,30 @@ namespace {
 
 constexpr std::size_t megabyte = std::size_t{1} << 20U;
 
-/// Where a coordinate is within a point's bytes.
+/// Where a coordinate is within a point's bytes, and as what.
 struct Coordinate {
   std::size_t offset = 0;
-  bool is_double = false;
+  std::uint8_t type = pcl::PCLPointField::FLOAT32;
 
   float of(const std::uint8_t* point) const {
-    if (!is_double) return read<float>(point + offset);
-    return static_cast<float>(read<double>(point + offset));
+    switch (type) {
+      case pcl::PCLPointField::INT8:
+        return read<std::int8_t>(point + offset);
+      case pcl::PCLPointField::UINT8:
+        return read<std::uint8_t>(point + offset);
+      case pcl::PCLPointField::INT16:
+        return read<std::int16_t>(point + offset);
+      case pcl::PCLPointField::UINT16:
+        return read<std::uint16_t>(point + offset);
+      case pcl::PCLPointField::INT32:
+        return static_cast<float>(read<std::int32_t>(point + offset));
+      case pcl::PCLPointField::UINT32:
+        return static_cast<float>(read<std::uint32_t>(point + offset));
+      case pcl::PCLPointField::FLOAT64:
+        return static_cast<float>(read<double>(point + offset));
+      default:
+        return read<float>(point + offset);
+    }
   }
 
  private:
@@ -45,18 +63,18 @@ struct Coordinate {
 };
 
 Coordinate coordinate(const pcl::PCLPointCloud2& cloud, const std::string& name) {
-  if (std::count_if(cloud.fields.begin(), cloud.fields.end(),
-                    [&](const auto& field) { return field.name == name; }) > 1)
+  const auto is_it = [&](const auto& field) {  // some programs write X, Y, Z
+    return field.name.size() == 1 && std::tolower(static_cast<unsigned char>(field.name[0])) == name[0];
+  };
+  if (std::count_if(cloud.fields.begin(), cloud.fields.end(), is_it) > 1)
     throw std::runtime_error("it has several fields " + name);
   for (const auto& field : cloud.fields) {
-    if (field.name != name) continue;
-    const bool is_double = field.datatype == pcl::PCLPointField::FLOAT64;
-    const std::size_t size = is_double ? sizeof(double) : sizeof(float);
-    if (!(is_double || field.datatype == pcl::PCLPointField::FLOAT32) ||
-        field.offset + size > cloud.point_step) {
-      throw std::runtime_error("its field " + name + " is no float of 4 or 8 bytes");
-    }
-    return {field.offset, is_double};
+    if (!is_it(field)) continue;
+    constexpr std::array<std::size_t, 9> bytes_of{0, 1, 1, 2, 2, 4, 4, 4, 8};  // by type
+    if (field.datatype < pcl::PCLPointField::INT8 || field.datatype > pcl::PCLPointField::FLOAT64 ||
+        field.offset + bytes_of[field.datatype] > cloud.point_step)
+      throw std::runtime_error("its field " + name + " is no number of up to 8 bytes");
+    return {field.offset, field.datatype};
   }
   throw std::runtime_error("it has no field " + name);
 }
