@@ -258,6 +258,9 @@ int run_teach(const TeachCommand& command, Console& console) {
   const auto refused = std::count_if(session.events().begin(), session.events().end(),
                                      [](const TaughtEvent& reported) { return !reported.refusal.empty(); });
   for (const std::string& warning : fusion.warnings) console.warn("warning: " + warning);
+  if (const auto& late = session.late_events(); !late.empty())
+    console.warn("note: " + counted(late.size(), "event") + " (the first at " + significant(late.front(), 6) +
+                 " s) came after the last image: no image shows what the probes did then");
   if (fusion.damage) console.warn("clearway: " + *fusion.damage);
   if (console.json) {
     console.out() << json;

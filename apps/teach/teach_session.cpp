@@ -74,8 +74,12 @@ void TeachSession::see(const SeenImage& image) {
 }
 
 void TeachSession::end() {
-  for (const TeachEvent& event : next_events_(std::numeric_limits<double>::infinity()))
-    if (doing_ != Doing::ended) apply(event);
+  const double last_image = now_;
+  for (const TeachEvent& event : next_events_(std::numeric_limits<double>::infinity())) {
+    if (doing_ == Doing::ended) break;
+    if (event.time > last_image + 1.0) late_events_.push_back(event.time);
+    apply(event);
+  }
   take_plan(true);
   if (doing_ == Doing::painting || doing_ == Doing::erasing) end_stroke();
   doing_ = Doing::ended;

@@ -137,6 +137,8 @@ class TeachSession final : public FusionGuide {
   std::size_t map_version() const;
   /// Images in which a robot was led, and of these, in which `warning` was not empty.
   std::size_t led_images() const { return led_images_; }
+  /// Times of the events that came more than a second after the source's last image, s after its first frame.
+  const std::vector<double>& late_events() const { return late_events_; }
   std::size_t warned_images() const { return warned_images_; }
 
  private:
@@ -234,6 +236,7 @@ class TeachSession final : public FusionGuide {
   std::vector<std::vector<Load>> carried_;  ///< on each leg that is played
   std::string warning_;
   std::size_t led_images_ = 0, warned_images_ = 0;
+  std::vector<double> late_events_;
 };
 
 }  // namespace clearway

@@ -39,6 +39,21 @@ TEST_F(TeachSessionOf, EachStateTakesWhatBelongsAndRefusesTheRestWithACure) {
   EXPECT_EQ(act(TeachAction::paint_on), "paint_on: the session has ended");
 }
 
+TEST_F(TeachSessionOf, WhatComesAfterTheLastImageIsDoneAndCounted) {
+  EXPECT_EQ(act(TeachAction::paint_on), "");
+  for (const double after : {0.5, 3.0, 60.0}) {
+    TeachEvent event;
+    event.time = time_ + after;
+    event.action = after == 60.0 ? TeachAction::paint_on : TeachAction::paint_off;
+    due_.push_back(event);
+  }
+  const double first = time_ + 3.0;
+  session_.end();
+  EXPECT_EQ(session_.late_events(), (std::vector<double>{first, first + 57.0}));
+  EXPECT_EQ(session_.events().size(), 4U);
+  EXPECT_EQ(session_.events()[1].refusal, "");
+}
+
 TEST_F(TeachSessionOf, StartAndGoalsLieInsideOfThePaintAndAPlanBetweenThemIsApproved) {
   EXPECT_NE(act(TeachAction::start, "0,0").find("start: "), std::string::npos);  // nothing is painted yet
   EXPECT_EQ(session_.state(), TeachState::ready);
