@@ -374,7 +374,7 @@ int report_difference(const CompareOptions& options, Console& console) {
   } else {
     print_table(console.out(), diff_table(diff));
     for (const std::string& note : diff.notes) console.out() << note << '\n';
-    console.out() << (diff.is_worse() ? "Worse beyond noise.\n" : "Nothing is worse beyond noise.\n");
+    console.out() << diff.verdict() << '\n';
   }
   return diff.is_worse() ? exit_no : exit_done;
 }

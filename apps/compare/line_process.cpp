@@ -12,6 +12,9 @@
 #include <cerrno>
 #include <cstring>
 #include <ctime>
+#include <fstream>
+#include <set>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -28,12 +31,50 @@ constexpr int pause_ms = 10;
   throw std::runtime_error(std::string("cannot start a process: ") + std::strerror(errno));
 }
 
+/// Whether the shell need not stay between: one program and its arguments, nothing that the shell itself
+/// does.
+bool is_plain(const std::string& command) {
+  static const std::set<std::string> of_shell = {".",     "cd",   "source", "export", "set", "ulimit",
+                                                 "umask", "eval", "exec",   "if",     "for", "while",
+                                                 "until", "case", "time",   "!",      "{"};
+  char quote = 0;
+  for (const char letter : command) {
+    if (quote != 0) {
+      if (letter == quote) quote = 0;
+    } else if (letter == '\'' || letter == '"') {
+      quote = letter;
+    } else if (std::string_view(";&|()<>`\n").find(letter) != std::string_view::npos) {
+      return false;
+    }
+  }
+  std::istringstream words(command);
+  std::string first;
+  words >> first;
+  return first.find('=') == std::string::npos && !of_shell.contains(first);
+}
+
+/// Seconds of CPU of a process; with those of the ones that it started and that run.
+double cpu_of_family(pid_t process, bool with_children) {
+  clockid_t clock{};
+  timespec used{};
+  if (::clock_getcpuclockid(process, &clock) != 0 || ::clock_gettime(clock, &used) != 0) return 0.0;
+  double sum = static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
+  if (!with_children) return sum;
+  const std::string number = std::to_string(process);
+  std::ifstream children("/proc/" + number + "/task/" + number + "/children");
+  for (pid_t child = 0; children >> child;) sum += cpu_of_family(child, true);
+  return sum;
+}
+
 /// In the child: the program takes its place. Only calls that are safe after a fork.
 [[noreturn]] void become(const char* command, int talk, int complaints, pid_t parent) {
   ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(127);
   ::signal(SIGPIPE, SIG_DFL);
+  sigset_t none;  // ours waits for signals in a thread, which has them blocked
+  ::sigemptyset(&none);
+  ::sigprocmask(SIG_SETMASK, &none, nullptr);
   ::signal(SIGXFSZ, SIG_IGN);  // in an isolated run it may write no files: it is told so by write()
   ::dup2(talk, 0);
   ::dup2(talk, 1);
@@ -54,7 +95,8 @@ LineProcess::LineProcess(const std::string& command) {
   const FileDescriptor its_complaints(complaints[1]);
   for (const FileDescriptor* own : {&std::as_const(talk_), &std::as_const(complaints_)})
     ::fcntl(own->number(), F_SETFL, O_NONBLOCK);
-  const std::string line = "exec " + command;  // no shell stays between
+  is_under_shell_ = !is_plain(command);
+  const std::string line = is_under_shell_ ? command : "exec " + command;
   const pid_t parent = ::getpid();
   process_ = ::fork();
   if (process_ < 0) fail_to_start();
@@ -91,12 +133,7 @@ std::optional<std::string> LineProcess::unasked() {
   return take_line();
 }
 
-double LineProcess::cpu_seconds() const {
-  clockid_t clock{};
-  timespec used{};
-  if (::clock_getcpuclockid(process_, &clock) != 0 || ::clock_gettime(clock, &used) != 0) return 0.0;
-  return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
-}
+double LineProcess::cpu_seconds() const { return cpu_of_family(process_, is_under_shell_); }
 
 void LineProcess::send_some(std::string_view& rest) {
   const ssize_t count = ::send(talk_.number(), rest.data(), rest.size(), MSG_NOSIGNAL);

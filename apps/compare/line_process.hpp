@@ -29,7 +29,9 @@ class LineProcess {
   /// A line that is there and that nobody asked for. @throws as ask
   std::optional<std::string> unasked();
 
-  double cpu_seconds() const;  ///< that the program took so far, but not others that it started
+  /// That the program took so far, but not others that it started. Where the shell stays, because the command
+  /// is more than a program and its arguments, of all that it started and that run.
+  double cpu_seconds() const;
 
  private:
   void send_some(std::string_view& rest);
@@ -39,6 +41,7 @@ class LineProcess {
   [[noreturn]] void fail(const std::string& what);
 
   pid_t process_ = -1;
+  bool is_under_shell_ = false;
   FileDescriptor talk_, complaints_;
   std::string received_, last_words_;
 };

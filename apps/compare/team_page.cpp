@@ -134,7 +134,8 @@ PagePlan page_of_run(const Team& team, const TeamRun& run, const TeamVerdict& ve
   plan.figures = {
       {"motion", significant(static_cast<double>(run.steps()) * run.period) + " s"},
       {"period", significant(1000.0 * run.period) + " ms"},
-      {"least separation", millimetres(verdict.least_separation)},
+      {"least separation",
+       (verdict.between.empty() ? "at least " : "") + millimetres(verdict.least_separation)},
       {"between", verdict.between.empty() ? "-" : verdict.between},
       {"security distance", millimetres(run.figures.security_distance)},
       {"influence distance", millimetres(run.figures.influence_distance)},

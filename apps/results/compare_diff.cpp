@@ -191,18 +191,36 @@ std::string percent(double ratio) {
   return (change > 0.0 ? "+" : "") + significant(change, 3) + " %";
 }
 
+constexpr double beyond_chance = 0.05;
+
+/// The smallest p value that the tests can give to changes of so many problems, all one way, of so many rows.
+double least_p(std::size_t problems, std::size_t rows) {
+  return static_cast<double>(rows) * std::ldexp(2.0, -static_cast<int>(problems));
+}
+
 /// Sorts into worse and better what is beyond noise.
 void judge(DiffRow& row) {
-  constexpr double significance = 0.05, drift = 0.05;
-  const bool loses_alone = row.lost > row.lost_to_clock && row.won == 0;  // the same seeds: no chance in it
-  if (row.success_p < significance || loses_alone) {
+  constexpr double drift = 0.05;
+  constexpr std::size_t many_lost = 6;
+  const bool loses_alone =  // the same seeds: no chance in it, or little where a clock ended them
+      row.won == 0 && (row.lost > row.lost_to_clock || row.lost >= many_lost);
+  if (row.success_p < beyond_chance || loses_alone) {
     auto& words = row.lost > row.won ? row.worse : row.better;
     words.push_back("solves " + std::string(row.lost > row.won ? "fewer" : "more") + ": lost " +
                     std::to_string(row.lost) + ", won " + std::to_string(row.won) + " (p " +
                     p_text(row.success_p) + ")");
   }
   const auto judge_figure = [&](const PairedFigure& figure, const char* what, double least) {
-    if (figure.p >= significance || std::abs(figure.ratio - 1.0) < least) return;
+    const bool is_all = least > 0.0 && figure.problems > 0 && figure.less % figure.problems == 0 &&
+                        (figure.less == 0 ? figure.ratio >= 2.0 : figure.ratio <= 0.5);
+    if (is_all && figure.p >= beyond_chance) {
+      (figure.ratio > 1.0 ? row.worse : row.better)
+          .push_back(std::string(what) + " " + percent(figure.ratio) +
+                     (figure.ratio > 1.0 ? " (more" : " (less") + std::string(" on each of ") +
+                     counted(figure.problems, "problem") + ")");
+      return;
+    }
+    if (figure.p >= beyond_chance || std::abs(figure.ratio - 1.0) < least) return;
     (figure.ratio > 1.0 ? row.worse : row.better)
         .push_back(std::string(what) + " " + percent(figure.ratio) + " (p " + p_text(figure.p) + ")");
   };
@@ -255,6 +273,18 @@ bool CompareDiff::is_worse() const {
   return std::any_of(rows.begin(), rows.end(), [](const DiffRow& row) { return !row.worse.empty(); });
 }
 
+std::string CompareDiff::verdict() const {
+  if (is_worse()) return "Worse beyond noise.";
+  const auto small =
+      std::count_if(rows.begin(), rows.end(), [](const DiffRow& row) { return row.is_too_small; });
+  if (small == 0) return "Nothing is worse beyond noise.";
+  std::size_t needed = 1;
+  while (least_p(needed, rows.size()) >= beyond_chance) ++needed;
+  return "Nothing is shown to be worse; " + std::to_string(small) + " of " + counted(rows.size(), "row") +
+         " could show only what doubles the CPU time on each problem or loses runs alone: expected " +
+         std::to_string(needed) + " problems or more to tell less from noise.";
+}
+
 CompareDiff compare_diff(const fs::path& before_file, const fs::path& after_file) {
   const StoredResults before = load_results(before_file), after = load_results(after_file);
   CompareDiff diff;
@@ -269,7 +299,10 @@ CompareDiff compare_diff(const fs::path& before_file, const fs::path& after_file
   correct_rows(diff.rows, [](DiffRow& row) -> double& { return row.success_p; });
   correct_rows(diff.rows, [](DiffRow& row) -> double& { return row.cpu.p; });
   correct_rows(diff.rows, [](DiffRow& row) -> double& { return row.cost.p; });
-  for (DiffRow& row : diff.rows) judge(row);
+  for (DiffRow& row : diff.rows) {
+    row.is_too_small = least_p(row.cpu.problems, diff.rows.size()) >= beyond_chance;
+    judge(row);
+  }
   diff.notes = notes_on(before, after);
   return diff;
 }
@@ -308,10 +341,11 @@ std::string to_json(const CompareDiff& diff) {
                     {"success_p", row.success_p},
                     {"cpu", figure_json(row.cpu)},
                     {"cost", figure_json(row.cost)},
+                    {"too_small", row.is_too_small},
                     {"worse", row.worse},
                     {"better", row.better}});
-  return Json{{"worse", diff.is_worse()}, {"rows", rows}, {"notes", diff.notes}}.dump(
-      1, ' ', false, Json::error_handler_t::replace);
+  return Json{{"worse", diff.is_worse()}, {"verdict", diff.verdict()}, {"rows", rows}, {"notes", diff.notes}}
+      .dump(1, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace clearway

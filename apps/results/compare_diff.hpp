@@ -19,6 +19,7 @@ struct DiffRow {
   std::size_t other_paths = 0;       ///< valid in both, with another cost or length: another path
   double success_p = 1.0;            ///< sign test of problems with fewer and with more valid runs
   PairedFigure cpu = {}, cost = {};  ///< new against old: `ratio` 1.1 is 10 % more
+  bool is_too_small = false;         ///< no change of some problems could have a p value that is small enough
   std::vector<std::string> worse = {}, better = {};  ///< what is beyond noise, in words
 };
 
@@ -26,12 +27,15 @@ struct CompareDiff {
   std::vector<DiffRow> rows;
   std::vector<std::string> notes;  ///< what makes the two hard to compare, a sentence each
   bool is_worse() const;
+  /// "Nothing is worse beyond noise.", and what too few problems leave open.
+  std::string verdict() const;
 };
 
 /// Reads two `results.sqlite` (or folders of results), and reports what changed beyond noise: a difference in
 /// success, CPU time or path cost whose p value, corrected for the number of rows, is below 0.05; of CPU time
-/// only 5 % or more, as machines drift. Runs lost to no clock, where none was won, are beyond noise, too: the
-/// seeds are the same.
+/// only 5 % or more, as machines drift. Beyond noise without a test are, where none was won, runs lost to no
+/// clock (the seeds are the same) and six or more lost to one, and CPU time that doubles or halves on every
+/// problem.
 /// @throws std::invalid_argument naming the file that is no such database, or that has no run in common
 CompareDiff compare_diff(const std::filesystem::path& before, const std::filesystem::path& after);
 

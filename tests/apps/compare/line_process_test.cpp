@@ -48,6 +48,30 @@ TEST(LineProcess, GivesUpWhenItIsLate) {
   EXPECT_EQ(deaf.ask("line", [&] { return ++asked > 3; }), std::nullopt);
 }
 
+/// What the shell itself does before a program, and signals as programs expect them.
+TEST(LineProcess, RunsWhateverTheShellRuns) {
+  for (const char* command : {"WORD=b sh -c 'read l; echo $l $WORD'", "cd / && sh -c 'read l; echo $l b'",
+                              ". /dev/null; sh -c 'read l; echo $l b'", "sed -u 's/$/ b/' | sed -u p -n"})
+    EXPECT_EQ(LineProcess(command).ask("a", never), "a b") << command;
+}
+
+TEST(LineProcess, LeavesNoSignalBlocked) {
+  sigset_t some, before;
+  sigemptyset(&some);
+  sigaddset(&some, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &some, &before);
+  LineProcess reader("sh -c 'read l; grep SigBlk /proc/self/status'");
+  EXPECT_EQ(reader.ask("line", never), "SigBlk:\t0000000000000000");
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+}
+
+TEST(LineProcess, CountsTheWorkOfAProgramBehindTheShell) {
+  LineProcess busy(
+      "cd / && sh -c 'read l; i=0; while [ $i -lt 60000 ]; do i=$((i+1)); done; echo done; read l' && true");
+  EXPECT_EQ(busy.ask("line", never), "done");
+  EXPECT_GT(busy.cpu_seconds(), 0.01);
+}
+
 TEST(LineProcess, SaysHowItEndedAndItsLastLineOfErrors) {
   EXPECT_EQ(end_of("sh -c 'read l; echo first >&2; echo second >&2; exit 3'"),
             "the planner's program ended with status 3; its last line of errors: 'second'");

@@ -84,6 +84,43 @@ TEST(CompareDiff, SlowerEverywhereIsWorseUnlessItIsLittle) {
   EXPECT_EQ(slower(0.5).rows[0].better.size(), 1U);
 }
 
+/// No test of ranks can find three problems significant: what doubles on each is worse all the same, and of
+/// less the verdict says that it cannot tell.
+TEST(CompareDiff, OfFewProblemsItSaysWhatItCannotTell) {
+  const auto of_three = [](double factor) {
+    const TemporaryFolder folder;
+    for (const char* name : {"old.sqlite", "new.sqlite"}) {
+      CompareResults results = results_with([&](std::size_t, CompareRun& run) {
+        if (name[0] == 'n') run.cpu *= factor;
+      });
+      results.experiments[0].problems.resize(3);
+      save_database(results, folder.path() / name);
+    }
+    return compare_diff(folder.path() / "old.sqlite", folder.path() / "new.sqlite");
+  };
+  const CompareDiff hundredfold = of_three(100.0);
+  EXPECT_EQ(hundredfold.verdict(), "Worse beyond noise.");
+  EXPECT_EQ(hundredfold.rows[0].worse,
+            (std::vector<std::string>{"CPU time x 100 (more on each of 3 problems)"}));
+  EXPECT_EQ(of_three(0.4).rows[0].better.size(), 1U);
+  const std::string same = of_three(1.3).verdict();
+  EXPECT_EQ(same.find("Nothing is shown to be worse; 1 of 1 row could show only"), 0U) << same;
+  EXPECT_NE(same.find("expected 6 problems or more"), std::string::npos) << same;
+  EXPECT_EQ(diff_with([](std::size_t, CompareRun&) {}).verdict(), "Nothing is worse beyond noise.");
+}
+
+TEST(CompareDiff, ManyRunsThatAClockTookAreWorse) {
+  const auto lost = [](std::size_t count) {
+    return diff_with([count](std::size_t i, CompareRun& run) {
+             if (i < count) fail(run, PlanStatus::timed_out);
+           })
+        .rows[0]
+        .worse.size();
+  };
+  EXPECT_EQ(lost(2), 0U);
+  EXPECT_EQ(lost(20), 1U);
+}
+
 TEST(CompareDiff, RunsLostToNoClockAreWorseAloneAndAShuffleIsNot) {
   const CompareDiff one = diff_with([](std::size_t i, CompareRun& run) {
     if (i == 3) fail(run, PlanStatus::no_path);

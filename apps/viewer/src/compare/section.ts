@@ -126,7 +126,7 @@ function worst(experiment: Experiment): HTMLElement | null {
 
 function legend(): HTMLElement {
   const key = (kind: string, text: string) => el("span", {}, el("i", { class: `box ${kind}` }), text);
-  return el("p", { class: "note legend" }, key("valid", "valid"), key("invalid", "solved, but the independent check refuses the path"), key("", "not solved"));
+  return el("p", { class: "note legend" }, key("valid", "valid"), key("invalid", "solved, but not proved valid by the independent check"), key("", "not solved"));
 }
 
 function sayings(experiment: Experiment): HTMLElement | null {
