@@ -261,6 +261,23 @@ TEST(CheckLegs, OfAWaypointOfTwoLegsTheLesserClearanceIsReported) {
   }
 }
 
+/// The least clearance of a path is that of all its legs, whichever is the nearest.
+TEST(CheckLegs, TheLeastClearanceIsThatOfAllLegs) {
+  const Robot disc = load_robot("point");
+  const auto at = [](double x, double y) { return Configuration(Eigen::Vector2d(x, y)); };
+  const Snapshot map = VoxelScene{0.05, {box_of(0.41, 0.31, -0.04, 0.44, 0.34, 0.04)}, {}, {}}.snapshot();
+  const LegsToCheck near{disc, map, {at(0, 0), at(1, 0)}}, back{disc, map, {at(1, 0), at(1, -1)}},
+      first{disc, map, {at(0, -1), at(0, 0)}};
+  const std::map<std::string, Policy> policies{{"base", Policy::not_occupied}};
+  constexpr double truth = 0.3 - 0.2;  // from the voxel's side to the disc below it
+  for (const auto& legs : std::vector<std::vector<LegsToCheck>>{{near}, {near, back}, {first, near}}) {
+    const PathVerdict verdict = check_legs(legs, policies, 0.0, 0.5);
+    ASSERT_TRUE(verdict.valid) << verdict.first_contact;
+    EXPECT_LE(verdict.min_clearance, truth + 1e-9) << legs.size();
+    EXPECT_GE(verdict.min_clearance, 0.7 * truth) << legs.size();
+  }
+}
+
 /// A load may be turned in its link's frame: it is as far from a voxel as where it is stated to ride.
 TEST(CheckLegs, PlacesALoadThatIsTurnedWhereItIsStatedToRide) {
   Random random(11);

@@ -326,6 +326,58 @@ TEST(CheckPick, EachLegIsProvedAgainstWhatItAloneMeets) {
   }
 }
 
+/// A ball on the column, which goes along x alone: where the object is put it meets it on the way back, or
+/// later. Fingers may touch the object, but not lie deep in it while the hand is open.
+TEST(CheckPick, OnTheWayBackTheObjectStandsWhereItWasPut) {
+  const auto contact = [](double ahead, double to_side, bool is_finger) {
+    const std::string ball = "<sphere radius='0.005'/>",
+                      place = std::to_string(ahead) + " " + std::to_string(to_side) + " 0.16";
+    const std::string knob = urdf_link("knob", "0 0 0", ball) +
+                             urdf_joint("arm", "fixed", "x", "knob", place, "1 0 0", ""),
+                      finger = urdf_link("finger", "-0.08 0 0", ball) +
+                               urdf_joint("grip", "prismatic", "hand", "finger", "0 0 0", "0 0 1",
+                                          urdf_limit(0, 0.1));
+    Errand errand(-0.3, 0.1, is_finger ? knob + finger : knob);
+    errand.legs.push_back({Errand::at(0.1, -0.1, 0), Errand::at(0.0, -0.1, 0)});
+    if (is_finger) {
+      errand.pick.grip["grip"] = {0.0, 0.0};
+      errand.pick.depth = 0.01;
+      errand.pick.object.touches = {"knob"};
+      for (auto& leg : errand.legs)
+        for (Configuration& q : leg) q = (Configuration(4) << q, 0.0).finished();
+    }
+    const std::string path = errand.path(shelf()).first_contact, motion = errand.motion(shelf()).fault;
+    const std::string same = path.empty() ? "" : "motion: " + path.substr(0, 11);
+    EXPECT_EQ(motion.substr(0, same.size()), same) << path;
+    EXPECT_EQ(path.empty(), motion.empty());
+    return path;
+  };
+  for (const bool is_finger : {false, true}) {
+    EXPECT_EQ(contact(0.06, -0.3, is_finger), "");
+    const std::string met = contact(0.06, -0.1, is_finger), later = contact(0.15, -0.1, is_finger);
+    EXPECT_TRUE(met.starts_with("leg retreat, its edge")) << met;
+    EXPECT_EQ(met.find("can-deeper-than-10mm") != std::string::npos, is_finger) << met;
+    EXPECT_TRUE(later.starts_with("leg leave, its edge")) << later;
+  }
+}
+
+/// Fingers may touch the object from the reach on, not on the way there; the map knows nothing of it.
+TEST(CheckPick, OnTheApproachNothingMayTouchTheObject) {
+  const Snapshot map = VoxelScene{edge, {box_of(2, 2, 2, 2.01, 2.01, 2.01)}, {}, {}}.snapshot();
+  Errand errand(-0.1);
+  const auto past = [](double x) { return Errand::at(x, 0.1, -0.07); };  // the fork is in the can at 0.2 m
+  errand.legs[0] = {past(0.05), past(0.15), past(0.05), Errand::at(0.1, 0.1, 0)};
+  EXPECT_TRUE(errand.path(map).valid) << errand.path(map).first_contact;
+  errand.legs[0][1] = past(0.35);
+  for (const bool is_finger : {false, true}) {
+    if (is_finger) errand.pick.object.touches = {"fork"};
+    const PathVerdict path = errand.path(map);
+    const MotionVerdict motion = errand.motion(map);
+    EXPECT_TRUE(path.first_contact.starts_with("leg approach, its edge 0 ")) << path.first_contact;
+    EXPECT_TRUE(motion.fault.starts_with("motion: leg approach, ")) << motion.fault;
+  }
+}
+
 /// As above with the fork that goes through the support's layer, which is under the place alone.
 TEST(CheckPick, TheRobotItselfKeepsClearOfWhatIsUnderThePlace) {
   const Errand through(0.06 + edge + 0.007);

@@ -141,6 +141,24 @@ TEST(MotionCheck, RefusesValuesThatAreNoNumbersAndSizesThatDoNotAgree) {
   }
 }
 
+/// Legs on which the same loads ride, here none, are proved to the last of them.
+TEST(MotionCheck, EachLegOfSeveralIsProved) {
+  const Corner corner;
+  const std::vector<Configuration> stops{at(0, 0), at(1, 0), at(1, 1), at(0, 1)};
+  const SmoothMotion made =
+      smooth_motion(corner.space, {{stops[0], stops[1]}, {stops[1], stops[2]}, {stops[2], stops[3]}});
+  const auto is_valid = [&](double x, double y) {
+    const auto post = box_of(x - 0.04, y - 0.04, -0.05, x + 0.04, y + 0.04, 0.05);
+    return check_motion(corner.robot, corner.space_with({post}).map(), corner.space.policies(), 0.0,
+                        made.motion, made.leg_ends, stops, corner.limits)
+        .valid;
+  };
+  EXPECT_TRUE(is_valid(0.5, 0.5));
+  EXPECT_FALSE(is_valid(0.5, 0.1));
+  EXPECT_FALSE(is_valid(0.9, 0.5));
+  EXPECT_FALSE(is_valid(0.5, 0.9));
+}
+
 TEST(MotionCheck, RefusesAnObstacleInsideTheBlendAndOneInsideTheEdgesIsNoMatter) {
   const Corner corner;
   // The blend cuts the corner at (1, 0): the disc no longer covers what lies beyond it.

@@ -71,5 +71,53 @@ TEST_F(PickTermsOf, TipAndObjectMayBeOffByTheirTolerancesAndByNothingMore) {
   ASSERT_EQ(angle_of(about(same_tip).linear()), same_tip);
 }
 
+/// After a quarter of a turn on the way the hand comes back a quarter of a turn from where it went in, the
+/// same way round.
+TEST_F(PickTermsOf, TheWayBackIsTurnedAsTheObjectWas) {
+  Robot robot = robot_;
+  robot.joints[0].kind = JointKind::revolute;
+  robot.joints[0].axis = Eigen::Vector3d::UnitZ();
+  robot.joints[0].upper = 2.0;
+  pick_.approach << 0.1, 0.0, 0.02;
+  pick_.lift = 0.3;
+  const Configuration taken = Configuration::Zero(1), put = Configuration::Constant(1, M_PI / 2);
+  const PickToCheck plan{robot,
+                         snapshot_,
+                         pick_,
+                         Eigen::Isometry3d::Identity(),
+                         {{taken}, {taken}, {taken}, {taken, put}, {put}, {put}}};
+  const PickTerms terms(plan, {}, 0.0, 0.0);
+  const auto ways = terms.ways();
+  EXPECT_EQ(ways[0], std::pair(PickTerms::reach, Eigen::Vector3d(0.1, 0.0, 0.02)));
+  EXPECT_EQ(ways[1], std::pair(PickTerms::lift, Eigen::Vector3d(0.0, 0.0, 0.3)));
+  EXPECT_EQ(ways[2], std::pair(PickTerms::lower, Eigen::Vector3d(0.0, 0.0, -0.3)));
+  EXPECT_EQ(ways[3].first, PickTerms::retreat);
+  EXPECT_LT((ways[3].second - Eigen::Vector3d(0.0, -0.1, -0.02)).norm(), 1e-12);
+}
+
+/// An object of which no policy speaks must lie in what the strictest of carrier and fingers must.
+TEST_F(PickTermsOf, TheObjectsPolicyIsTheStrictestOfWhatHoldsIt) {
+  Robot robot = robot_;
+  robot.links.push_back(robot.links[1]);
+  robot.links[2].name = "pad";
+  robot.bodies.push_back(robot.bodies[0]);
+  robot.bodies[1].part = "pad";
+  robot.bodies[1].link = 2;
+  pick_.object.touches = {"pad"};
+  const PickToCheck plan{robot, snapshot_, pick_, Eigen::Isometry3d::Identity(), {}};
+  constexpr auto strict = Policy::painted, middling = Policy::known_free, loose = Policy::not_occupied;
+  const auto chosen = [&](const std::map<std::string, Policy>& policies) {
+    return PickTerms(plan, policies, 0.0, 0.0).policies.at("box");
+  };
+  EXPECT_EQ(chosen({}), loose);
+  EXPECT_EQ(chosen({{"carriage", loose}, {"pad", loose}}), loose);
+  for (const Policy other : {loose, middling}) {
+    EXPECT_EQ(chosen({{"carriage", strict}, {"pad", other}}), strict);
+    EXPECT_EQ(chosen({{"carriage", other}, {"pad", strict}}), strict);
+    EXPECT_EQ(chosen({{"carriage", middling}, {"pad", other}}), middling);
+  }
+  EXPECT_EQ(chosen({{"carriage", strict}, {"pad", strict}, {"box", loose}}), loose);  // it is stated
+}
+
 }  // namespace pick_terms_test
 }  // namespace clearway::check

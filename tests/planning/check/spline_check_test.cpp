@@ -274,6 +274,25 @@ TEST(SplineCheck, ShortEdgesHideNoSpeed) {
   }
 }
 
+/// Between two equal points the cubic of velocities 1 and -1 goes 0.25 m beyond: past either limit.
+TEST(SplineCheck, ACurveThatSwingsPastALimitBetweenItsPointsIsRefused) {
+  Robot robot = disc();
+  for (Joint& joint : robot.joints) joint.lower = -1.0, joint.upper = 1.0;
+  for (const double side : {-1.0, 1.0})
+    for (const bool is_first : {true, false})
+      for (const double from : {0.74, 0.76}) {
+        const double p = side * from;
+        const Configuration place = is_first ? at(p, 0.0) : at(0.0, p),
+                            rate = is_first ? at(side, 0.0) : at(0.0, side);
+        const SplineVerdict verdict =
+            check_splines(robot, with_voxels({}), {}, 0.0, {{0.0, place, rate}, {1.0, place, -rate}});
+        EXPECT_EQ(verdict.path.valid, from < 0.75) << p << ' ' << verdict.path.first_contact;
+        if (from > 0.75) {
+          EXPECT_NE(verdict.path.first_contact.find("outside its limits"), std::string::npos);
+        }
+      }
+}
+
 TEST(SplineCheck, OnePointIsCheckedWhereItIs) {
   EXPECT_TRUE(check(disc(), with_voxels({{6, 0}}), {{1.0, at(0, 0)}}).is_valid());
   const SplineVerdict met = check(disc(), with_voxels({{3, 0}}), {{1.0, at(0, 0)}});

@@ -1,0 +1,89 @@
+// Of every door of the check: what was seen too long ago blocks, and an age that nobody can tell is refused
+// before a verdict.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "mapping/stamps/seen_stamps.hpp"
+#include "planning/check/check_legs.hpp"
+#include "planning/check/motion_check.hpp"
+#include "planning/check/spline_check.hpp"
+#include "planning/path/smooth_motion.hpp"
+#include "planning/robot_files/load_robot.hpp"
+#include "tests/worlds/random_world.hpp"
+
+namespace clearway {
+namespace check_ages_test {
+
+constexpr double edge = 0.05;
+
+/// Free round about the map's origin, as seen at 2.5 s; the newest look, elsewhere, is of 15 s.
+Snapshot map_of_looks() {
+  FreeSpaceMap builder({.resolution = edge, .integration = Integration::compatible});
+  Scan all_round, elsewhere;
+  all_round.map_from_sensor.translation().setConstant(edge / 2);
+  all_round.time = 2.5;
+  Random random(11);
+  for (int k = 0; k < 20'000; ++k)
+    all_round.points.push_back((0.6 * random.point(1.0).normalized()).cast<float>());
+  elsewhere.map_from_sensor.translation().setConstant(9.0);
+  elsewhere.time = 15.0;
+  elsewhere.points = {{0.5F, 0.0F, 0.0F}};
+  builder.insert(all_round);
+  builder.insert(elsewhere);
+  return builder.snapshot();
+}
+
+/// Whether a short way of the disc is valid there, by each of the doors.
+using Door = std::function<bool(const Snapshot& map, Policy policy, double seen_within)>;
+
+std::map<std::string, Door> doors() {
+  const Robot disc = load_robot("point");
+  const Configuration from = Eigen::Vector2d::Constant(edge / 2),
+                      to = from + Configuration::Unit(2, 0) * edge;
+  const auto of = [](Policy policy) { return std::map<std::string, Policy>{{"base", policy}}; };
+  const SmoothMotion made = smooth_motion(
+      ConfigurationSpace(disc, Snapshot(), {.parts = {}, .critical_by_default = false}), {{from, to}});
+  return {
+      {"path",
+       [=](const Snapshot& map, Policy policy, double seen_within) {
+         return check_path(disc, map, of(policy), 0.0, {from, to}, 0.0, seen_within).valid;
+       }},
+      {"legs",
+       [=](const Snapshot& map, Policy policy, double seen_within) {
+         return check_legs({{disc, map, {from, to}}}, of(policy), 0.0, 0.0, seen_within).valid;
+       }},
+      {"motion",
+       [=](const Snapshot& map, Policy policy, double seen_within) {
+         return check_motion(disc, map, of(policy), 0.0, made.motion, made.leg_ends, {from, to},
+                             rate_limits(disc), seen_within)
+             .valid;
+       }},
+      {"splines", [=](const Snapshot& map, Policy policy, double seen_within) {
+         return check_splines(disc, map, of(policy), 0.0, {{0.0, from}, {1.0, to}}, seen_within).is_valid();
+       }}};
+}
+
+TEST(CheckAges, WhatWasSeenTooLongAgoIsRefusedByEachDoor) {
+  const Snapshot map = map_of_looks();
+  for (const auto& [name, is_valid] : doors()) {
+    EXPECT_TRUE(is_valid(map, Policy::known_free, 0.0)) << name;
+    EXPECT_TRUE(is_valid(map, Policy::known_free, 13.0)) << name;
+    EXPECT_FALSE(is_valid(map, Policy::known_free, 12.0)) << name;
+  }
+}
+
+TEST(CheckAges, AnAgeThatNobodyCanTellIsRefusedByEachDoor) {
+  const Snapshot map = map_of_looks();
+  for (const auto& [name, is_valid] : doors()) {
+    for (const double age : {-1.0, std::nan(""), HUGE_VAL, map.seen()->period() / 2})
+      EXPECT_THROW(is_valid(map, Policy::known_free, age), std::invalid_argument) << name << age;
+    EXPECT_THROW(is_valid(Snapshot(), Policy::known_free, 12.0), std::invalid_argument) << name;
+    for (const Policy policy : {Policy::painted, Policy::not_occupied})
+      EXPECT_THROW(is_valid(map, policy, 13.0), std::invalid_argument) << name;
+  }
+}
+
+}  // namespace check_ages_test
+}  // namespace clearway
