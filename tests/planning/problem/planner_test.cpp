@@ -183,6 +183,7 @@ TEST(Planner, AJointWithoutLimitsIsLedAHundredTurnsAtMost) {
               std::string::npos)
         << far.explanation;
     EXPECT_EQ(plan(planner, 0.0, -1e9).status, PlanStatus::goal_invalid) << planner;
+    EXPECT_EQ(plan(planner, 1.5 + hundred, 0.5).status, PlanStatus::goal_invalid) << planner;
     EXPECT_EQ(plan(planner, 2e6, 2e6).status, PlanStatus::start_invalid) << planner;
   }
   EXPECT_EQ(plan("rrtconnect", 1e5, 1e5 + 6.0).status, PlanStatus::solved);

@@ -101,6 +101,32 @@ TEST(PathSurvey, bodies_that_no_joint_moves_are_refused_only_when_asked) {
       << *sentence;
 }
 
+TEST(PathSurvey, what_is_only_seen_is_refused_only_when_asked) {
+  PathSurvey survey;
+  survey.only_seen = {"cover"};
+  EXPECT_FALSE(refusal(survey, {}));
+  const auto sentence = refusal(survey, {.strict = true});
+  ASSERT_TRUE(sentence);
+  EXPECT_EQ(*sentence, only_seen_sentence({"cover"}) + ", which --strict refuses");
+}
+
+TEST(PathSurvey, what_one_leg_alone_meets_is_reported_whichever_it_is) {
+  const Robot disc = load_robot("point"), arm = load_robot("puma560");
+  const LegsToCheck in{disc, seen_line(), {at(-1, 0), at(1, 0)}},
+      out{disc, seen_line(), {at(1, 0), at(1, 5)}};
+  const Snapshot block = VoxelScene{0.05, {box_of(-0.2, -0.2, 0.0, 0.2, 0.2, 0.2)}, {}, {}}.snapshot();
+  const LegsToCheck clear{arm, wall(), {}}, met{arm, block, {}};
+  for (const bool is_first : {true, false}) {
+    const PathSurvey leaving = survey_legs(is_first ? std::vector{out, in} : std::vector{in, out}, anything);
+    ASSERT_EQ(leaving.leaving.size(), 1u);
+    EXPECT_EQ(leaving.leaving[0].place.edge, is_first ? 0 : 1);
+    EXPECT_TRUE(refusal(leaving, {}));
+    const PathSurvey standing = survey_legs(is_first ? std::vector{met, clear} : std::vector{clear, met}, {});
+    ASSERT_EQ(standing.standing.size(), 1u);
+    EXPECT_TRUE(refusal(standing, {.strict = true}));
+  }
+}
+
 TEST(PathSurvey, parts_that_are_allowed_outside_must_exist) {
   const Robot robot = load_robot("puma560");
   require_parts({"all", "link3"}, robot, "--allow-outside");
