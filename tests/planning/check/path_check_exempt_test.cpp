@@ -193,6 +193,11 @@ TEST(PathCheckExempt, WhatTheFilesSayIsReadAgain) {
     write(other);  // what the file says when the check reads it counts
     EXPECT_FALSE(verdict(robot).valid) << text;
   }
+  write(off);
+  const Robot before = load_robot(urdf);
+  EXPECT_TRUE(verdict(before).valid);
+  write(off + "<enable_collisions link1='rod' link2='post'/>");
+  EXPECT_FALSE(verdict(before).valid);
   write(other);
   folder.write("lift.yaml", "exempt: [[rod, post]]");
   const Robot robot = load_robot(urdf);

@@ -179,6 +179,19 @@ TEST(PathCheckUrdf, SoftLimitsBind) {
   }
 }
 
+TEST(PathCheckUrdf, ASlideThatIsHeldStandsWhereTheScaleHasIt) {
+  const TemporaryFolder folder;
+  const std::string urdf = folder.write("arm.urdf", worlds::arm_with_finger());
+  for (const double scale : {1.0, 0.5, 3.0})
+    for (const double held : {0.0, 0.04, 0.1}) {
+      Robot robot = scaled(load_robot(RobotRequest{urdf, {}, {}, {{"grip", held}}}), scale);
+      ASSERT_EQ(robot.held.size(), 1U);
+      EXPECT_EQ(file_disagreement(robot), "") << scale << ' ' << held;
+      robot.held[0].value = 0.05;
+      EXPECT_NE(file_disagreement(robot), "") << scale << ' ' << held;
+    }
+}
+
 TEST(PathCheckUrdf, AFileThatChangedAfterItWasLoadedRefusesThePlanAndOneThatIsGoneIsReported) {
   const UrdfRobot whip = worlds::whip();
   const Robot robot = whip.robot();

@@ -274,6 +274,20 @@ TEST(SplineCheck, ShortEdgesHideNoSpeed) {
   }
 }
 
+/// Whichever side of the point the straight line is on.
+TEST(SplineCheck, AStatedSpeedIsComparedWhereACurveTakesItOnEitherSide) {
+  constexpr double brief = 1e-7;
+  for (const double speed : {0.999, 1.005}) {
+    const Configuration rate = at(speed, 0.0), slower = at(0.9, 0.0),
+                        there = at(0.5 * (speed + 0.9) * brief, 0.0);
+    const std::vector<SplinePoint> line_first{
+        {-1.0, at(-0.5, 0.0)}, {0.0, at(0.0, 0.0), rate}, {brief, there, slower}},
+        line_last{{0.0, at(0.0, 0.0), slower}, {brief, there, rate}, {1.0, at(0.5, 0.0)}};
+    for (const auto& points : {line_first, line_last})
+      EXPECT_EQ(check(disc(1.0), with_voxels({}), points).fault.empty(), speed < 1.0) << speed;
+  }
+}
+
 /// Between two equal points the cubic of velocities 1 and -1 goes 0.25 m beyond: past either limit.
 TEST(SplineCheck, ACurveThatSwingsPastALimitBetweenItsPointsIsRefused) {
   Robot robot = disc();

@@ -42,6 +42,39 @@ TEST(AllowedCollisions, BodiesThatSometimesComeApartAreNotExemptHoweverOftenThey
   EXPECT_EQ(always_colliding_bodies(within.robot()), (Pairs{{0, 1}}));
 }
 
+/// A ball that leaves a long box by its first centimetre alone, where every joint stands at 0.
+TEST(AllowedCollisions, BodiesThatAreApartAtZeroAreNotExemptHoweverOftenTheyTouchElsewhere) {
+  const std::string ball = "<sphere radius='0.05'/>";
+  const auto pairs_of = [&](double middle) {
+    const UrdfRobot robot(
+        "tunnel",
+        urdf_link("base", std::to_string(middle) + " 0 0", "<box size='0.2 0.2 2'/>") +
+            urdf_link("turntable", "0 0 1", ball) + urdf_link("hand", "0 0 0", ball) +
+            urdf_joint("turn", "revolute", "base", "turntable", "0 0 0", "1 0 0", urdf_limit(-1, 1)) +
+            urdf_joint("slide", "prismatic", "turntable", "hand", "0 0 0", "1 0 0", urdf_limit(0, 1)));
+    return always_colliding_bodies(robot.robot());
+  };
+  EXPECT_EQ(pairs_of(1.04), (Pairs{{0, 2}}));
+  EXPECT_EQ(pairs_of(1.06), Pairs{});  // from 0.01 m on they touch
+}
+
+/// What nearly always touches is passed over in robots alone whose files say nothing of pairs.
+TEST(AllowedCollisions, WhereSettingsListPairsNoOthersArePassedOver) {
+  const TemporaryFolder folder;
+  const std::string ball = "<sphere radius='0.1'/>";
+  std::string text = "<robot name='row'>";
+  for (const char* link : {"a", "b", "c"}) text += urdf_link(link, "0 0 0", ball);
+  const std::string urdf = folder.write(
+      "row.urdf", text + urdf_joint("1", "revolute", "a", "b", "0 0 0.05", "0 0 1", urdf_limit(-1, 1)) +
+                      urdf_joint("2", "revolute", "b", "c", "0 0 0.05", "0 0 1", urdf_limit(-1, 1)) +
+                      "</robot>");
+  EXPECT_EQ(load_robot(urdf).exempt, (Pairs{{0, 1}, {0, 2}, {1, 2}}));
+  folder.write("row.yaml", "exempt: []");
+  EXPECT_EQ(load_robot(urdf).exempt, (Pairs{{0, 1}, {1, 2}}));
+  folder.write("row.yaml", "exempt: [[c, a]]");
+  EXPECT_EQ(load_robot(urdf).exempt, (Pairs{{0, 1}, {0, 2}, {1, 2}}));
+}
+
 TEST(AllowedCollisions, PairsOfPartsArePairsOfAllTheirBodiesAndOfNoBodyWithItself) {
   Robot robot;
   robot.links.resize(2);

@@ -125,6 +125,20 @@ TEST_F(SrdfFile, TheCheckFindsTheSameJointsInEveryGroupAndRefusesOthers) {
   }
 }
 
+TEST_F(SrdfFile, PassiveJointsAreNotPlannedWhateverGroupHasThem) {
+  const std::string srdf =
+      folder_.write("idle.srdf", "<robot name='two'>" + groups + "<passive_joint name='rj1'/></robot>");
+  for (const auto& [group, expected] :
+       {std::pair("right", Names{"rj2"}), std::pair("across", Names{"lj1", "lj2"}),
+        std::pair("all", Names{"lj1", "lj2", "rj2"}), std::pair("passive", Names{"rj2"})}) {
+    const Robot robot = load_robot(RobotRequest{urdf_, srdf, group});
+    Names found;
+    for (const Joint& joint : robot.joints) found.insert(joint.name);
+    EXPECT_EQ(found, expected) << group;
+    EXPECT_EQ(file_disagreement(robot), "") << group;
+  }
+}
+
 TEST_F(SrdfFile, JointsOutsideStandWhereTheyAreFixedElseByTheDefaultStateElseAtZeroInLimits) {
   const auto held = [](const Robot& robot) {
     std::map<std::string, double> values;
