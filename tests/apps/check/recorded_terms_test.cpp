@@ -30,5 +30,24 @@ TEST(RecordedTerms, ABaseThatAnyOfTheQueriesHasIsKept) {
   EXPECT_FALSE(queries_at({}).base_instead_of(first).has_value());
 }
 
+/// Lengths of other scales say nothing of this one.
+TEST(RecordedTerms, OnlyQueriesForTheRobotAtItsScaleBound) {
+  const Configuration start = Eigen::Vector2d(0.0, 0.0), goal = Eigen::Vector2d(1.0, 0.0);
+  QueryTerms query;
+  query.name = "another";
+  query.start = start, query.goals = {start};
+  const auto others = [&](const std::string& robot, double scale) {
+    query.robot = robot, query.scale = scale;
+    std::vector<std::string> notes;
+    return recorded_terms(QueryRecord{"digest", {query}}, {"", "arm", 2, 0.5, start, {goal}}, "digest", notes)
+        .others.size();
+  };
+  EXPECT_EQ(others("arm", 0.5), 1U);
+  EXPECT_EQ(others("robots/arm.yaml", 0.5), 1U);
+  EXPECT_EQ(others("arm", 1.0), 0U);
+  EXPECT_EQ(others("arm", 0.5 + 1e-5), 0U);
+  EXPECT_EQ(others("legs", 0.5), 0U);
+}
+
 }  // namespace recorded_terms_test
 }  // namespace clearway
