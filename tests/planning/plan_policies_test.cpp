@@ -5,7 +5,7 @@
 
 #include "planning/plan_and_check.hpp"
 #include "planning/robot_files/load_robot.hpp"
-#include "tests/worlds/random_world.hpp"
+#include "tests/worlds/map_of_looks.hpp"
 #include "tests/worlds/urdf_robots.hpp"
 
 namespace clearway {
@@ -23,24 +23,13 @@ class Straight : public Planner {
   }
 };
 
-/// Seen free round about the map's origin at 2.5 s; the newest look, elsewhere, is of 15 s.
+/// Seen at 2.5 s; the newest look is of 15 s.
 TEST(PlanPolicies, APathThroughWhatWasSeenTooLongAgoIsNotProved) {
-  constexpr double edge = 0.05;
-  FreeSpaceMap builder({.resolution = edge, .integration = Integration::compatible});
-  Scan all_round, elsewhere;
-  all_round.map_from_sensor.translation().setConstant(edge / 2);
-  all_round.time = 2.5;
-  Random random(11);
-  for (int k = 0; k < 20'000; ++k)
-    all_round.points.push_back((0.6 * random.point(1.0).normalized()).cast<float>());
-  elsewhere.map_from_sensor.translation().setConstant(9.0);
-  elsewhere.time = 15.0;
-  elsewhere.points = {{0.5F, 0.0F, 0.0F}};
-  builder.insert(all_round);
-  builder.insert(elsewhere);
+  constexpr double edge = worlds::looked_at_edge;
+  const Snapshot map = worlds::map_of_looks({{Eigen::Vector3d::Constant(edge / 2), 2.5}});
   for (const double seen_within : {0.0, 12.0, 13.0}) {
-    const ConfigurationSpace space(load_robot("point"), builder.snapshot(),
-                                   {.parts = {{"base", Policy::known_free}}}, {.seen_within = seen_within});
+    const ConfigurationSpace space(load_robot("point"), map, {.parts = {{"base", Policy::known_free}}},
+                                   {.seen_within = seen_within});
     const Configuration start = Eigen::Vector2d::Constant(edge / 2),
                         goal = start + Configuration::Unit(2, 0) * edge;
     const Plan plan = plan_and_check({.space = space,

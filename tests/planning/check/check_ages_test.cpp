@@ -11,28 +11,16 @@
 #include "planning/check/spline_check.hpp"
 #include "planning/path/smooth_motion.hpp"
 #include "planning/robot_files/load_robot.hpp"
-#include "tests/worlds/random_world.hpp"
+#include "tests/worlds/map_of_looks.hpp"
 
 namespace clearway {
 namespace check_ages_test {
 
-constexpr double edge = 0.05;
+using worlds::looked_at_edge;
 
-/// Free round about the map's origin, as seen at 2.5 s; the newest look, elsewhere, is of 15 s.
+/// Free round about the map's origin, as seen at 2.5 s; the newest look is of 15 s.
 Snapshot map_of_looks() {
-  FreeSpaceMap builder({.resolution = edge, .integration = Integration::compatible});
-  Scan all_round, elsewhere;
-  all_round.map_from_sensor.translation().setConstant(edge / 2);
-  all_round.time = 2.5;
-  Random random(11);
-  for (int k = 0; k < 20'000; ++k)
-    all_round.points.push_back((0.6 * random.point(1.0).normalized()).cast<float>());
-  elsewhere.map_from_sensor.translation().setConstant(9.0);
-  elsewhere.time = 15.0;
-  elsewhere.points = {{0.5F, 0.0F, 0.0F}};
-  builder.insert(all_round);
-  builder.insert(elsewhere);
-  return builder.snapshot();
+  return worlds::map_of_looks({{Eigen::Vector3d::Constant(looked_at_edge / 2), 2.5}});
 }
 
 /// Whether a short way of the disc is valid there, by each of the doors.
@@ -40,8 +28,8 @@ using Door = std::function<bool(const Snapshot& map, Policy policy, double seen_
 
 std::map<std::string, Door> doors() {
   const Robot disc = load_robot("point");
-  const Configuration from = Eigen::Vector2d::Constant(edge / 2),
-                      to = from + Configuration::Unit(2, 0) * edge;
+  const Configuration from = Eigen::Vector2d::Constant(looked_at_edge / 2),
+                      to = from + Configuration::Unit(2, 0) * looked_at_edge;
   const auto of = [](Policy policy) { return std::map<std::string, Policy>{{"base", policy}}; };
   const SmoothMotion made = smooth_motion(
       ConfigurationSpace(disc, Snapshot(), {.parts = {}, .critical_by_default = false}), {{from, to}});

@@ -1,0 +1,97 @@
+// Of a trajectory with times also what lies before its first point and beside its curve is asked when it was
+// seen; and where the robot is before counts by whole turns.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "apps/check/timed_trajectory.hpp"
+#include "planning/check/path_check.hpp"
+#include "planning/robot_files/load_robot.hpp"
+#include "tests/worlds/map_of_looks.hpp"
+
+namespace clearway {
+namespace timed_ages_test {
+
+constexpr double middle = worlds::looked_at_edge / 2, too_short = 12.0, long_enough = 13.0;  // s, of ages
+
+Configuration at(double x) { return Eigen::Vector2d(x, middle); }
+
+/// The disc where all was seen at 2.5 s, and what lies on the right once more at 15 s: right of `border` it
+/// stands in what was seen lately alone, by check_path.
+class TimedAges : public ::testing::Test {
+ protected:
+  TimedAges() {
+    double old = 0.0, fresh = 0.4;
+    while (fresh - old > 1e-4) {
+      const double x = (old + fresh) / 2;
+      (check_path(disc_, map_, policies_, 0.0, {at(x)}, 0.0, too_short).valid ? fresh : old) = x;
+    }
+    border_ = fresh;
+  }
+  bool is_valid(const TimedTrajectory& trajectory, double age) const {
+    return check_timed(trajectory, disc_, map_, policies_, 0.0, age).is_valid();
+  }
+
+  const Robot disc_ = load_robot("point");
+  const std::map<std::string, Policy> policies_{{"base", Policy::known_free}};
+  const Snapshot map_ = worlds::map_of_looks({{Eigen::Vector3d(middle, middle, middle), 2.5},
+                                              {Eigen::Vector3d(0.4 + middle, middle, middle), 15.0}});
+  double border_ = 0.0;
+};
+
+TEST_F(TimedAges, OfTheWayToTheFirstPoint) {
+  ASSERT_GT(border_, 0.01);
+  ASSERT_LT(border_, 0.35);
+  TimedTrajectory trajectory;
+  trajectory.points = {{0.0, at(border_ + 0.001)}, {1.0, at(border_ + 0.05)}};
+  EXPECT_TRUE(is_valid(trajectory, too_short));
+  trajectory.before = at(border_ + 0.005);
+  EXPECT_TRUE(is_valid(trajectory, too_short));
+  trajectory.before = at(border_ - 0.005);
+  EXPECT_TRUE(is_valid(trajectory, long_enough));
+  EXPECT_FALSE(is_valid(trajectory, too_short));
+}
+
+/// From rest to v in 6 s, at the same place: the cubic swings back by 8 v / 9, the quintic that ends with an
+/// acceleration by less.
+TEST_F(TimedAges, OfEachCurveThatAControllerMayTake) {
+  constexpr double speed = 0.09, time = 6.0, change = 4.0 / 3.0 * speed;
+  double quintic = 0.0;
+  for (double s = 0.0; s <= 1.0; s += 1e-4) {
+    const double back = s * s * s * (4.0 - 7.0 * s + 3.0 * s * s),
+                 forth = s * s * s * (0.5 - s + 0.5 * s * s);
+    quintic = std::max(quintic, time * speed * back - time * time * change * forth);
+  }
+  const double cubic = 8.0 / 9.0 * speed;
+  ASSERT_LT(quintic, cubic - 0.01);
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(2), forth = Eigen::Vector2d(speed, 0.0),
+                        faster = Eigen::Vector2d(change, 0.0);
+  for (const double beyond : {quintic - 0.005, (quintic + cubic) / 2, cubic + 0.005}) {
+    const Configuration place = at(border_ + beyond);
+    TimedTrajectory trajectory;
+    trajectory.points = {{0.0, place, rest, rest}, {time, place, forth, faster}};
+    const bool is_fresh = beyond > quintic;
+    EXPECT_EQ(is_valid(trajectory, too_short), is_fresh) << beyond;
+    trajectory.has_start = true;  // of which the controller may know less
+    EXPECT_EQ(is_valid(trajectory, too_short), beyond > cubic) << beyond;
+    EXPECT_TRUE(is_valid(trajectory, long_enough)) << beyond;
+  }
+}
+
+TEST(TimedStart, IsTheSameAfterWholeTurnsOfAJointWithoutLimits) {
+  Robot robot = load_robot("planar2");
+  const ForeignTrajectory foreign{.joints = {robot.joints[0].name, robot.joints[1].name},
+                                  .points = {{0.1, 0.2}, {0.3, 0.4}},
+                                  .start = {{robot.joints[0].name, 0.1 - 4.0 * std::numbers::pi}},
+                                  .times = {0.0, 1.0},
+                                  .velocities = {{}, {}},
+                                  .accelerations = {{}, {}}};
+  EXPECT_NE(timed_trajectory(foreign, robot, "t.json")->fault, "");
+  robot.joints[0].lower = -HUGE_VAL, robot.joints[0].upper = HUGE_VAL;
+  const auto timed = timed_trajectory(foreign, robot, "t.json");
+  EXPECT_EQ(timed->fault, "");
+}
+
+}  // namespace timed_ages_test
+}  // namespace clearway
