@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <set>
 #include <stdexcept>
 
 #include "mapping/files/map_digest.hpp"
+#include "mapping/stamps/seen_stamps.hpp"
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
@@ -34,6 +37,48 @@ TEST(ContinuedMap, ScansChangeItAsTheyChangeTheMapThatItBeganWith) {
     }
     EXPECT_NE(map_sha256(continued.snapshot()), digest);
     EXPECT_EQ(map_sha256(before), digest);
+  }
+}
+
+/// From an empty map it is the map that is made with the same options: a wall 2 m away, by each margin.
+TEST(ContinuedMap, KeepsTheMarginsThatItsOptionsState) {
+  Scan wall;
+  wall.map_from_sensor.translation() = Eigen::Vector3d::Constant(0.01);
+  for (int y = -40; y <= 40; ++y)
+    for (int z = -40; z <= 40; ++z)
+      wall.points.emplace_back(2.0F, 0.025F * static_cast<float>(y), 0.025F * static_cast<float>(z));
+  std::set<std::size_t> free;
+  for (const SafeMargins& margins :
+       {SafeMargins{}, SafeMargins{.band = 0.0}, SafeMargins{.band = 0.08}, SafeMargins{.sigmas = 20.0}}) {
+    MapOptions options{.resolution = 0.02};
+    options.margins = margins;
+    FreeSpaceMap map(options);
+    ContinuedMap continued(map.snapshot(), options);
+    map.insert(wall);
+    continued.insert(wall);
+    EXPECT_EQ(map_sha256(map.snapshot()), map_sha256(continued.snapshot()));
+    free.insert(continued.snapshot().counts().seen_free);
+  }
+  EXPECT_EQ(free.size(), 4U);
+}
+
+/// A scan from nowhere changes nothing, nor when the map was last seen: who asks how old it is is told so.
+TEST(ContinuedMap, ARefusedScanIsNoLookOfAMapOrOfOneThatGoesOn) {
+  Scan seen = ray(Eigen::Vector3d::Constant(0.05), Eigen::Vector3d(1.05, 0.05, 0.05)), refused = seen;
+  seen.time = 2.0;
+  refused.time = 100.0;
+  for (const double nowhere : {std::nan(""), 1e9}) {
+    refused.map_from_sensor.translation().setConstant(nowhere);
+    FreeSpaceMap map({.resolution = 0.1});
+    map.insert(seen);
+    ContinuedMap continued(map.snapshot(), map.options());
+    EXPECT_TRUE(map.insert(refused).origin_invalid);
+    EXPECT_TRUE(continued.insert(refused).origin_invalid);
+    for (const Snapshot& snapshot : {map.snapshot(), continued.snapshot()}) {
+      ASSERT_NE(snapshot.seen(), nullptr);
+      EXPECT_NEAR(snapshot.seen()->newest(), 2.0, 0.1);
+      EXPECT_EQ(snapshot.counts().occupied, 1U);
+    }
   }
 }
 

@@ -142,6 +142,43 @@ TEST_P(MovingRobots, TakeOutNothingBeyondTheStatedGrowth) {
 
 INSTANTIATE_TEST_SUITE_P(Shipped, MovingRobots, ::testing::Values("puma560", "panda", "arm5"));
 
+/// By arithmetic, of a disc that slides along x at half a metre a second.
+TEST(MovingRobot, GrowsByItsMarginAndByAllThatItsPlaceMayBeOff) {
+  RobotSetup setup;
+  setup.name = "point";
+  setup.self_margin = 0.01, setup.place_error = 0.002, setup.joint_error = 0.003, setup.latency = 0.1;
+  JointStream stream;
+  for (int k = 0; k <= 100; ++k) stream.add(0.1 * k, {"x", "y"}, {0.05 * k, 0.0});
+  const MovingRobot moving(setup, stream);
+  for (const double growth : moving.growths(5.0))
+    EXPECT_NEAR(growth, 0.01 + 0.002 + 2 * 0.003 + 0.5 * 0.1, 1e-9);
+  for (const double error : moving.place_errors()) EXPECT_NEAR(error, 0.002 + 2 * 0.003, 1e-9);
+}
+
+/// Of an arm whose shoulder turns at 2 rad/s: each link turns by as much, and a point goes as far as its
+/// distance from the shoulder has it.
+TEST(MovingRobot, WhatALinkIsAskedOfMovesAndTurnsWithItsJoints) {
+  RobotSetup setup;
+  setup.name = "planar2";
+  setup.latency = 0.01;
+  const Robot robot = load_robot("planar2");
+  JointStream stream;
+  for (int k = 0; k <= 100; ++k) stream.add(0.01 * k, names_of(robot), {0.02 * k - 1.0, 0.7});
+  const MovingRobot moving(setup, stream);
+  const LinkPoses poses = *moving.poses(0.5);
+  int turned = 0;
+  for (int link = 0; link < static_cast<int>(robot.links.size()); ++link) {
+    const Eigen::Vector3d in_link(0.1, 0.2, 0.3);
+    const bool is_moved = link > 0;
+    const auto [shift, turn] = moving.motion(0.5, link, in_link);
+    const double away = (poses[static_cast<std::size_t>(link)] * in_link).head<2>().norm();
+    EXPECT_NEAR(turn, is_moved ? 0.02 : 0.0, 1e-9) << link;
+    EXPECT_NEAR(shift, is_moved ? 0.02 * away : 0.0, 1e-9) << link;
+    turned += is_moved;
+  }
+  EXPECT_GE(turned, 2);
+}
+
 TEST(MovingRobot, LeavesAScanAloneAtATimeThatItsJointsDoNotCover) {
   const Robot robot = load_robot("arm5");
   RobotSetup setup;

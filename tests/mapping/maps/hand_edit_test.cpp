@@ -117,5 +117,16 @@ TEST(HandEdit, StaysInTheFileAndInWhatIsMadeOfTheMap) {
   EXPECT_EQ(same.snapshot().tree().hand_edits(), HandEdits{});
 }
 
+/// As if it had been hit more often than a map counts: looks past it take as long as of any obstacle.
+TEST(HandEdit, AnObstacleMadeByHandIsAsCertainAsOneThatWasHitOftenest) {
+  const Snapshot before = wall();
+  HandEditTally tally;
+  const Cell seen{1, 0, 0}, unknown{-30, 0, 0}, painted{4, 0, 0};
+  const Snapshot after =
+      with_occupied_voxels(before, {center(seen), center(unknown), center(painted)}, tally);
+  for (const Cell& cell : {seen, unknown, painted})
+    EXPECT_FLOAT_EQ(after.voxel(center(cell)).log_odds, before.tree().getClampingThresMaxLog());
+}
+
 }  // namespace hand_edit_test
 }  // namespace clearway

@@ -232,5 +232,35 @@ TEST(UnionContains, AgreesWithFormulas) {
   EXPECT_EQ(union_contains({}, Capsule{{0, 0, 0}, {0, 0, 0}, 0.1}, 1e-3), Containment::outside);
 }
 
+/// By arithmetic, in a ball of 0.5 m: a capsule from its middle lies in it where length and radius together
+/// are less, a cylinder where the diagonal is.
+TEST(PaintedBody, WhatBeginsInABallsMiddleIsInItAsFarAsItsEndReaches) {
+  constexpr double edge = 0.02, ball = 0.5, voxel = 0.04;  // as much may be missing or more
+  FreeSpaceMap map({.resolution = edge});
+  map.add_volume("all", {"tool"});
+  map.paint(0, {Eigen::Vector3d::Zero(), ball});
+  const PaintedSpace space(map.snapshot(), 1);
+  int inside = 0, outside = 0;
+  for (const Eigen::Vector3d& way :
+       {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, -1, 0), Eigen::Vector3d(1.0 / 3, 2.0 / 3, -2.0 / 3)})
+    for (const double radius : {0.1, 0.2, 0.3, 0.4})
+      for (double length = 0.02; length < 0.6; length += 0.02) {
+        const Eigen::Vector3d none = Eigen::Vector3d::Zero(), end = length * way;
+        const double capsule = length + radius, cylinder = std::hypot(length, radius);
+        const bool holds_capsule = space.contains(Capsule{none, end, radius}),
+                   holds_cylinder = space.contains(Cylinder{none, end, radius});
+        EXPECT_EQ(holds_capsule, space.contains(Capsule{end, none, radius}));
+        if (capsule < ball - voxel || capsule > ball) {
+          EXPECT_EQ(holds_capsule, capsule < ball) << length << ' ' << radius;
+          ++(holds_capsule ? inside : outside);
+        }
+        if (cylinder < ball - voxel || cylinder > ball) {
+          EXPECT_EQ(holds_cylinder, cylinder < ball) << length << ' ' << radius;
+        }
+      }
+  EXPECT_GT(inside, 50);
+  EXPECT_GT(outside, 50);
+}
+
 }  // namespace painted_body_test
 }  // namespace clearway

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <limits>
 #include <set>
 
@@ -198,6 +199,44 @@ TEST(Load, IsHeldByTheSameJointsForTheCheck) {
 }
 
 /// A load whose centre is at the tip costs what a payload there costs, whatever the scale.
+/// However the hand moves: it opens or it closes.
+TEST(Load, IsHeldWhileTheFingersMoveByRoundingAtMostEitherWay) {
+  Load held = can("palm");
+  held.touches = {"left", "right"};
+  const Robot robot = with_load(worlds::gripper().robot(), held);
+  const auto moved = [&](double grip, double along) {
+    const Configuration from = (Configuration(5) << 0.0, 0.0, 0.3, 0.0, 0.02).finished();
+    Configuration to = from;
+    to[4] += grip, to[0] += along;
+    return grip_violation(robot, from, to);
+  };
+  for (const double grip : {0.0, 0.9e-6, -0.9e-6}) EXPECT_EQ(moved(grip, 0.3), "") << grip;
+  for (const double grip : {1.1e-6, -1.1e-6, 0.01, -0.01})
+    EXPECT_NE(moved(grip, 0.0).find("joint 'grip' holds load 'can' and cannot move"), std::string::npos)
+        << grip;
+}
+
+/// Within 1e-6 m and kg.
+TEST(Load, IsTheSameByNameHoldersPlaceShapeAndMass) {
+  const auto same = [](const std::function<void(Load&)>& change) {
+    Load other = can("hand");
+    change(other);
+    EXPECT_EQ(is_same(can("hand"), other), is_same(other, can("hand")));
+    return is_same(can("hand"), other);
+  };
+  for (const double sign : {-1.0, 1.0}) {
+    EXPECT_TRUE(same([&](Load& load) { load.mass += sign * 0.9e-6; }));
+    EXPECT_FALSE(same([&](Load& load) { load.mass += sign * 1.1e-6; }));
+    EXPECT_TRUE(same([&](Load& load) { load.link_from_load.translation().y() += sign * 0.9e-6; }));
+    EXPECT_FALSE(same([&](Load& load) { load.link_from_load.translation().y() += sign * 1.1e-6; }));
+    EXPECT_FALSE(same([&](Load& load) { load.shape = Shape::cylinder(0.03 + sign * 3e-6, 0.12); }));
+  }
+  EXPECT_FALSE(same([](Load& load) { load.name = "jar"; }));
+  EXPECT_FALSE(same([](Load& load) { load.link = "palm"; }));
+  EXPECT_FALSE(same([](Load& load) { load.touches = {"palm"}; }));
+  EXPECT_FALSE(same([](Load& load) { load.shape = Shape::capsule(0.03, 0.12); }));
+}
+
 TEST(Load, WeighsAsAPayloadAtItsPlace) {
   Random random(2);
   for (const double scale : {1.0, 0.1}) {

@@ -26,6 +26,24 @@ TEST(Robot, EveryRobotThatComesWithTheProgramLoadsAndCanBeFree) {
   }
 }
 
+/// Lengths and what is made of them grow by the factor, angles and their rates stay.
+TEST(Robot, OfAScaledRobotSlidesGrowAndTurnsStay) {
+  for (const char* name : {"point", "planar2"}) {
+    const Robot robot = load_robot(name);
+    for (const double factor : {0.5, 3.0}) {
+      const Robot larger = scaled(robot, factor);
+      for (std::size_t j = 0; j < robot.dof(); ++j) {
+        const Joint &was = robot.joints[j], &is = larger.joints[j];
+        const double by = was.kind == JointKind::prismatic ? factor : 1.0;
+        for (double Joint::*value : {&Joint::lower, &Joint::upper, &Joint::max_velocity,
+                                     &Joint::max_acceleration, &Joint::max_jerk, &Joint::step})
+          EXPECT_DOUBLE_EQ(is.*value, by * (was.*value)) << name << j;
+      }
+      EXPECT_DOUBLE_EQ(larger.position_accuracy, factor * robot.position_accuracy);
+    }
+  }
+}
+
 TEST(Robot, ThePumaFollowsCraigsTable) {
   const Robot puma = load_robot("puma560");
   const LinkPoses at_zero = forward_kinematics(puma, Configuration::Zero(6));
