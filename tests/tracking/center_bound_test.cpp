@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "tests/worlds/tag_scene.hpp"
+#include "tracking/pose_errors.hpp"
 
 namespace clearway {
 namespace center_bound_test {
@@ -133,6 +135,89 @@ TEST(CenterBound, of_one_body_holds_its_point_and_the_camera_when_tags_and_calib
   }
   EXPECT_LE(outside, 4);
   EXPECT_GT(sum, 0.05);
+}
+
+/// Poses that are made up, so that each source of error is known by itself: by arithmetic.
+struct Made {
+  BodyPose base, probe;
+  Eigen::Vector3d ball{0.0, 0.03, 0.1};
+
+  Made() {
+    base.camera_from_body.pose = Eigen::Translation3d(0.0, 0.0, 1.0);
+    probe.camera_from_body.pose = Eigen::Translation3d(0.2, 0.1, 0.8);
+    base.freedom = probe.freedom = 18;
+    base.limits = {base.camera_from_body.pose};
+    probe.limits = {probe.camera_from_body.pose};
+  }
+  CenterBound bound(bool is_mean = false) const {
+    return bound_center(base, base.camera_from_body, is_mean, probe, ball, 10);
+  }
+  Eigen::Vector3d center() const {
+    return base.camera_from_body.pose.inverse() * (probe.camera_from_body.pose * ball);
+  }
+};
+
+const double of_model = confidence_factor(1000000), of_noise = confidence_factor(28);
+
+TEST(CenterBound, each_source_alone_is_the_whole_bound) {
+  constexpr double sigma = 1e-3;
+  EXPECT_EQ(Made().bound().total, 0.0);
+  for (const bool is_base : {true, false}) {
+    const auto body = [&](Made& made) -> PoseErrors& { return (is_base ? made.base : made.probe).errors; };
+    Made noise, tags, edges, camera;
+    body(noise).noise(1, 1) = body(tags).tags(1, 1) = body(edges).edges(1, 1) = sigma * sigma;
+    body(camera).by_camera(1, 3) = sigma;
+    EXPECT_NEAR(noise.bound().noise, of_noise * sigma, 1e-12);
+    EXPECT_NEAR(noise.bound().total, of_noise * sigma, 1e-12);
+    EXPECT_NEAR(tags.bound().tags, of_model * sigma, 1e-12);
+    EXPECT_NEAR(tags.bound().total, of_model * sigma, 1e-12);
+    EXPECT_NEAR(edges.bound().edges, of_model * sigma, 1e-12);
+    EXPECT_NEAR(edges.bound().total, of_model * sigma, 1e-12);
+    EXPECT_NEAR(camera.bound().camera, of_model * sigma, 1e-12);
+    EXPECT_NEAR(camera.bound().total, of_model * sigma, 1e-12);
+  }
+  Made both;  // the same error of the camera moves both alike: the ball stays where it is on the base
+  both.base.errors.by_camera(1, 3) = both.probe.errors.by_camera(1, 3) = sigma;
+  EXPECT_NEAR(both.bound().total, 0.0, 1e-12);
+}
+
+TEST(CenterBound, turns_that_the_noise_may_hide_count_of_either_body_and_of_no_mean) {
+  const Eigen::Isometry3d turn(Eigen::AngleAxisd(0.02, Eigen::Vector3d::UnitX()));
+  Made base, probe, both;
+  base.base.limits.push_back(base.base.camera_from_body.pose * turn);
+  probe.probe.limits.push_back(probe.probe.camera_from_body.pose * turn);
+  both.base.limits = base.base.limits, both.probe.limits = probe.probe.limits;
+  const double chord = 2.0 * std::sin(0.01);
+  const double of_base = chord * base.center().tail<2>().norm(),
+               of_probe = chord * base.ball.tail<2>().norm();
+  EXPECT_NEAR(base.bound().total, of_base, 1e-12);
+  EXPECT_NEAR(base.bound(true).total, 0.0, 1e-12);
+  EXPECT_NEAR(probe.bound().total, of_probe, 1e-12);
+  EXPECT_NEAR(probe.bound(true).total, of_probe, 1e-12);
+  EXPECT_NEAR(both.bound().total, std::hypot(of_base, of_probe), 1e-12);
+}
+
+TEST(CenterBound, a_means_noise_has_the_factor_that_the_residuals_show) {
+  constexpr double sigma = 1e-3;
+  for (const double factor : {1.0, 3.0}) {
+    Made made;
+    made.base.noise_factor = factor;
+    made.base.camera_from_body.covariance.setZero();
+    made.base.camera_from_body.covariance(0, 0) = sigma * sigma;
+    EXPECT_NEAR(made.bound(true).total, of_noise * factor * sigma, 1e-12) << factor;
+    EXPECT_NEAR(made.bound(false).total, 0.0, 1e-12) << factor;
+  }
+}
+
+/// Who is seen by fewer corners says how sure the noise is.
+TEST(CenterBound, the_noise_is_known_as_well_as_of_the_body_that_shows_less) {
+  constexpr double sigma = 1e-3;
+  for (const auto& [of_base, of_probe] : {std::pair(2, 2000), {2000, 2}, {2, 2}}) {
+    Made made;
+    made.base.freedom = of_base, made.probe.freedom = of_probe;
+    made.probe.errors.noise(2, 2) = sigma * sigma;
+    EXPECT_NEAR(made.bound().noise, confidence_factor(12) * sigma, 1e-12) << of_base << ' ' << of_probe;
+  }
 }
 
 }  // namespace center_bound_test

@@ -89,5 +89,22 @@ TEST(StaticBoard, refuses_options_out_of_their_range) {
   refuses({30, 5.0, 0});
 }
 
+/// Of equal looks the mean of M images is no surer than M + 1 of them make it: the fixed point of its filter,
+/// P = R / (M + 1), by hand.
+TEST(StaticBoard, a_mean_of_many_looks_is_as_sure_as_its_memory_has_it) {
+  for (const int memory : {1, 5, 50}) {
+    StaticBoardOptions options;
+    options.memory = memory;
+    StaticBoard board(options);
+    UncertainPose seen;
+    seen.covariance = 1e-6 * Matrix6d::Identity();
+    std::optional<UncertainPose> mean;
+    for (int i = 0; i < 20 * (memory + 1); ++i) mean = board.add(seen);
+    ASSERT_TRUE(mean);
+    const Matrix6d expected = seen.covariance / (memory + 1);
+    EXPECT_LT((mean->covariance - expected).cwiseAbs().maxCoeff(), 1e-3 * expected(0, 0)) << memory;
+  }
+}
+
 }  // namespace static_board_test
 }  // namespace clearway

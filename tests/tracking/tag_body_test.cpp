@@ -8,6 +8,7 @@
 
 #include "tests/worlds/tag_scene.hpp"
 #include "tracking/dense.hpp"
+#include "tracking/pose_errors.hpp"
 #include "tracking/pose_refinement.hpp"
 #include "tracking/tag_pose.hpp"
 
@@ -296,6 +297,37 @@ TEST(BodyPoseOptions, out_of_range_are_refused) {
     options.min_facing = facing;
     EXPECT_THROW(options.validate(), std::invalid_argument);
   }
+}
+
+/// A picture five times as noisy as stated may hide larger tilts: as far as the noise that it shows has it.
+TEST(BodyPose, limits_are_those_of_the_noise_that_the_residuals_show) {
+  const TagBody board = scene::board("board", 10, 2, 2, 0.05, 0.08);
+  const Camera camera = scene::plain_camera();
+  std::mt19937 random(5);
+  BodyPoseOptions options;
+  options.edge_bias = 0.0, options.pixel_noise = 0.1, options.reject_tags = false;
+  const auto seen = scene::noisy_detections(
+      camera, scene::placed(board, tag_before_camera(0.6, 0.4, 1.0, 0.2, 0.0, 0.0)), 0.5, random);
+  const auto pose = estimate_body_pose(board, seen, camera, options);
+  ASSERT_TRUE(pose);
+  ASSERT_GT(pose->noise_factor, 1.5);
+  std::vector<CornerMatch> corners;
+  for (const TagDetection& tag : seen) {
+    const MountedTag& mounted = board.tags.at(tag.id);
+    const auto points = tag_corners(mounted.size);
+    for (std::size_t i = 0; i < 4; ++i)
+      corners.push_back({mounted.body_from_tag * points[i], tag.corners[i]});
+  }
+  const auto farthest = [&](const std::vector<Eigen::Isometry3d>& limits) {
+    double most = 0.0;
+    for (const Eigen::Isometry3d& limit : limits)
+      most = std::max(most, difference(pose->camera_from_body.pose, limit).tail<3>().norm());
+    return most;
+  };
+  const auto limits = tilt_limits(camera, corners, pose->camera_from_body.pose, 0.1 * pose->noise_factor,
+                                  confidence_factor(options.noise_freedom + pose->freedom));
+  ASSERT_FALSE(limits.empty());
+  EXPECT_NEAR(farthest(pose->limits), farthest(limits), 1e-6 * farthest(limits));
 }
 
 }  // namespace tag_body_test
