@@ -263,5 +263,57 @@ TEST(RobotWorld, one_axis_few_looks_and_foreign_joints_are_refused_with_the_reas
   EXPECT_NE(calibrate_robot_world(looks).refusal, "");
 }
 
+/// An error of the camera that moves both boards alike, in the camera's axes, moves neither on the other.
+TEST(RobotWorld, an_error_of_the_camera_that_both_boards_share_cancels_out) {
+  std::mt19937 random(4);
+  for (int i = 0; i < 10; ++i) {
+    BodyPose on_tip, fixed;
+    on_tip.camera_from_body.pose = drawn_pose(random, 0.5);
+    fixed.camera_from_body.pose = drawn_pose(random, 0.5);
+    Vector6d shift;
+    for (double& one : shift) one = std::normal_distribution<double>(0.0, 1e-3)(random);
+    for (BodyPose* body : {&on_tip, &fixed})
+      body->errors.by_camera.col(2) = adjoint(body->camera_from_body.pose.inverse()) * shift;
+    const Eigen::Isometry3d any = drawn_pose(random, 1.0);
+    EXPECT_LT(look_at_tip(any, on_tip, fixed, any).by_camera.cwiseAbs().maxCoeff(), 1e-12);
+    EXPECT_GT(look_at_tip(any, on_tip, std::nullopt, any).by_camera.cwiseAbs().maxCoeff(), 1e-5);
+  }
+}
+
+/// Errors of tags enlarge the covariance of the frame that they are in, as that frame has them, and are
+/// refused of either where they leave it too uncertain.
+TEST(RobotWorld, errors_of_tags_count_of_the_world_and_of_the_rider) {
+  std::mt19937 random(9);
+  const Eigen::Isometry3d world_from_base = drawn_pose(random, 1.0), tip_from_rider = drawn_pose(random, 0.1);
+  std::vector<RobotLook> looks(20);
+  for (RobotLook& look : looks) {
+    look.base_from_tip = drawn_pose(random, 0.5);
+    look.world_from_rider.pose = world_from_base * look.base_from_tip * tip_from_rider;
+    look.world_from_rider.covariance = 1e-8 * Matrix6d::Identity();
+  }
+  const auto found = [&](double of_world, double of_rider) {
+    for (RobotLook& look : looks) {
+      look.tags_of_world = look.tags_of_rider = Matrix6d::Zero();
+      look.tags_of_world.topLeftCorner<3, 3>().diagonal().setConstant(of_world * of_world);
+      look.tags_of_rider.topLeftCorner<3, 3>().diagonal().setConstant(of_rider * of_rider);
+    }
+    return calibrate_robot_world(looks);
+  };
+  const RobotWorldCalibration sure = found(0.0, 0.0), world = found(0.02, 0.0), rider = found(0.0, 0.02);
+  EXPECT_EQ(sure.refusal, "");
+  for (const RobotWorldCalibration* one : {&world, &rider})
+    EXPECT_NE(one->refusal.find("the places are known to"), std::string::npos) << one->refusal;
+  const auto grown = [&](const UncertainPose& pose, const UncertainPose& from) {
+    return Eigen::Matrix3d((pose.covariance - from.covariance).topLeftCorner<3, 3>());
+  };
+  const Eigen::Matrix3d expected = 0.02 * 0.02 * Eigen::Matrix3d::Identity();
+  EXPECT_LT((grown(world.world_from_base, sure.world_from_base) - expected).norm(), 1e-9);
+  EXPECT_LT((grown(world.base_as_used, sure.base_as_used) - expected).norm(), 1e-9);
+  EXPECT_LT((grown(rider.tip_from_rider, sure.tip_from_rider) - expected).norm(), 1e-9);
+  EXPECT_LT((grown(rider.rider_as_used, sure.rider_as_used) - expected).norm(), 1e-9);
+  EXPECT_LT(grown(world.tip_from_rider, sure.tip_from_rider).norm(), 1e-9);
+  EXPECT_LT(grown(rider.world_from_base, sure.world_from_base).norm(), 1e-9);
+}
+
 }  // namespace robot_world_test
 }  // namespace clearway
