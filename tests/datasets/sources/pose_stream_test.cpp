@@ -31,6 +31,16 @@ TEST(PoseStream, BetweenReadingsThePoseIsOnTheStraightLineAndTheShortestTurn) {
   }
 }
 
+TEST(PoseStream, TheNearestPoseIsThatBeforeOrThatAfter) {
+  PoseStream stream(0.5);
+  for (const double time : {1.0, 1.3, 2.0}) stream.add(time, screw(time));
+  for (const auto& [asked, time] :
+       {std::pair(0.6, 1.0), {1.0, 1.0}, {1.14, 1.0}, {1.16, 1.3}, {1.6, 1.3}, {1.7, 2.0}, {2.4, 2.0}}) {
+    ASSERT_TRUE(stream.nearest(asked)) << asked;
+    EXPECT_TRUE(stream.nearest(asked)->isApprox(screw(time), 1e-9)) << asked;
+  }
+}
+
 TEST(PoseStream, OutsideOfItsTimeAndAcrossGapsItSaysNothing) {
   PoseStream stream(0.25);
   EXPECT_FALSE(stream.at(5.0));

@@ -53,6 +53,18 @@ TEST(RobotPath, InterpolatesBetweenTheOdometryAroundAFrame) {
   EXPECT_TRUE(pose_of(frames[3]).isApprox(flat(2, 4, M_PI / 2) * mount, 1e-12)) << "the latest one counts";
 }
 
+TEST(RobotPath, PlacesACamerasMountAsALasers) {
+  const Eigen::Isometry3d mount =
+      Eigen::Translation3d(0.5, 0, 0.3) * Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitX());
+  ImageFrame image;
+  image.world_from_sensor = mount;
+  const auto frames = placed({odometry(10, flat(1, 2, 0)), DecodedFrame{{10.25, "camera", image}, false},
+                              odometry(11, flat(2, 4, M_PI / 2))});
+  ASSERT_EQ(frames.size(), 3u);
+  EXPECT_TRUE(std::get<ImageFrame>(frames[1].content)
+                  .world_from_sensor.isApprox(flat(1.25, 2.5, M_PI / 8) * mount, 1e-12));
+}
+
 TEST(RobotPath, TurnsTheShortWay) {
   const auto frames = placed({odometry(0, flat(0, 0, 3)), scan(0.5), odometry(1, flat(0, 0, -3))});
   EXPECT_NEAR(std::abs(Eigen::AngleAxisd(pose_of(frames[1]).linear()).angle()), M_PI, 1e-9);
