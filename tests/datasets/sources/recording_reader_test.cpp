@@ -120,7 +120,7 @@ TEST(RecordingReader, NoFlippedBitOfAGzLogIsTakenForAnotherRecording) {
       EXPECT_EQ(reading.frames, log.frames) << "byte " << at;
     }
   }
-  EXPECT_GT(damaged, trials * 9 / 10);
+  EXPECT_GT(damaged, trials * 95 / 100);
 }
 
 TEST(RecordingReader, SurvivesWhateverAPlainLogHolds) {
