@@ -201,7 +201,7 @@ double least_p(std::size_t problems, std::size_t rows) {
 /// Sorts into worse and better what is beyond noise.
 void judge(DiffRow& row) {
   constexpr double drift = 0.05;
-  constexpr std::size_t many_lost = 6;
+  constexpr std::size_t many_lost = 6, few_problems = 3;
   const bool loses_alone =  // the same seeds: no chance in it, or little where a clock ended them
       row.won == 0 && (row.lost > row.lost_to_clock || row.lost >= many_lost);
   if (row.success_p < beyond_chance || loses_alone) {
@@ -211,20 +211,17 @@ void judge(DiffRow& row) {
                     p_text(row.success_p) + ")");
   }
   const auto judge_figure = [&](const PairedFigure& figure, const char* what, double least) {
-    const bool is_all = least > 0.0 && figure.problems > 0 && figure.less % figure.problems == 0 &&
-                        (figure.less == 0 ? figure.ratio >= 2.0 : figure.ratio <= 0.5);
-    if (is_all && figure.p >= beyond_chance) {
-      (figure.ratio > 1.0 ? row.worse : row.better)
-          .push_back(std::string(what) + " " + percent(figure.ratio) +
-                     (figure.ratio > 1.0 ? " (more" : " (less") + std::string(" on each of ") +
-                     counted(figure.problems, "problem") + ")");
-      return;
-    }
     if (figure.p >= beyond_chance || std::abs(figure.ratio - 1.0) < least) return;
     (figure.ratio > 1.0 ? row.worse : row.better)
         .push_back(std::string(what) + " " + percent(figure.ratio) + " (p " + p_text(figure.p) + ")");
   };
   judge_figure(row.cpu, "CPU time", drift);
+  const bool has_few = row.cpu.p >= beyond_chance && row.cpu.problems >= few_problems;
+  const std::string on_each = " on each of " + counted(row.cpu.problems, "problem") + ")";
+  if (has_few && row.cpu.less == 0 && row.cpu.ratio >= 2.0)
+    row.worse.push_back("CPU time " + percent(row.cpu.ratio) + " (more" + on_each);
+  if (has_few && row.cpu.less == row.cpu.problems && row.cpu.ratio <= 0.5)
+    row.better.push_back("CPU time " + percent(row.cpu.ratio) + " (less" + on_each);
   judge_figure(row.cost, "path cost", 0.0);
 }
 
@@ -281,7 +278,8 @@ std::string CompareDiff::verdict() const {
   std::size_t needed = 1;
   while (least_p(needed, rows.size()) >= beyond_chance) ++needed;
   return "Nothing is shown to be worse; " + std::to_string(small) + " of " + counted(rows.size(), "row") +
-         " could show only what doubles the CPU time on each problem or loses runs alone: expected " +
+         " could show only twice the CPU time, and more on each of three problems or more, or lost runs: "
+         "expected " +
          std::to_string(needed) + " problems or more to tell less from noise.";
 }
 

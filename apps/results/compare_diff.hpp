@@ -34,8 +34,8 @@ struct CompareDiff {
 /// Reads two `results.sqlite` (or folders of results), and reports what changed beyond noise: a difference in
 /// success, CPU time or path cost whose p value, corrected for the number of rows, is below 0.05; of CPU time
 /// only 5 % or more, as machines drift. Beyond noise without a test are, where none was won, runs lost to no
-/// clock (the seeds are the same) and six or more lost to one, and CPU time that doubles or halves on every
-/// problem.
+/// clock (the seeds are the same) and six or more lost to one, and CPU time that is
+/// twice or half in the median, and more or less on each of three problems or more.
 /// @throws std::invalid_argument naming the file that is no such database, or that has no run in common
 CompareDiff compare_diff(const std::filesystem::path& before, const std::filesystem::path& after);
 

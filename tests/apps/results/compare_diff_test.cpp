@@ -84,8 +84,8 @@ TEST(CompareDiff, SlowerEverywhereIsWorseUnlessItIsLittle) {
   EXPECT_EQ(slower(0.5).rows[0].better.size(), 1U);
 }
 
-/// No test of ranks can find three problems significant: what doubles on each is worse all the same, and of
-/// less the verdict says that it cannot tell.
+/// No test of ranks can find three problems significant: twice the time, more on each, is worse all the same,
+/// and of less the verdict says that it cannot tell.
 TEST(CompareDiff, OfFewProblemsItSaysWhatItCannotTell) {
   const auto of_three = [](double factor) {
     const TemporaryFolder folder;
