@@ -152,5 +152,36 @@ TEST(Probe, with_a_fixed_camera_averages_the_base_and_refuses_while_it_is_elsewh
   EXPECT_TRUE(fixed.sample(stage.seen(), 46).accepted);
 }
 
+/// A base that is refused says nothing of where it stands.
+TEST(Probe, a_base_that_is_refused_does_not_enter_its_mean) {
+  Stage stage;
+  stage.acceptance.fixed_camera = true;
+  stage.acceptance.min_base_tags = 4;
+  Probe probe = stage.made();
+  scene::expect_refused(probe.sample(scene::without(stage.seen(), 1, 5), 1.0), Refusal::too_few_tags);
+  const PaintingSample first = probe.sample(stage.seen(), 1.1), second = probe.sample(stage.seen(), 1.2);
+  EXPECT_TRUE(first.accepted && second.accepted) << first.reason << second.reason;
+  EXPECT_FALSE(first.base_agrees);
+  EXPECT_TRUE(second.base_agrees);
+}
+
+/// Where it was measured in between, though it was refused, counts as well as where it was accepted.
+TEST(Probe, a_turn_to_and_fro_is_as_fast_as_its_faster_half) {
+  Stage stage;
+  stage.acceptance.max_speed = 100.0;
+  stage.acceptance.max_turn_speed = 3.0;
+  const Eigen::Isometry3d at_rest = stage.camera_from_probe;
+  const auto turned = [&](double angle) {
+    stage.camera_from_probe = at_rest;
+    stage.camera_from_probe.rotate(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()));
+    return stage.seen();
+  };
+  Probe probe = stage.made();
+  EXPECT_TRUE(probe.sample(turned(0.0), 1.0).accepted);
+  scene::expect_refused(probe.sample(turned(-0.4), 1.1), Refusal::too_fast);
+  scene::expect_refused(probe.sample(turned(0.0), 1.2), Refusal::too_fast);
+  EXPECT_TRUE(probe.sample(turned(0.0), 1.3).accepted);
+}
+
 }  // namespace probe_over_time_test
 }  // namespace clearway

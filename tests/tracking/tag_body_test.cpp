@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <stdexcept>
@@ -157,6 +158,36 @@ TEST(BodyPose, a_flat_far_tag_is_reported_as_ambiguous) {
     ambiguous += pose->alternative && pose->separation < 36.0;
   }
   EXPECT_GT(ambiguous, 180);
+}
+
+// Of a far board each tag offers answers of its own: what separates is the best of them, not the last.
+TEST(BodyPose, separation_is_no_more_than_the_alternative_is_worse) {
+  std::mt19937 random(35);
+  const TagBody body = scene::board("flat", 0, 2, 2, 0.04, 0.05);
+  const Camera camera = scene::plain_camera();
+  const BodyPoseOptions options{.pixel_noise = 0.3};
+  int with_other = 0;
+  for (int i = 0; i < 60; ++i) {
+    const auto seen = scene::noisy_detections(
+        camera, scene::placed(body, tag_before_camera(1.5, 0.3, i, 0.3 * i)), 0.3, random);
+    const auto pose = estimate_body_pose(body, seen, camera, options);
+    ASSERT_TRUE(pose);
+    if (!pose->alternative) continue;
+    const auto left = [&](const Eigen::Isometry3d& camera_from_body) {
+      std::vector<TagView> views;
+      for (const TagDetection& tag : seen) {
+        if (std::find(pose->tags.begin(), pose->tags.end(), tag.id) == pose->tags.end()) continue;
+        const MountedTag& mounted = body.tags.at(tag.id);
+        views.push_back(*view_tag(camera, mounted.size, mounted.body_from_tag, body.errors, options.edge_bias,
+                                  tag.corners, camera_from_body));
+      }
+      return unexplained(views, options.pixel_noise * pose->noise_factor);
+    };
+    const double worse = left(*pose->alternative) - left(pose->camera_from_body.pose);
+    EXPECT_LE(pose->separation, worse * (1.0 + 1e-6) + 1e-6) << i;
+    ++with_other;
+  }
+  EXPECT_GT(with_other, 20);
 }
 
 TEST(BodyPose, leaves_out_a_tag_seen_at_a_graze_but_not_when_it_is_the_only_one) {

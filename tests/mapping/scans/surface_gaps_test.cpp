@@ -256,6 +256,29 @@ TEST(SurfaceGaps, OnlyLooksThatAreClearAreTakenFromWhatIsOccupied) {
   }
 }
 
+// A ceiling is a floor upside down: beyond the ring that is nearest to the sensor it goes on as far.
+TEST(SurfaceGaps, ACeilingGoesOnTowardsTheSensorAsAFloorDoes) {
+  const auto nearest = [](double height) {  // metres, of what is found to the axis; and of the nearest hit
+    Dice dice(3);
+    const World surface = plane(Eigen::Vector3d::UnitZ(), height);
+    const std::vector<Eigen::Vector3f> hits =
+        rings(dice, surface, Eigen::Isometry3d::Identity(), evenly(28.0, -28.0, 24), 360, 12.0);
+    SurfaceGaps gaps;
+    constexpr double resolution = 0.05;
+    std::pair<double, double> near(HUGE_VAL, HUGE_VAL);
+    for (const SurfaceGap& gap : gaps.find(hits, {}, {.resolution = resolution}))
+      for (const Eigen::Vector3d& end : {gap.from, gap.to})
+        near.first = std::min(near.first, resolution * end.head<2>().norm());
+    for (const Eigen::Vector3f& hit : hits) near.second = std::min<double>(near.second, hit.head<2>().norm());
+    return near;
+  };
+  const auto [floor, ring] = nearest(-1.0);
+  const auto [ceiling, same_ring] = nearest(1.0);
+  EXPECT_NEAR(ring, same_ring, 1e-5);
+  EXPECT_LT(floor, ring - 0.02);
+  EXPECT_NEAR(ceiling, floor, 1e-4);
+}
+
 // From a sensor that stands still, before a table's edge and a wall: who walked between them is forgotten.
 TEST(SurfaceGaps, WhatLeftBetweenAnEdgeAndAWallIsForgotten) {
   const auto scene = [](bool somebody) {

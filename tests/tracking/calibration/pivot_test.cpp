@@ -116,6 +116,137 @@ TEST(Pivot, covariance_covers_balls_that_slip_in_their_cup) {
   EXPECT_GT(joint, 0.3 * 3 * motions);
 }
 
+/// Looks without an image. Each body's pose is off by its noise, which here is a third of what is stated.
+std::vector<PivotLook> stated_looks(int count, const Eigen::Vector3d& ball, bool with_base,
+                                    std::mt19937& random) {
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  std::normal_distribution<double> normal;
+  const auto drawn = [&](double scale) {
+    Vector6d motion;
+    for (double& one : motion) one = scale * normal(random);
+    return motion;
+  };
+  const auto seen_at = [&](const Eigen::Isometry3d& pose) {
+    BodyPose seen;
+    for (Eigen::Index k = 0; k < kCameraModes; ++k) seen.errors.by_camera.col(k) = drawn(0.0005);
+    const Vector6d one = drawn(0.0004), other = drawn(0.0004);
+    seen.errors.noise = 1e-7 * Matrix6d::Identity() + one * one.transpose() + other * other.transpose();
+    const Eigen::Matrix<double, 6, 6> root = seen.errors.noise.llt().matrixL();
+    seen.camera_from_body.pose = moved(pose, Vector6d(root * drawn(0.3)));
+    return seen;
+  };
+  std::vector<PivotLook> looks;
+  for (int i = 0; i < count; ++i) {
+    Eigen::Isometry3d camera_from_base = scene::tag_before_camera(0.6, 0.75, 1.2);
+    if (with_base) camera_from_base = moved(camera_from_base, drawn(0.1));
+    Eigen::Isometry3d base_from_probe(Eigen::AngleAxisd(
+        0.8 * unit(random), Eigen::Vector3d(unit(random), unit(random), unit(random)).normalized()));
+    base_from_probe.translation() = Eigen::Vector3d(0.1, 0.05, 0.02) - base_from_probe.linear() * ball;
+    PivotLook look{seen_at(camera_from_base * base_from_probe), {}};
+    if (with_base) look.base = seen_at(camera_from_base);
+    looks.push_back(look);
+  }
+  return looks;
+}
+
+/// Rigs whose tags are known exactly, so that looks are all that counts.
+PivotRig exact_rig() {
+  Turning turning;
+  turning.probe.errors = turning.base.errors = {0.0, 0.0, 0.0, 0.0};
+  return {turning.camera, turning.probe, turning.base};
+}
+
+/// By difference quotients of the answer itself: each look moved by itself, and all by the camera's modes.
+TEST(Pivot, parts_are_what_noise_and_camera_move_the_ball_by) {
+  const PivotOptions loose{.most_sigma = 1.0};
+  for (const bool with_base : {false, true}) {
+    std::mt19937 random(3);
+    const std::vector<PivotLook> looks = stated_looks(20, {0.02, 0.01, -0.1}, with_base, random);
+    const PivotCalibration found = calibrate_pivot(looks, exact_rig(), loose);
+    ASSERT_EQ(found.refusal, "");
+    ASSERT_EQ(found.left_out, 0U);
+    const auto move_by = [&](const std::vector<PivotLook>& pushed, double step) {
+      const Eigen::Vector3d move = (calibrate_pivot(pushed, exact_rig(), loose).ball - found.ball) / step;
+      return Eigen::Matrix3d(move * move.transpose());
+    };
+    const auto push = [](BodyPose& body, const Vector6d& motion) {
+      body.camera_from_body.pose = moved(body.camera_from_body.pose, motion);
+    };
+    constexpr double step = 0.02;
+    Eigen::Matrix3d noise = Eigen::Matrix3d::Zero(), camera = Eigen::Matrix3d::Zero();
+    for (std::size_t i = 0; i < looks.size(); ++i) {
+      for (Eigen::Index k = 0; k < 12; ++k) {
+        std::vector<PivotLook> pushed = looks;
+        if (k >= 6 && !with_base) continue;
+        BodyPose& body = k < 6 ? pushed[i].probe : *pushed[i].base;
+        const Eigen::Matrix<double, 6, 6> root = body.errors.noise.llt().matrixL();
+        push(body, step * root.col(k % 6));
+        noise += move_by(pushed, step);
+      }
+    }
+    for (Eigen::Index k = 0; k < kCameraModes; ++k) {
+      std::vector<PivotLook> pushed = looks;
+      for (PivotLook& look : pushed) {
+        push(look.probe, step * look.probe.errors.by_camera.col(k));
+        if (look.base) push(*look.base, step * look.base->errors.by_camera.col(k));
+      }
+      camera += move_by(pushed, step);
+    }
+    EXPECT_LT((found.parts.noise - noise).norm(), 0.05 * noise.norm()) << found.parts.noise << "\n" << noise;
+    EXPECT_LT((found.parts.camera - camera).norm(), 0.05 * camera.norm()) << found.parts.camera << "\n"
+                                                                          << camera;
+    EXPECT_EQ(found.parts.base.norm() + found.parts.probe.norm(), 0.0);
+  }
+}
+
+/// Beyond its stated noise, yet not so far that the ball must have slipped, the noise counts as it shows.
+TEST(Pivot, noise_counts_as_large_as_the_residuals_show_it) {
+  std::mt19937 random(6);
+  const Eigen::Vector3d ball(0.02, 0.01, -0.1);
+  std::vector<PivotLook> looks = stated_looks(40, ball, false, random);
+  constexpr double sigma = 0.001;
+  std::normal_distribution<double> normal(0.0, sigma);
+  std::vector<Eigen::Vector3d> slips;
+  for (PivotLook& look : looks) {
+    look.probe.errors = {};
+    look.probe.errors.noise.topLeftCorner<3, 3>().diagonal().setConstant(sigma * sigma);
+    look.probe.errors.noise.bottomRightCorner<3, 3>().diagonal().setConstant(1e-14);
+    Eigen::Isometry3d& pose = look.probe.camera_from_body.pose;
+    pose.translation() = Eigen::Vector3d(0.0, 0.1, 0.6) - pose.linear() * ball;
+    slips.push_back({normal(random), normal(random), normal(random)});
+  }
+  const auto found = [&](double scale) {
+    std::vector<PivotLook> moved_looks = looks;
+    for (std::size_t i = 0; i < looks.size(); ++i)
+      moved_looks[i].probe.camera_from_body.pose.pretranslate(scale * slips[i]);
+    return calibrate_pivot(moved_looks, exact_rig(), {.most_sigma = 1.0});
+  };
+  const PivotCalibration small = found(0.1), usual = found(1.0);
+  const auto excess = [&](const PivotCalibration& of) {  // chi-square over its freedom
+    const double n = static_cast<double>(looks.size());
+    return n * of.rms * of.rms / (sigma * sigma) / (3.0 * n - 6.0);
+  };
+  const PivotCalibration grown = found(std::sqrt(1.18 / excess(usual)));
+  ASSERT_NEAR(excess(grown), 1.18, 0.02);
+  EXPECT_LT((grown.parts.noise - 1.18 * small.parts.noise).norm(), 0.02 * small.parts.noise.norm());
+}
+
+TEST(Pivot, the_covariance_is_the_sum_of_all_its_parts) {
+  std::mt19937 random(7);
+  Turning turning;
+  turning.probe.errors = turning.base.errors = {0.002, 0.005, 0.001, 0.01};
+  const PivotCalibration found = turning.found(25, random, {.most_sigma = 0.1});
+  ASSERT_EQ(found.refusal, "");
+  const Eigen::Matrix3d parts[] = {found.parts.noise, found.parts.camera, found.parts.probe,
+                                   found.parts.base};
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (const Eigen::Matrix3d& part : parts) {
+    EXPECT_GT(part.trace(), 1e-12);
+    sum += part;
+  }
+  EXPECT_LT((found.covariance - sum).norm(), 1e-9 * sum.norm());
+}
+
 TEST(Pivot, refusal_names_the_largest_part_and_its_cure) {
   const auto refusal = [](auto change) {
     std::mt19937 random(9);

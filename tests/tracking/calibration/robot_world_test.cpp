@@ -263,6 +263,32 @@ TEST(RobotWorld, one_axis_few_looks_and_foreign_joints_are_refused_with_the_reas
   EXPECT_NE(calibrate_robot_world(looks).refusal, "");
 }
 
+/// Where the tip is off by three times what is stated, the places are three times less sure, with offsets of
+/// joints, too.
+TEST(RobotWorld, residuals_beyond_the_stated_ones_count_with_offsets_too) {
+  const auto covariance = [](double times, bool with_joints) {
+    std::mt19937 random(12);
+    Cell cell(random);
+    std::vector<RobotLook> looks = cell.looks(30, random);
+    std::normal_distribution<double> normal;
+    for (RobotLook& look : looks) {
+      Vector6d error;
+      for (int i = 0; i < 6; ++i) error[i] = times * (i < 3 ? 0.001 : 0.002) * normal(random);
+      look.by_camera.setZero(), look.tags_of_world.setZero(), look.tags_of_rider.setZero();
+      look.world_from_rider = {cell.world_from_base * moved(look.base_from_tip, error) * cell.tip_from_rider,
+                               1e-10 * Matrix6d::Identity()};
+    }
+    RobotWorldOptions options{.most_sigma = 1.0, .most_residual = 1.0};
+    if (with_joints) options.joints = {"shoulder", "elbow"};
+    return Matrix6d(calibrate_robot_world(looks, options).base_as_used.covariance);
+  };
+  for (const bool with_joints : {false, true}) {
+    const double ratio = covariance(3.0, with_joints).trace() / covariance(0.01, with_joints).trace();
+    EXPECT_GT(ratio, 6.0) << with_joints;
+    EXPECT_LT(ratio, 12.0) << with_joints;
+  }
+}
+
 /// An error of the camera that moves both boards alike, in the camera's axes, moves neither on the other.
 TEST(RobotWorld, an_error_of_the_camera_that_both_boards_share_cancels_out) {
   std::mt19937 random(4);
