@@ -200,6 +200,13 @@ CompareChoice choice_of(const Suite& suite, const CompareOptions& options, const
 /// Runs all and lets the results take the place of older ones. An error says what is left.
 CompareResults run_and_publish(const Suite& suite, const std::vector<PreparedExperiment>& prepared,
                                const CompareOptions& options, CompareAsked asked, Console& console) {
+  if (options.resume) {
+    if (auto finished = finished_results(options.out, asked)) {
+      console.log("clearway: " + quote(options.out.string()) + " is finished: nothing was left to run");
+      if (!console.json) print_results(*finished, console);
+      return std::move(*finished);
+    }
+  }
   AtomicFolder folder(options.out, is_of_comparison,
                       options.resume ? Unpublished::continued : Unpublished::kept);
   try {

@@ -69,7 +69,7 @@ void add_run_flags(CLI::App& command, const std::shared_ptr<CompareOptions>& opt
       ->check(number("a whole number from 0 to 1000", 0, 1000))
       ->type_name("N");
   command.add_flag("--resume", options->resume,
-                   "continue the interrupted run in DIR.partial; if there is none, begin");
+                   "continue the interrupted run in DIR.partial; where DIR is whole, show it; else begin");
   command
       .add_option("--rerun", options->rerun,
                   "repeat only the run with this id, as printed and as below plans/: "

@@ -120,6 +120,23 @@ std::vector<std::string> runs_without_answer(const CompareResults& results) {
   return sentences;
 }
 
+/// What was found in `folder`. @throws std::invalid_argument when it is not of what is asked.
+CompareRecords read_same(const fs::path& folder, const CompareAsked& asked) {
+  CompareRecords records = CompareRecords::read(folder / records_name);
+  const std::string differs = difference(asked, records.asked());
+  const CompareShard &mine = asked.shard, &its = records.asked().shard;
+  if (!differs.empty() || mine.index != its.index || mine.count != its.count)
+    throw std::invalid_argument(
+        "--resume: '" + folder.string() + "' is of another comparison: expected " +
+        (differs.empty() ? "the same --shard" : "the same as now, but it differs in " + differs));
+  return records;
+}
+
+std::optional<CompareResults> finished_results(const fs::path& folder, const CompareAsked& asked) {
+  if (fs::exists(AtomicFolder::partial_of(folder)) || !fs::exists(folder / records_name)) return std::nullopt;
+  return read_same(folder, asked).results(folder);
+}
+
 CompareRecords CompareSession::begin(AtomicFolder& folder, CompareAsked asked, bool resumes) {
   const fs::path file = folder.path() / records_name;
   if (!resumes || !fs::exists(file)) {
@@ -127,13 +144,7 @@ CompareRecords CompareSession::begin(AtomicFolder& folder, CompareAsked asked, b
     save_file(file, records.text());
     return records;
   }
-  CompareRecords records = CompareRecords::read(file);
-  const std::string differs = difference(asked, records.asked());
-  const CompareShard &mine = asked.shard, &its = records.asked().shard;
-  if (!differs.empty() || mine.index != its.index || mine.count != its.count)
-    throw std::invalid_argument(
-        "--resume: '" + folder.path().string() + "' is of another comparison: expected " +
-        (differs.empty() ? "the same --shard" : "the same as now, but it differs in " + differs));
+  CompareRecords records = read_same(folder.path(), asked);
   cut_after_last_line(file);
   return records;
 }

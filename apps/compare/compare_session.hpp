@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,12 @@ class CompareSession {
   FileDescriptor file_;
   int lines_ = 0;  ///< appended
 };
+
+/// What --resume finds whole in `folder`: nothing is left to run. Empty when it is not there, or a comparison
+/// is under way beside it.
+/// @throws std::invalid_argument naming what differs when it is of another comparison
+std::optional<CompareResults> finished_results(const std::filesystem::path& folder,
+                                               const CompareAsked& asked);
 
 /// Every experiment's table, then their sums where there are several.
 void print_results(const CompareResults& results, Console& console);

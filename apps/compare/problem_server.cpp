@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "apps/compare/compare_team.hpp"
+#include "apps/compare/left_processes.hpp"
 #include "apps/compare/robot_server.hpp"
 #include "apps/compare/worker_process.hpp"
 #include "apps/console/parse.hpp"
@@ -84,6 +85,7 @@ IsolatedEnd run_isolated(const PartedWork& work, const CompareIsolation& isolati
     work([&](std::string_view part) { end.parts.emplace_back(part); });
     return end;
   }
+  const LeftProcesses left_by_an_external_planner;
   const ChildLimits limits{static_cast<std::size_t>(isolation.memory), std::size_t{1} << 30U,
                            static_cast<int>(std::ceil(std::min(seconds, longest_wait)))};
   return end_of(run_in_child([&](const SendPart& send) { run_in_own_process(work, send); }, limits),

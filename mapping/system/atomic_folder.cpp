@@ -80,6 +80,10 @@ AtomicFolder::AtomicFolder(const fs::path& folder, IsOurs is_ours, Unpublished u
   }
 }
 
+fs::path AtomicFolder::partial_of(const fs::path& folder) {
+  return place_of_folder(folder).target.string() + ".partial";
+}
+
 AtomicFolder::~AtomicFolder() {
   if (!is_published_ && unfinished_work().empty()) remove_staging();
 }

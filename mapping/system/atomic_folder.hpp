@@ -38,6 +38,9 @@ class AtomicFolder {
   AtomicFolder(const AtomicFolder&) = delete;
   AtomicFolder& operator=(const AtomicFolder&) = delete;
 
+  /// Where one that is kept or continued is filled: beside `folder`, or beside what that leads to.
+  static std::filesystem::path partial_of(const std::filesystem::path& folder);
+
   /// Where the new files are written.
   const std::filesystem::path& path() const { return staging_; }
 

@@ -147,6 +147,20 @@ TEST_F(CompareParts, ASignalLeavesATableAndResumingFindsWhatNobodyInterrupted) {
   EXPECT_EQ(resumed.status, 0) << resumed.log;
   EXPECT_FALSE(fs::exists(partial));
   expect_same("whole", "out");
+
+  const fs::path records = folder_.path() / "out" / "runs.jsonl";  // once more: nothing is left
+  const auto written = fs::last_write_time(records);
+  std::erase(rest, "--quiet");
+  const CommandRun again = compare(rest);
+  EXPECT_EQ(again.status, 0) << again.log;
+  EXPECT_NE(again.log.find("out' is finished: nothing was left to run"), std::string::npos) << again.log;
+  EXPECT_NE(again.out.find("solved / valid / total"), std::string::npos) << again.out;
+  EXPECT_EQ(fs::last_write_time(records), written);
+  rest.insert(rest.end(), {"--seed", "7"});
+  const CommandRun other = compare(rest);
+  EXPECT_EQ(other.status, 2);
+  EXPECT_NE(other.log.find("it differs in the seed (7, not 3)"), std::string::npos) << other.log;
+  EXPECT_EQ(fs::last_write_time(records), written);
 }
 
 TEST_F(CompareParts, ResumingAnotherComparisonIsRefusedAndNothingIsLost) {
