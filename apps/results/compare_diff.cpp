@@ -254,10 +254,21 @@ std::vector<std::string> notes_on(const StoredResults& before, const StoredResul
                       "' differ, as its files say something else: what changed may be theirs.");
   if (const std::string other = other_maps(before, after); !other.empty()) notes.push_back(other);
   const auto report_missing = [&](const StoredResults& from, const StoredResults& in) {
-    for (const auto& [name, runs] : from.runs)
-      if (!in.runs.contains(name))
-        notes.push_back("'" + name.second + "' in experiment '" + name.first + "' is in '" +
-                        from.file.string() + "' alone.");
+    for (const auto& [name, runs] : from.runs) {
+      const std::string who = "'" + plain(name.second) + "' in experiment '" + plain(name.first) + "'";
+      const std::string alone = " in '" + plain(from.file.string()) + "' alone";
+      const auto other = in.runs.find(name);
+      if (other == in.runs.end()) {
+        notes.push_back(who + " is" + alone + ".");
+        continue;
+      }
+      const auto count = static_cast<std::size_t>(std::count_if(
+          runs.begin(), runs.end(), [&](const auto& run) { return !other->second.contains(run.first); }));
+      if (count > 0)
+        notes.push_back("Of " + who + " " + std::to_string(count) + " of " + counted(runs.size(), "run") +
+                        (count == 1 ? " is" : " are") + alone + ": nothing is said of " +
+                        (count == 1 ? "it." : "them."));
+    }
   };
   report_missing(before, after);
   report_missing(after, before);

@@ -73,6 +73,20 @@ TEST(CompareDiff, NoiseIsNoChange) {
   EXPECT_TRUE(diff.notes.empty());
 }
 
+TEST(CompareDiff, RunsThatOneAloneHasAreCountedAsLeftOut) {
+  const TemporaryFolder folder;
+  const auto old_file = folder.path() / "old.sqlite", new_file = folder.path() / "new.sqlite";
+  CompareResults results = results_with([](std::size_t, CompareRun&) {});
+  save_database(results, old_file);
+  results.experiments[0].problems.resize(17);
+  save_database(results, new_file);
+  const CompareDiff diff = compare_diff(old_file, new_file), back = compare_diff(new_file, old_file);
+  ASSERT_EQ(diff.notes.size(), 1U);
+  EXPECT_EQ(diff.notes[0], "Of 'one' in experiment 'e' 23 of 40 runs are in '" + old_file.string() +
+                               "' alone: nothing is said of them.");
+  EXPECT_EQ(back.notes, diff.notes);
+}
+
 TEST(CompareDiff, SlowerEverywhereIsWorseUnlessItIsLittle) {
   const auto slower = [](double factor) {
     return diff_with([factor](std::size_t, CompareRun& run) { run.cpu *= factor; });
