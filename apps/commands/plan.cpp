@@ -234,6 +234,17 @@ std::string plan_page(const PlanOptions& options, const Plan& plan, const Config
   return render_report_page(page);
 }
 
+/// A controller of Universal Robots takes no new position between two of its steps.
+void require_steps_of_controller(const PlanOptions& options) {
+  constexpr double step = 0.002;
+  const double steps = options.period / step;
+  for (const auto& [format, file] : options.trajectories)
+    if (format == "urscript" && std::abs(steps - std::round(steps)) > 1e-6)
+      throw std::invalid_argument(
+          "--period: urscript needs a multiple of 0.002 s, the controller's step, got " +
+          significant(options.period));
+}
+
 }  // namespace
 
 int run_plan(const PlanOptions& options, Console& console) {
@@ -244,6 +255,7 @@ int run_plan(const PlanOptions& options, Console& console) {
   const Robot own_tip = choose_robot(options.robot);
   const Robot robot = options.pick.empty() ? own_tip : with_tip_of(own_tip, options.goal_poses.tip);
   for (const auto& [format, file] : options.trajectories) trajectory_format(format, robot);
+  require_steps_of_controller(options);
   rate_limits(robot, options.scales);
   const ChosenStops chosen = choose_stops(options.start, options.goals, robot, options.degrees);
   const Configuration& start = chosen.start;

@@ -228,6 +228,16 @@ TEST_F(PickCommand, moves_smoothly_and_check_proves_the_motion_with_the_pick_tha
   expect_words(checked.out, {"0.4 s of a motion (plan)"});
 }
 
+TEST_F(PickCommand, urscript_takes_steps_of_the_controller_alone) {
+  for (const char* period : {"0.001", "0.003", "0.0025"}) {
+    const CommandRun run = run_command({"plan", "--map", folder_->file("map"), "--robot", "arm6",
+                                        "--start=0,0,0,0,0,0", "--goal=1,0,0,0,0,0", "--period", period,
+                                        "--trajectory", "urscript", folder_->file("odd.script")});
+    EXPECT_EQ(run.status, exit_bad_input);
+    expect_words(run.log, {std::string("a multiple of 0.002 s, the controller's step, got ") + period});
+  }
+}
+
 TEST_F(PickCommand, nothing_rides_beside_what_is_picked) {
   const std::string bar = folder_->write("bar.yaml", "{name: bar, box: [0.6, 0.6, 0.01], link: hand}");
   const std::vector<std::string> both{
