@@ -20,7 +20,7 @@ Command add_gate(CLI::App& app, Console& console) {
       "Times of one chunk are not compared with those of another: whoever runs them starts one when the last "
       "has ended, or\nthe robot stands. The map is read once; start gate anew for another.\n"
       "Exit status: 0 all chunks passed, 1 some were refused, 2 bad input.");
-  command->add_option("--map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply, .bin")
+  command->add_option("--map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply, .bin, .xyz")
       ->required()
       ->type_name("MAP");
   add_cloud_resolution(*command, options->cloud_resolution);

@@ -235,12 +235,12 @@ void add_pick(CLI::App& command, std::filesystem::path& file, std::string& place
 
 void add_cloud_resolution(CLI::App& command, std::optional<double>& resolution) {
   command
-      .add_option(
-          "--cloud-resolution", resolution,
-          "edge of the voxels that the points of a .pcd, .ply or .bin map stand for, metres; default: what "
-          "the file states, else 0.02, or, of a thinned surface, 1.25 times the distance of its "
-          "points; gaps between points "
-          "of less than two edges count as surface")
+      .add_option("--cloud-resolution", resolution,
+                  "edge of the voxels that the points of a .pcd, .ply, .bin or .xyz map stand for, metres; "
+                  "default: what "
+                  "the file states, else 0.02, or, of a thinned surface, 1.25 times the distance of its "
+                  "points; gaps between points "
+                  "of less than two edges count as surface")
       ->check(number("metres from 0.0001 to 100", 1e-4, 100.0))
       ->type_name("M");
 }

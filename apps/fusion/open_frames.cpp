@@ -14,6 +14,7 @@
 #include "datasets/pictures/video.hpp"
 #include "mapping/files/cloud_file.hpp"
 #include "mapping/files/velodyne_scan.hpp"
+#include "mapping/files/xyz_file.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -57,7 +58,10 @@ class NotedSource final : public FrameSource {
   std::vector<std::string> notes_;
 };
 
-bool is_posed_cloud(const fs::path& file) { return is_cloud_file(file) && !is_velodyne_file(file); }
+/// A text says nothing of where it was seen from.
+bool is_posed_cloud(const fs::path& file) {
+  return is_cloud_file(file) && !is_velodyne_file(file) && !is_xyz_file(file);
+}
 
 /// What is called like a file that `is_wanted`. One that is no file, or a link to none, is reported as
 /// damage: what it should hold is missing.
@@ -242,7 +246,7 @@ std::unique_ptr<FrameSource> open_any(const fs::path& recording, const SourceOpt
   if (fs::is_directory(recording, error)) return open_folder(recording, options);
   if (is_camera_name(recording)) return open_camera(recording, options);
   const bool is_file = fs::is_regular_file(recording, error);
-  if (is_file && is_cloud_file(recording)) {
+  if (is_file && is_cloud_file(recording) && !is_xyz_file(recording)) {
     require_input(recording, "recording");
     if (is_velodyne_file(recording))
       return open_velodyne({{recording}, {}, {}, {}}, recording.stem().string(), options);

@@ -15,6 +15,7 @@
 #include "mapping/files/map_file.hpp"
 #include "mapping/files/number_words.hpp"
 #include "mapping/files/velodyne_scan.hpp"
+#include "mapping/files/xyz_file.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/voxels/fused_tree.hpp"
@@ -123,11 +124,12 @@ CloudVoxels voxels_of_cloud(const std::filesystem::path& file, const std::vector
 
 bool is_cloud_file(const std::filesystem::path& file) {
   const std::string kind = extension_of(file);
-  return kind == ".pcd" || kind == ".ply" || is_velodyne_file(file);
+  return kind == ".pcd" || kind == ".ply" || is_velodyne_file(file) || is_xyz_file(file);
 }
 
 std::vector<Eigen::Vector3f> read_cloud(const std::filesystem::path& file) {
   if (is_velodyne_file(file)) return read_velodyne_scan(file).points;
+  if (is_xyz_file(file)) return read_xyz_file(file);
   ParsedCloud cloud = parse_cloud(file);
   return finite_points(cloud);
 }
@@ -165,7 +167,7 @@ double points_over(const std::array<Eigen::Vector3f, 3>& corners, double step) {
 }  // namespace
 
 std::vector<Eigen::Vector3f> read_surface(const std::filesystem::path& file, double edge) {
-  if (is_velodyne_file(file)) return read_velodyne_scan(file).points;
+  if (is_velodyne_file(file) || is_xyz_file(file)) return read_cloud(file);
   ParsedCloud cloud = parse_cloud(file);
   if (cloud.has_lost_faces)
     throw std::invalid_argument(
@@ -195,6 +197,7 @@ ViewedCloud read_viewed_cloud(const std::filesystem::path& file) {
     VelodyneScan scan = read_velodyne_scan(file);
     return {std::move(scan.points), Eigen::Isometry3d::Identity(), scan.left_out()};
   }
+  if (is_xyz_file(file)) return {read_xyz_file(file)};
   ParsedCloud parsed = parse_cloud(file);
   const auto& [x, y, z, qw, qx, qy, qz] = parsed.viewpoint;
   const Eigen::Vector3f origin(x, y, z);

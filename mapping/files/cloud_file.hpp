@@ -16,11 +16,12 @@ class FusedTree;
 
 constexpr double usual_cloud_resolution = 0.02;  ///< m
 
-/// True for a name that ends in .pcd, .ply or .bin (velodyne_scan.hpp), in small or capital letters.
+/// True for a name that ends in .pcd, .ply, .bin (velodyne_scan.hpp) or as is_xyz_file says, in small or
+/// capital letters.
 bool is_cloud_file(const std::filesystem::path& file);
 
 /// Reads the finite points of a .pcd or .ply file with PCL, in a child process: PCL crashes on damaged files;
-/// and those of a .bin file that can be used.
+/// those of a .bin file that can be used, and those of a text (read_xyz_file).
 /// @throws DamagedFile when the file is cut off or corrupt, or holds no x, y, z.
 std::vector<Eigen::Vector3f> read_cloud(const std::filesystem::path& file);
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <set>
 #include <utility>
 
 #include "mapping/files/cloud_file.hpp"
@@ -150,9 +151,11 @@ Snapshot load_map(const fs::path& path, std::optional<double> cloud_resolution) 
       throw std::invalid_argument("'" + file.string() + "' holds no finite point, expected some");
     return {tree_of_cloud(points, voxels_of_cloud(file, points, cloud_resolution), file), {}};
   }
+  static const std::set<std::string> converted = {".las", ".laz", ".e57", ".ptx", ".obj", ".stl", ".npy"};
   throw std::invalid_argument("map '" + path.string() +
                               "' is of an unknown kind: expected a directory or a .ot, " +
-                              ".bt, .pcd, .ply or .bin file");
+                              ".bt, .pcd, .ply, .bin, .xyz, .asc or .pts file" +
+                              (converted.contains(kind) ? "; CloudCompare makes a .ply of it" : ""));
 }
 
 MapLeaves MapLeaves::in_file(const fs::path& path, std::optional<double> cloud_resolution) {
