@@ -4,11 +4,13 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <stdexcept>
 #include <utility>
 
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "mapping/system/random_unit.hpp"
 #include "mapping/voxels/rigid_pose.hpp"
 #include "planning/files/query_record.hpp"
 #include "planning/robot/kinematics.hpp"
@@ -20,6 +22,7 @@ namespace {
 constexpr std::size_t most_choices = 16;  ///< of one goal
 constexpr int starts_of_variant = 8;      ///< of inverse kinematics, for poses that are not the goal itself
 constexpr int starts_of_last_try = 2000;  ///< where none that was found is free
+constexpr int tries_aside = 32;           ///< places of joints that do not move the tip
 
 void require_sound(const NamedGoalPose& goal) {
   const auto refuse = [&](const std::string& what) {
@@ -106,6 +109,12 @@ PoseGoals::Choices PoseGoals::choices_of(std::size_t goal) const {
     take(goal_configurations(robot_, poses[0], near, starts_of_last_try));
     if (blocked.empty()) blocked = std::move(before);
   }
+  if (choices.free == 0 && !blocked.empty()) {  // another arm may be in the way
+    for (const Configuration& aside : with_others_aside(near)) {
+      if (choices.free > 0) break;
+      take(goal_configurations(robot_, poses[0], aside, starts_of_variant));
+    }
+  }
   const auto is_nearer = [&](const Configuration& a, const Configuration& b) {
     return largest_difference(a, near) < largest_difference(b, near);
   };
@@ -118,6 +127,32 @@ PoseGoals::Choices PoseGoals::choices_of(std::size_t goal) const {
                                 quote(robot_.links[static_cast<std::size_t>(robot_.tip_link)].name) +
                                 " there, expected a pose within reach" + hint_of(wanted));
   return choices;
+}
+
+/// With joints that do not move the tip at other values: none where all do.
+std::vector<Configuration> PoseGoals::with_others_aside(const Configuration& near) const {
+  std::vector<bool> moves(robot_.dof(), false);
+  for (int link = robot_.tip_link; link >= 0; link = robot_.links[static_cast<std::size_t>(link)].parent)
+    if (const int joint = robot_.links[static_cast<std::size_t>(link)].joint; joint >= 0)
+      moves[static_cast<std::size_t>(joint)] = true;
+  std::vector<Configuration> found;
+  if (std::find(moves.begin(), moves.end(), false) == moves.end()) return found;
+  std::mt19937_64 random(1);
+  for (int i = 1; i <= tries_aside; ++i) {
+    Configuration q = near;
+    for (std::size_t j = 0; j < robot_.dof(); ++j) {
+      if (moves[j]) continue;
+      const Joint& joint = robot_.joints[j];
+      const bool has_ends = std::isfinite(joint.upper - joint.lower);
+      const double lower = has_ends ? joint.lower : -std::numbers::pi,
+                   upper = has_ends ? joint.upper : std::numbers::pi;
+      const auto at = static_cast<Eigen::Index>(j);
+      const double reach = static_cast<double>(i) / tries_aside;  // farther from where it is each time
+      q[at] += reach * (lower + random_unit(random) * (upper - lower) - q[at]);
+    }
+    found.push_back(std::move(q));
+  }
+  return found;
 }
 
 std::string PoseGoals::hint_of(const GoalPose& wanted) const {

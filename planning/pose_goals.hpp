@@ -44,6 +44,7 @@ class PoseGoals {
   };
   Choices choices_of(std::size_t goal) const;
   void choose_from(std::size_t goal);
+  std::vector<Configuration> with_others_aside(const Configuration& near) const;
   std::string hint_of(const GoalPose& wanted) const;  ///< empty: none
 
   const ConfigurationSpace& space_;

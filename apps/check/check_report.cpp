@@ -239,7 +239,8 @@ Rows check_rows(const CheckReport& report) {
   }
   if (!report.path.first_contact.empty()) rows.emplace_back("first contact", report.path.first_contact);
   if (report.path.valid)
-    rows.emplace_back("min. clearance", significant(report.path.min_clearance * 1000.0, 3) + " mm");
+    rows.emplace_back("min. clearance",
+                      "at least " + significant(report.path.min_clearance * 1000.0, 3) + " mm");
   if (report.motion) append_motion(*report.motion, report.motion_duration, rows);
   if (report.splines) append_splines(*report.splines, report.motion_duration, rows);
   if (report.torques) append_torques(*report.torques, rows);

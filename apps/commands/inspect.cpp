@@ -180,8 +180,8 @@ int run_inspect(const InspectOptions& options, Console& console) {
   if (options.holes) json["painted_volumes"] = describe_volumes(map);
   const bool draws = !slices.empty() || !terms.empty() || !options.view.empty();
   const MapLeaves drawn = other && draws ? MapLeaves::difference(map, *other) : leaves;
-  const std::string name =
-      name_of_map(options.map) + (other ? " against " + name_of_map(options.diff) : std::string());
+  const std::string name = (other ? "from " : "") + name_of_map(options.map) +
+                           (other ? " to " + name_of_map(options.diff) : std::string());
   for (const auto& [plane, file] : slices)
     write_slice_image(drawn, plane, file, {name, lines, other.has_value(), options.age});
   std::string text;

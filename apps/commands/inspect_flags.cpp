@@ -60,7 +60,7 @@ Command add_inspect(CLI::App& app, Console& console) {
   command
       ->add_option("--diff", options->diff,
                    "count the voxels whose state differs from another map, whatever their age; --slice, "
-                   "--term and --view then show the difference; exit status 1 if the maps differ")
+                   "--term and --view then show what is other in MAP2; exit status 1 if the maps differ")
       ->type_name("MAP2")
       ->check(file_name);
   command

@@ -16,6 +16,11 @@ std::string oldest_look(const SweptVoxels& swept) {
   return " (last seen up to " + significant(*swept.oldest_look, 3) + " s before the map's newest look)";
 }
 
+std::string maybe_by_hand(const SweptVoxels& swept) {
+  if (swept.maybe_by_hand == 0) return {};
+  return " (of " + percent(swept, swept.maybe_by_hand) + " no look is known: they may be free by hand alone)";
+}
+
 std::string describe_swept(const SweptVoxels& swept) {
   std::string text =
       significant(swept.litres(swept.total()), 3) + " l (" + grouped(swept.total()) + " voxels): ";
@@ -23,7 +28,7 @@ std::string describe_swept(const SweptVoxels& swept) {
   if (swept.beyond > 0) text += " (" + percent(swept, swept.beyond) + " beyond the map's bounds)";
   text += ", " + percent(swept, swept.seen_once) + " seen once, " +
           percent(swept, swept.seen_free - swept.seen_once) + " seen free more often" + oldest_look(swept) +
-          ", " + percent(swept, swept.painted) + " painted";
+          maybe_by_hand(swept) + ", " + percent(swept, swept.painted) + " painted";
   if (swept.occupied > 0) text += ", " + percent(swept, swept.occupied) + " occupied";
   return text;
 }

@@ -114,6 +114,7 @@ class YamlFields {
                              const std::vector<std::string>& names) const;
   std::string checked_text(const std::string& text, const std::string& key, size_t longest) const;
   std::string degrees_key(const std::string& key) const;
+  void require_within_turn(const std::string& key, double given) const;
   void check_map() const;
 
   std::shared_ptr<const YAML::Node> node_;

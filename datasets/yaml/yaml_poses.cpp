@@ -1,8 +1,10 @@
 #include <yaml-cpp/yaml.h>
 
+#include <cmath>
 #include <numbers>
 
 #include "datasets/yaml/yaml_fields.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -64,10 +66,19 @@ double YamlFields::angle(const std::string& key, double otherwise) const {
   return has(given) ? number(given, within_reach) * (given != key ? degree : 1) : otherwise;
 }
 
+/// What was given in radians and is more than a turn was meant in degrees.
+void YamlFields::require_within_turn(const std::string& key, double given) const {
+  constexpr double most_turned = 2.0 * std::numbers::pi + 1e-3;
+  if (has(key) && std::abs(given) > most_turned)
+    fail(key, "expected angles in radians, each within a whole turn, got " + short_text(given) + "; " + key +
+                  "_deg takes degrees");
+}
+
 Eigen::Isometry3d YamlFields::pose(const std::string& key) const {
   const std::string given = degrees_key(key);
   const auto values = numbers(given, within_reach, 6);
   const double unit = given != key ? degree : 1;
+  for (std::size_t i = 3; i < 6; ++i) require_within_turn(key, values[i]);
   Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
   result.translation() = Eigen::Vector3d(values.data());
   result.linear() = rotation_from_rpy(values[3] * unit, values[4] * unit, values[5] * unit);
@@ -81,6 +92,7 @@ Eigen::Isometry3d YamlFields::pose(const std::string& key, const Eigen::Isometry
 Eigen::Matrix3d YamlFields::rotation(const std::string& key) const {
   const auto values = angles(key);
   if (values.size() != 3) fail(key, "expected [roll, pitch, yaw]");
+  for (const double value : values) require_within_turn(key, value);
   return rotation_from_rpy(values[0], values[1], values[2]);
 }
 

@@ -34,7 +34,9 @@ class SrdfPairs {
     if (xml_.Error() || !root) disagree(robot, robot.srdf.string() + " is no robot's XML");
     const auto names = [](const tinyxml2::XMLElement& entry) {
       const auto name = [&](const char* which) {
-        return std::string(entry.Attribute(which) ? entry.Attribute(which) : "");
+        const std::string given = entry.Attribute(which) ? entry.Attribute(which) : "";
+        const std::size_t begin = std::min(given.find_first_not_of(" \t\r\n"), given.size());
+        return given.substr(begin, given.find_last_not_of(" \t\r\n") + 1 - begin);
       };
       return Names(std::minmax(name("link1"), name("link2")));
     };
@@ -47,6 +49,12 @@ class SrdfPairs {
     read("disable_default_collisions", [&](const auto& entry) {
       if (entry.Attribute("link")) links_.insert(entry.Attribute("link"));
     });
+  }
+
+  /// Whether it wants them tested, neighbours or not.
+  bool demand(const std::string& first, const std::string& second) const {
+    const Names pair = std::minmax(first, second);
+    return enabled_.contains(pair) && !disabled_.contains(pair);
   }
 
   bool allow(const std::string& first, const std::string& second) const {
@@ -138,21 +146,22 @@ std::set<std::pair<std::size_t, std::size_t>> justified_exemptions(const Robot& 
                                                                    const FclBodies& bodies) {
   std::set<std::pair<std::size_t, std::size_t>> justified;
   std::vector<Pair> open;
+  const SrdfPairs srdf(robot);
+  const auto link_of = [&](std::size_t body) {
+    return robot.links[static_cast<std::size_t>(robot.bodies[body].link)].name;
+  };
   for (const auto& [first, second] : robot.exempt) {
     const Pair pair{static_cast<std::size_t>(first), static_cast<std::size_t>(second)};
     if (std::max(pair.a, pair.b) >= robot.bodies.size()) continue;
     if (!arm.may_touch(pair.a, pair.b)) continue;
-    if (robot.source.empty() || arm.are_neighbours(pair.a, pair.b))
+    if (robot.source.empty() ||
+        (arm.are_neighbours(pair.a, pair.b) && !srdf.demand(link_of(pair.a), link_of(pair.b))))
       justified.emplace(pair.a, pair.b);
     else
       open.push_back(pair);
   }
   if (open.empty()) return justified;
-  const SrdfPairs srdf(robot);
   const std::set<Names> parts = exempt_parts(robot);
-  const auto link_of = [&](std::size_t body) {
-    return robot.links[static_cast<std::size_t>(robot.bodies[body].link)].name;
-  };
   for (const Pair& pair : open) {
     const Names names = std::minmax(robot.bodies[pair.a].part, robot.bodies[pair.b].part);
     if (parts.contains(names) || srdf.allow(link_of(pair.a), link_of(pair.b)) ||

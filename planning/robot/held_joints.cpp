@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "mapping/system/nearest_name.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/robot/link_pose.hpp"
 
@@ -110,6 +111,23 @@ void require_all_joints(const Robot& robot, const NamedState& state) {
       whole + ", or --fix JOINT=VALUE for " + (is_one ? "that joint" : "each of them"));
 }
 
+/// Refuses a state that has a joint elsewhere than where it is held unasked: what is planned from there would
+/// not be where the robot is.
+void require_held_as_said(const Robot& robot, const NamedState& state) {
+  constexpr double rounding = 1e-4;
+  for (const HeldJoint& held : robot.held) {
+    const auto value = state.values.find(held.name);
+    if (held.source == HoldSource::asked || value == state.values.end()) continue;
+    if (state.aside.contains(held.name)) continue;
+    if (std::abs(value->second - held.value) <= rounding) continue;
+    throw std::invalid_argument("state " + quote(state.name) + " of " + robot.srdf.string() + " has joint " +
+                                quote(held.name) + " at " + short_text(value->second) +
+                                ", which is held at " + short_text(held.value) + ": expected --fix " +
+                                held.name + "=" + short_text(value->second) + ", or " + held.name + "=" +
+                                short_text(held.value) + " where it is there all the same");
+  }
+}
+
 }  // namespace
 
 std::optional<Configuration> named_configuration(const Robot& robot, const std::string& state) {
@@ -123,6 +141,7 @@ std::optional<Configuration> named_configuration(const Robot& robot, const std::
                                                  const Configuration& others) {
   const NamedState* found = state_called(robot, state);
   if (found == nullptr) return std::nullopt;
+  require_held_as_said(robot, *found);
   Configuration q = others;
   for (std::size_t j = 0; j < robot.dof(); ++j) {
     const Joint& joint = robot.joints[j];

@@ -22,7 +22,8 @@ Robot with_held_joints(const Robot& robot, const std::vector<HeldJoint>& held,
 /// value that four digits round beyond a limit is that limit.
 /// @param others where joints are that the state leaves out (joints_left_open)
 /// @throws std::invalid_argument when the state leaves out a joint, unless `others` is given, a value is out
-/// of limits, or states of this name of several groups contradict each other.
+/// of limits, states of this name of several groups contradict each other, or it has a joint elsewhere than
+/// where that is held without anybody having asked for it.
 std::optional<Configuration> named_configuration(const Robot& robot, const std::string& state);
 std::optional<Configuration> named_configuration(const Robot& robot, const std::string& state,
                                                  const Configuration& others);

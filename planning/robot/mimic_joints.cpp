@@ -45,6 +45,9 @@ std::size_t master_of(const std::filesystem::path& file, const MimicJoint& mimic
   for (const Joint& joint : robot.joints) names.push_back(joint.name);
   const auto found = std::find(names.begin(), names.end(), master);
   if (found == names.end()) {
+    if (std::any_of(robot.links.begin(), robot.links.end(),
+                    [&](const Link& link) { return link.joint_name == master; }))
+      refuse(file, mimic, ", which is fixed: expected a joint that moves");
     const std::string nearest = nearest_name(master.substr(0, 100), names);
     refuse(file, mimic,
            ", which is no joint that moves" +

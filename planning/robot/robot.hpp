@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -85,6 +86,8 @@ struct NamedState {
   /// Of joints that two groups' states of this name have at two values, a sentence each; the planning group's
   /// own is no such group.
   std::map<std::string, std::string> doubts{};
+  std::set<std::string>
+      aside{};  ///< joints that other groups' states alone name, beside one of the group's own
 };
 
 /// Of a robot whose settings state none, full size: makers state repeatability, some 0.1 mm, but of the

@@ -49,12 +49,17 @@ std::vector<std::pair<int, int>> exempt_pairs(const Robot& robot, const RobotSet
   append(never_meeting_bodies(robot));
   std::vector<std::string> links;
   for (const Link& link : robot.links) links.push_back(link.name);
-  const auto untested =
-      srdf ? untested_pairs(*srdf, links) : std::vector<std::pair<std::string, std::string>>{};
-  append(bodies_of_parts(robot, untested, robot.srdf));
-  if (settings.exempt) append(bodies_of_parts(robot, *settings.exempt, settings_file));
   const bool says_pairs = srdf && !(srdf->disabled.empty() && srdf->disabled_links.empty());
   if (!says_pairs && !settings.exempt) append(always_colliding_bodies(robot));
+  if (srdf) {
+    const auto tested = bodies_of_parts(robot, tested_pairs(*srdf, links), robot.srdf);
+    std::erase_if(pairs, [&](const std::pair<int, int>& pair) {
+      return std::find(tested.begin(), tested.end(),
+                       std::pair<int, int>(std::minmax(pair.first, pair.second))) != tested.end();
+    });
+    append(bodies_of_parts(robot, untested_pairs(*srdf, links), robot.srdf));
+  }
+  if (settings.exempt) append(bodies_of_parts(robot, *settings.exempt, settings_file));
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   return pairs;
@@ -294,13 +299,16 @@ namespace {
 
 /// Numbers that are in other units, as they are not URDF's.
 std::vector<std::string> unit_notes(const Robot& robot) {
-  constexpr double most_turned = 50.0, largest_body = 20.0;  // rad, m
+  constexpr double most_turned = 50.0, largest_body = 20.0, most_slid = 50.0;  // rad, m, m
   std::vector<std::string> notes;
   for (const Joint& joint : robot.joints) {
     const double turned = joint.upper - joint.lower;
     if (joint.kind == JointKind::revolute && std::isfinite(turned) && turned > most_turned)
       notes.push_back("joint " + quote(joint.name) + " turns by " + short_text(turned, 3) +
                       " rad: are its limits in degrees? URDF has radians");
+    if (joint.kind == JointKind::prismatic && std::isfinite(turned) && turned > most_slid * robot.scale)
+      notes.push_back("joint " + quote(joint.name) + " slides by " + short_text(turned / robot.scale, 3) +
+                      " m: are its limits in millimetres? URDF has metres");
   }
   for (const Joint& joint : robot.joints) {
     const std::string &below = joint.lower_follower, &above = joint.upper_follower;

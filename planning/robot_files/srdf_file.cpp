@@ -20,6 +20,14 @@ using XmlElement = tinyxml2::XMLElement;
 constexpr std::size_t most_srdf_pairs = 100'000;
 constexpr std::size_t most_srdf_groups = 1000, most_srdf_entries = 100'000;
 
+constexpr const char* blanks = " \t\r\n";
+
+/// As srdfdom takes names and values.
+std::string without_blanks_around(const std::string& text) {
+  const std::size_t begin = std::min(text.find_first_not_of(blanks), text.size());
+  return text.substr(begin, text.find_last_not_of(blanks) + 1 - begin);
+}
+
 [[noreturn]] void refuse_srdf(const std::filesystem::path& file, const std::string& what) {
   throw std::invalid_argument(file.string() + ": " + what);
 }
@@ -78,20 +86,20 @@ class SrdfReader {
   }
 
   std::string attribute(const XmlElement& element, const char* name) const {
-    const char* value = element.Attribute(name);
-    if (!value || !*value) refuse_srdf(file_, std::string("<") + element.Name() + "> needs " + name + "=…");
+    std::string value = optional(element, name);
+    if (value.empty()) refuse_srdf(file_, std::string("<") + element.Name() + "> needs " + name + "=…");
     return value;
   }
 
   static std::string optional(const XmlElement& element, const char* name) {
     const char* value = element.Attribute(name);
-    return value ? value : "";
+    return value ? without_blanks_around(value) : "";
   }
 
   std::pair<std::string, std::string> pair_of(const XmlElement& element) const {
     if (!element.Attribute("link1") || !element.Attribute("link2"))
       refuse_srdf(file_, std::string("<") + element.Name() + "> needs link1 and link2");
-    return {element.Attribute("link1"), element.Attribute("link2")};
+    return {optional(element, "link1"), optional(element, "link2")};
   }
 
   void count_entry() {
@@ -132,9 +140,7 @@ class SrdfReader {
       count_entry();
       const std::string name = attribute(joint, "name"), written = attribute(joint, "value");
       const std::string where = "joint " + quote(name) + " of state " + quote(state.name);
-      constexpr const char* blanks = " \t\r\n";
-      const std::size_t begin = std::min(written.find_first_not_of(blanks), written.size());
-      const std::string text = written.substr(begin, written.find_last_not_of(blanks) + 1 - begin);
+      const std::string& text = written;
       if (text.find_first_of(blanks) != std::string::npos) return;  // of a virtual joint, several values
       if (text.empty()) refuse_srdf(file_, where + " has no value, expected a finite number");
       double value = 0.0;
@@ -259,6 +265,16 @@ std::vector<std::pair<std::string, std::string>> untested_pairs(const Srdf& srdf
   return {pairs.begin(), pairs.end()};
 }
 
+std::vector<std::pair<std::string, std::string>> tested_pairs(const Srdf& srdf,
+                                                              const std::vector<std::string>& links) {
+  const std::set<std::string> known(links.begin(), links.end());
+  std::set<std::pair<std::string, std::string>> pairs;
+  for (const auto& [first, second] : srdf.enabled)
+    if (known.contains(first) && known.contains(second)) pairs.insert(std::minmax(first, second));
+  for (const auto& [first, second] : srdf.disabled) pairs.erase(std::minmax(first, second));
+  return {pairs.begin(), pairs.end()};
+}
+
 std::vector<std::string> srdf_notes(const Robot& robot) {
   std::vector<std::string> notes;
   if (robot.srdf.empty()) return notes;
@@ -270,6 +286,13 @@ std::vector<std::string> srdf_notes(const Robot& robot) {
   std::set<std::string> unknown(srdf.disabled_links.begin(), srdf.disabled_links.end());
   for (const auto* pairs : {&srdf.disabled, &srdf.enabled})
     for (const auto& [first, second] : *pairs) unknown.insert({first, second});
+  std::vector<std::string> hands;
+  for (const Srdf::EndEffector& effector : srdf.end_effectors)
+    if (!robot.group.empty() && effector.parent_group == robot.group)
+      hands.push_back(quote(effector.name) + " on link " + quote(effector.parent_link));
+  if (hands.size() > 1)
+    notes.push_back(called + " has several end effectors of group " + quote(robot.group) +
+                    ", and the first is the tip; --tip chooses another: " + listed(hands));
   for (const Link& link : robot.links) unknown.erase(link.name);
   if (!unknown.empty())
     notes.push_back(called + " names " + std::to_string(unknown.size()) +
@@ -304,16 +327,19 @@ std::string link_of_tip(const Robot& robot, const std::string& name) {
 std::vector<NamedState> states_of(const Srdf& srdf, const std::string& group) {
   std::map<std::string, NamedState> states;
   std::map<std::pair<std::string, std::string>, std::string>
-      owners;  // the group that says it, by state, joint
+      owners;                 // the group that says it, by state, joint
+  std::set<std::string> own;  // names of states of `group`
   for (const bool is_own : {true, false}) {
     for (const Srdf::State& state : srdf.states) {
       if ((state.group == group) != is_own) continue;
+      if (is_own) own.insert(state.name);
       NamedState& known = states[state.name];
       known.name = state.name;
       for (const auto& [joint, value] : state.values) {
         const auto [said, is_new] = known.values.emplace(joint, value);
         std::string& owner = owners[{state.name, joint}];
         if (is_new) owner = state.group;
+        if (is_new && !is_own && own.contains(state.name)) known.aside.insert(joint);
         if (said->second != value && owner != group)
           known.doubts[joint] = "groups " + quote(owner) + " and " + quote(state.group) + " have joint " +
                                 quote(joint) + " at " + short_text(said->second) + " and at " +

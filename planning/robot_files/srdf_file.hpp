@@ -47,6 +47,10 @@ Srdf read_srdf(const std::filesystem::path& file);
 std::vector<std::pair<std::string, std::string>> untested_pairs(const Srdf& srdf,
                                                                 const std::vector<std::string>& links);
 
+/// The pairs of links, of these, that it enables and does not disable: they are tested, neighbours or not.
+std::vector<std::pair<std::string, std::string>> tested_pairs(const Srdf& srdf,
+                                                              const std::vector<std::string>& links);
+
 /// What makes one doubt that the robot's SRDF is of this robot, a sentence each: it is for one of another
 /// name than the URDF's, or its pairs that need no test name links that the robot does not have. None without
 /// a SRDF. @throws as read_srdf

@@ -2,8 +2,12 @@
 
 #include <tinyxml2.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
+#include <locale>
 #include <map>
+#include <sstream>
 #include <string_view>
 
 #include "mapping/system/nearest_name.hpp"
@@ -78,13 +82,35 @@ void check_given_once(const UrdfPlace& place, const tinyxml2::XMLElement& first)
   }
 }
 
+std::vector<double> numbers_in(const char* text) {
+  std::istringstream words(text == nullptr ? "" : text);
+  words.imbue(std::locale::classic());
+  std::vector<double> numbers;
+  for (double number = 0.0; words >> number;) numbers.push_back(number);
+  return words.eof() ? numbers : std::vector<double>();
+}
+
+/// Whether rpy and quat_xyzw say the same turn.
+bool is_turn_twice(const tinyxml2::XMLElement& element) {
+  const std::vector<double> rpy = numbers_in(element.Attribute("rpy")),
+                            xyzw = numbers_in(element.Attribute("quat_xyzw"));
+  if (rpy.size() != 3 || xyzw.size() != 4) return false;
+  const Eigen::Quaterniond turn(xyzw[3], xyzw[0], xyzw[1], xyzw[2]);
+  const Eigen::Quaterniond same(Eigen::AngleAxisd(rpy[2], Eigen::Vector3d::UnitZ()) *
+                                Eigen::AngleAxisd(rpy[1], Eigen::Vector3d::UnitY()) *
+                                Eigen::AngleAxisd(rpy[0], Eigen::Vector3d::UnitX()));
+  constexpr double rounding = 1e-3;
+  return std::abs(turn.norm() - 1.0) < rounding && turn.normalized().angularDistance(same) < rounding;
+}
+
 }  // namespace
 
 void check_urdf_element(const UrdfPlace& place, const tinyxml2::XMLElement& element) {
   const Vocabulary& known = vocabulary().at(element.Name());
   check_names(place, element, known);
-  if (element.Attribute("quat_xyzw"))
-    place.refuse(std::string("<") + element.Name() + "> has quat_xyzw, which is not read, expected rpy");
+  if (element.Attribute("quat_xyzw") && !is_turn_twice(element))
+    place.refuse(std::string("<") + element.Name() + "> has quat_xyzw, which is not read, expected rpy" +
+                 (element.Attribute("rpy") ? " alone, or both of the same turn" : ""));
   for (const std::string& name : known.elements) {
     const bool once = name != "collision";
     const tinyxml2::XMLElement* child = element.FirstChildElement(name.c_str());

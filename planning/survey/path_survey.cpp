@@ -130,6 +130,7 @@ void add_swept(const std::optional<SweptVoxels>& more, std::optional<SweptVoxels
   all->painted += more->painted;
   all->seen_free += more->seen_free;
   all->seen_once += more->seen_once;
+  all->maybe_by_hand += more->maybe_by_hand;
   all->occupied += more->occupied;
   all->unknown += more->unknown;
   all->beyond += more->beyond;

@@ -17,6 +17,10 @@ Json swept_json(const SweptVoxels& swept) {
         std::pair{"painted", swept.painted}, std::pair{"occupied", swept.occupied}}) {
     json[name] = {{"voxels", voxels}, {"litres", swept.litres(voxels)}, {"share", swept.share(voxels)}};
   }
+  if (swept.maybe_by_hand > 0)
+    json["maybe_by_hand"] = {{"voxels", swept.maybe_by_hand},
+                             {"litres", swept.litres(swept.maybe_by_hand)},
+                             {"share", swept.share(swept.maybe_by_hand)}};
   if (swept.oldest_look) json["oldest_look_s"] = *swept.oldest_look;
   return json;
 }

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "mapping/stamps/seen_stamps.hpp"
+#include "mapping/voxels/fused_tree.hpp"
 #include "planning/check/path_check_model.hpp"
 #include "planning/survey/path_poses.hpp"
 #include "planning/survey/voxel_marks.hpp"
@@ -26,10 +27,12 @@ class LookAges {
  public:
   explicit LookAges(const Snapshot& map) : map_(map) {}
 
-  void add(const Eigen::Vector3d& center) {
-    const std::optional<double> seen = is_known_ && map_.seen() ? map_.last_seen(center) : std::nullopt;
-    is_known_ = seen.has_value();
+  /// @return whether the map knows when it was seen
+  bool add(const Eigen::Vector3d& center) {
+    const std::optional<double> seen = map_.seen() ? map_.last_seen(center) : std::nullopt;
+    is_known_ = is_known_ && seen.has_value();
     if (seen) oldest_ = std::max(oldest_.value_or(0.0), map_.seen()->newest() - *seen);
+    return seen.has_value();
   }
 
   std::optional<double> oldest() const { return is_known_ ? oldest_ : std::nullopt; }
@@ -49,7 +52,7 @@ void count_voxel(const Snapshot& map, const Eigen::AlignedBox3d& bounds, const E
       return;
     case VoxelState::seen_free:
       ++swept.seen_free;
-      ages.add(center);
+      swept.maybe_by_hand += !ages.add(center) && map.tree().hand_edits().freed > 0;
       swept.seen_once += is_seen_once(voxel, map.log_odds_of_a_look());
       return;
     case VoxelState::occupied:

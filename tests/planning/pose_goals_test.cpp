@@ -10,7 +10,9 @@
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/sampling/rrtconnect.hpp"
 #include "tests/worlds/beam_world.hpp"
+#include "tests/worlds/hostile_robots.hpp"
 #include "tests/worlds/random_world.hpp"
+#include "tests/worlds/urdf_robots.hpp"
 
 namespace clearway {
 namespace pose_goals_test {
@@ -73,6 +75,41 @@ TEST(PoseGoals, ChooseFreeConfigurationsThatReachThem) {
   EXPECT_GT(turned, 0);
   EXPECT_GT(elsewhere, 0);
   EXPECT_GT(blocked, 0);
+}
+
+/// A planar arm of two bars that hangs beside another: joints and links begin with `side`.
+std::string bars(const std::string& side, double y) {
+  const std::string turn = worlds::urdf_limit(-2, 2), at = "0 " + std::to_string(y) + " 0";
+  return worlds::urdf_link(side + "1", "0.15 0 0", "<box size='0.3 0.05 0.05'/>") +
+         worlds::urdf_link(side + "2", "0.12 0 0", "<box size='0.24 0.04 0.04'/>") + "<link name='" + side +
+         "tip'/>" + worlds::urdf_joint(side + "j1", "revolute", "base", side + "1", at, "0 0 1", turn) +
+         worlds::urdf_joint(side + "j2", "revolute", side + "1", side + "2", "0.34 0 0", "0 0 1", turn) +
+         worlds::urdf_joint(side + "f", "fixed", side + "2", side + "tip", "0.25 0 0", "0 0 1", "");
+}
+
+/// Where the other arm is in the way, it goes aside.
+TEST(PoseGoals, OfOneArmMoveAnotherThatIsInTheWay) {
+  const RobotFolder folder;
+  const Robot robot =
+      load_robot(RobotRequest{folder.write("dual.urdf", "<robot name='dual'><link name='base'/>" +
+                                                            bars("l", 0.2) + bars("r", -0.2) + "</robot>")});
+  const ConfigurationSpace space(robot, FreeSpaceMap({.resolution = 0.05}).snapshot(),
+                                 anywhere_but_occupied());
+  const Configuration start = Configuration::Zero(4);
+  Configuration crossed = start;
+  crossed.head<2>() = Eigen::Vector2d(-0.7, -0.2);
+  ASSERT_TRUE(space.is_free(start));
+  ASSERT_FALSE(space.is_free(crossed));
+  const Robot left = with_tip(robot, "ltip");
+  const GoalPose pose{tip_pose(left, crossed)};
+  const PoseGoals goals(space, "ltip", {{pose, "a"}}, start);
+  const Configuration goal = goals.goals().at(0);
+  EXPECT_TRUE(space.is_free(goal)) << goal.transpose();
+  EXPECT_TRUE(reaches(pose, tip_pose(left, goal)));
+  EXPECT_NE(goal.tail<2>(), start.tail<2>());
+  EXPECT_EQ(PoseGoals(space, "ltip", {{pose, "a"}}, start).goals().at(0), goal);
+  const GoalPose beside{tip_pose(left, Eigen::Vector4d(0.7, 0.2, 0.0, 0.0))};  // the other stays where it can
+  EXPECT_EQ(PoseGoals(space, "ltip", {{beside, "b"}}, start).goals().at(0).tail<2>(), start.tail<2>());
 }
 
 TEST(PoseGoals, AreOfAnyLinkAndNamedWhenOutOfReach) {

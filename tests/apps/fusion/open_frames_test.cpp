@@ -432,6 +432,9 @@ TEST(DepthFolderCameras, FilesThatSayTheScaleAreHeardInTheWordsOfTheirTools) {
            {"camera.json", R"({"depth": {"width": 48, "height": 36, "fx": 50, "fy": 52, "ppx": 24, "ppy": 18,
                                          "model": "none", "depth_scale": 0.0001}})",
             0.0001},
+           {"cam_params.json", R"({"camera": {"w": 48, "h": 36, "fx": 50, "fy": 52, "cx": 24, "cy": 18,
+                                           "scale": 6553.5}})",
+            1.0 / 6553.5},
            {"camera.yaml", orb + "DepthMapFactor: 5000.0\n", 0.0002},
            {"camera.yaml", orb + "RGBD.DepthMapFactor: 1000.0\n", 0.001}}) {
     const TemporaryFolder folder;

@@ -204,6 +204,26 @@ TEST_F(HandEdits, OccupyComesAfterClear) {
   EXPECT_EQ(load_map(out_).state({2.15, 0.05, 0.05}), VoxelState::seen_free);
 }
 
+/// Nobody looked there: what the path sweeps is not "seen" without a word.
+TEST_F(HandEdits, WhatIsFreeByHandAloneIsToldOfThePathThatRestsOnIt) {
+  ASSERT_EQ(run_command({"inspect", map_, "--clear", "box:1,1.25,0,1.6,2,1.2", "--save", out_}).status,
+            exit_done);
+  const CommandRun plan = run_command({"plan", "--robot", "point", "--map", out_, "--start", "1,1", "--goal",
+                                       "1,1.5", "--out", folder_.file("plan.json")});
+  ASSERT_EQ(plan.status, exit_done) << plan.out << plan.log;
+  const CommandRun check =
+      run_command({"check", folder_.file("plan.json"), "--map", out_, "--robot", "point"});
+  for (const CommandRun* run : {&plan, &check})
+    EXPECT_NE(run->out.find("(of 100 % no look is known: they may be free by hand alone)"), std::string::npos)
+        << run->out << run->log;
+  EXPECT_EQ(run_command({"inspect", map_, "--occupy", "box:5,5,5,0.2,0.2,0.2", "--save", out_}).status,
+            exit_done);
+  EXPECT_EQ(run_command({"plan", "--robot", "point", "--map", out_, "--start", "1,1", "--goal", "1,1.5",
+                         "--policy", "not_occupied"})
+                .out.find("by hand alone"),
+            std::string::npos);
+}
+
 TEST_F(HandEdits, RefuseWhatIsNoShapeInOneSentence) {
   const auto refused = [&](const std::string& shape, const std::string& why) {
     const CommandRun run = run_command({"inspect", map_, "--occupy", shape, "--save", out_});
@@ -219,6 +239,8 @@ TEST_F(HandEdits, RefuseWhatIsNoShapeInOneSentence) {
   refused("sphere:1,2,3,-1", "sizes above 0");
   refused("sphere:1,2,a,1", "--occupy");
   refused("sphere:1,2,30000,1", "a middle within 1000 m");
+  refused("box:1,2,3,1,1,1,90", "angles in radians, each within a whole turn");
+  refused("cylinder:1,2,3,1,1,0,0,-7", "angles in radians, each within a whole turn");
   refused("box:0,0,0,900,900,900", "more than 25000000 voxels");
   const CommandRun run = run_command({"inspect", map_, "--clear", "sphere:1,2,3,1"});
   EXPECT_EQ(run.status, exit_bad_input);

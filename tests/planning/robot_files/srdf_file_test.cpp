@@ -262,6 +262,13 @@ TEST_F(SrdfFile, ALinkOffByDefaultMeetsOnlyWhatIsEnabledAgain) {
   expected.insert("l1 r2");
   EXPECT_EQ(exempt(off + l1_again + "<disable_collisions link1='l1' link2='r2'/>"), expected);
   EXPECT_EQ(exempt("<disable_default_collisions link='a_camera'/>" + l1_again), adjacent);
+  std::set<std::string> fewer = adjacent;  // neighbours, too
+  EXPECT_EQ(fewer.erase("r1 r2"), 1U);
+  const std::string neighbours =
+      "<disable_collisions link1='a_camera' link2='l1'/>"
+      "<enable_collisions link1=' r2' link2='r1 '/>";
+  EXPECT_EQ(exempt(neighbours), fewer);
+  EXPECT_EQ(exempt(neighbours + "<disable_collisions link1='r1' link2='r2'/>"), adjacent);
 }
 
 /// As MoveIt's assistant writes what stands at a limit of pi.
