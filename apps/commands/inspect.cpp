@@ -165,6 +165,9 @@ int run_inspect(const InspectOptions& options, Console& console) {
     console.warn("note: " + remark);
   if (!options.crop.empty() && leaves.bounds().isEmpty())
     console.warn("note: the map holds nothing inside of --crop");
+  if (!options.paint.empty() && leaves.counts().painted + leaves.counts().conflict == 0)
+    console.warn("note: no ball of --paint holds a whole voxel of " +
+                 significant(1000.0 * leaves.resolution(), 3) + " mm, so that nothing is painted");
   if (const std::string remark = hand_edit_remark(options, tally); !remark.empty())
     console.warn("note: " + remark);
   require_in_reach(points, map);

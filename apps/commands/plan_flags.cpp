@@ -33,7 +33,8 @@ Command add_plan(CLI::App& app, Console& console) {
       ->take_all();
   add_goal_poses(*command, options->goal_poses,
                  "; inverse kinematics chooses the free configuration nearest to the start of the leg, and "
-                 "others when no path leads there");
+                 "others when no path leads there; joints that do not move the tip stay, unless they are in "
+                 "the way");
   command->add_flag("--degrees", options->degrees, "--start and --goal in degrees (revolute joints)");
   command->add_option("--planner", options->planner, "see `clearway planners`")
       ->capture_default_str()

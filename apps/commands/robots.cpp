@@ -15,6 +15,7 @@
 #include "apps/query/query.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "planning/path/motion.hpp"
 #include "planning/robot/kinematics.hpp"
 #include "planning/robot/self_collision.hpp"
 #include "planning/robot_files/load_robot.hpp"
@@ -218,11 +219,18 @@ class Description {
 
   Table joint_table() const {
     Table rows{{"joint", "kind", "lower", "upper", "velocity", "acceleration", "jerk"}};
-    const auto stated = [](double value) { return value > 0.0 ? significant(value) : std::string("-"); };
-    for (const Joint& joint : robot_.joints)
+    const RateLimits used = rate_limits(robot_);
+    const auto said = [](double stated, double limit) {
+      return significant(limit) + (stated > 0.0 ? "" : " (usual)");
+    };
+    for (std::size_t j = 0; j < robot_.dof(); ++j) {
+      const Joint& joint = robot_.joints[j];
+      const auto at = static_cast<Eigen::Index>(j);
       rows.push_back({shortened(joint.name), kind_name(joint), significant(joint.lower),
-                      significant(joint.upper), stated(joint.max_velocity), stated(joint.max_acceleration),
-                      stated(joint.max_jerk)});
+                      significant(joint.upper), said(joint.max_velocity, used.velocity[at]),
+                      said(joint.max_acceleration, used.acceleration[at]),
+                      said(joint.max_jerk, used.jerk[at])});
+    }
     return rows;
   }
 
