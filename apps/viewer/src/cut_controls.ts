@@ -8,7 +8,7 @@ import type { Cut } from "./options";
 import { cutUniform, showBackFaces } from "./surface_material";
 
 /// The side that stays, so that the usual view from the front, right and above looks into the cut.
-const kept = [1, -1, 1];
+export const keptSide = [1, -1, 1];
 
 /// One axis: its box, slider, value and side.
 class CutRow {
@@ -30,7 +30,7 @@ class CutRow {
   }
 
   get at(): number { return Number(this.slider.value); }
-  get sign(): number { return this.flipped ? -kept[this.axis] : kept[this.axis]; }
+  get sign(): number { return this.flipped ? -keptSide[this.axis] : keptSide[this.axis]; }
   /// A little past the plane, so that faces which lie in it stay whole.
   get offset(): number { return this.sign * this.at + 1e-3 * this.resolution; }
 

@@ -5,8 +5,9 @@ import { cutControls } from "./cut_controls";
 import type { Arrays, Page, Place, Plan } from "./data";
 import { byId, el, grouped, millimetres } from "./dom";
 import { EvidenceGrid } from "./evidence";
-import { unpackFaces } from "./faces";
+import { unpackFaces, type Faces } from "./faces";
 import { ballLayer, Slice, unpackAll, voxelLayer, type Layer } from "./map_layers";
+import { openingCuts } from "./opening_cuts";
 import type { Options } from "./options";
 import { palette } from "./palette";
 import { PathValues, type PathMode } from "./path_colors";
@@ -67,7 +68,11 @@ export class MapView {
     const slices = [0, 1, 2].map(() => new Slice(faces, page));
     this.stage.scene.add(...slices.map((slice) => slice.mesh));
     if (options.layers) for (const row of this.rows) row.shown = options.layers.has(row.name);
-    const cut = faces.length === 0 ? null : cutControls(this.wholeBox, page.resolution, slices, options.cuts,
+    this.stage.look(options.view, options.fit === "all" ? this.wholeBox : this.workBox);
+    const cuts = options.cuts.length > 0 || options.picture || options.fit === "all" ? options.cuts
+      : openingCuts(this.subject(faces), this.stage.eye(), faces.filter((f) => f.state !== "painted" && this.row(f.state)?.shown),
+                    this.wholeBox, page.resolution, page.origin);
+    const cut = faces.length === 0 ? null : cutControls(this.wholeBox, page.resolution, slices, cuts,
       (state) => this.row(state)?.shown ?? false, () => this.stage.invalidate());
     this.colors = faces.length === 0 ? null : new VoxelColors(page, this.grid, this.heights(), options.color, () => { cut?.refresh(); this.stage.invalidate(); });
     for (const slice of slices) slice.colorOf = (state, voxel) => this.colors?.of(state, voxel) ?? null;
@@ -83,9 +88,27 @@ export class MapView {
     this.recolor();
     this.stage.drawGrid(this.workBox);
     this.reportGrid();
-    this.stage.look(options.view, options.fit === "all" ? this.wholeBox : this.workBox);
     document.body.dataset.quads = String(faces.reduce((sum, f) => sum + f.quadCount, 0));
     document.body.dataset.faces = String(faces.reduce((sum, f) => sum + f.faceCount, 0));
+  }
+
+  /// What the page is about: the tip's paths and the robot, or, of two maps, the voxels that differ.
+  private subject(faces: Faces[]): Vector3[] {
+    const points: Vector3[] = [];
+    const add = (place: Place, stride: number) => {
+      const values = this.arrays.f32(place);
+      for (let i = 0; i + 2 < values.length; i += stride) points.push(new Vector3(values[i], values[i + 1], values[i + 2]));
+    };
+    for (const plan of this.page.plans) for (const [place, stride] of [[plan.tip, 3], [plan.start, 7], [plan.goal, 7]] as const) add(place, stride);
+    if (this.page.stateLabels.length > 0) for (const set of faces.filter((f) => f.state === "conflict" || f.state === "painted"))
+      for (let side = 0; side < 6; ++side) for (let i = set.start[side]; i < set.start[side + 1]; ++i) {
+        const a = side >> 1, at = [0, 0, 0];
+        at[a] = set.layer[i] + (side & 1);
+        at[(a + 1) % 3] = set.u[i] + 0.5 * set.width[i];
+        at[(a + 2) % 3] = set.v[i] + 0.5 * set.height[i];
+        points.push(new Vector3(...at).subScalar(this.page.origin).multiplyScalar(this.page.resolution));
+      }
+    return points;
   }
 
   private row(name: string): LayerRow | undefined { return this.rows.find((row) => row.name === name); }

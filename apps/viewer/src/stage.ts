@@ -190,6 +190,9 @@ export class Stage {
     this.framed();
   }
 
+  /// Where the camera is, metres, map frame.
+  eye(): Vector3 { return this.camera.position.clone(); }
+
   private named(name: string): [number, number] {
     const view = namedViews[name] ?? namedViews.iso;
     return view === namedViews.iso ? [this.isoAzimuth, view[1]] : view;
