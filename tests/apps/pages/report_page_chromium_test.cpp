@@ -9,10 +9,13 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "apps/pages/map_page.hpp"
 #include "apps/pages/report_page.hpp"
+#include "mapping/files/map_leaves.hpp"
 #include "tests/apps/chromium.hpp"
 #include "tests/apps/page_reader.hpp"
 #include "tests/worlds/sample_page.hpp"
+#include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
 namespace report_page_chromium_test {
@@ -335,6 +338,31 @@ TEST_F(ReportPageInChromium, ShowsTheRecordingInTime) {
 }
 
 /// Of isolated free voxels a page that draws larger cubes shows none: their set is empty.
+/// In a closed room nothing of what differs is seen from outside; without a lid it is.
+TEST_F(ReportPageInChromium, OpensWithACutWhereWallsHideWhatItIsAbout) {
+  const auto room = [](bool has_lid, bool has_box) {
+    VoxelScene scene{0.05, {box_of(-1.0, -1.0, 0.0, 1.0, 1.0, 0.05)}, {}, {}};
+    for (const double side : {-1.0, 0.95}) {
+      scene.occupied.push_back(box_of(side, -1.0, 0.0, side + 0.05, 1.0, 0.5));
+      scene.occupied.push_back(box_of(-1.0, side, 0.0, 1.0, side + 0.05, 0.5));
+    }
+    if (has_lid) scene.occupied.push_back(box_of(-1.0, -1.0, 0.5, 1.0, 1.0, 0.55));
+    if (has_box) scene.occupied.push_back(box_of(-0.2, 0.1, 0.05, 0.2, 0.4, 0.25));
+    return MapLeaves(scene.snapshot());
+  };
+  for (const bool has_lid : {false, true}) {
+    const MapLeaves difference =
+        MapLeaves::difference(room(has_lid, false).about(), room(has_lid, true).about());
+    const std::string page = difference_page(difference, "from a to b");
+    const std::string dom = open(page);
+    EXPECT_EQ(attribute(dom, "errors"), "0") << errors(dom);
+    EXPECT_EQ(attribute(dom, "slice").empty(), !has_lid);
+    if (!has_lid) continue;
+    EXPECT_EQ(attribute(open(page, "#picture"), "slice"),
+              "");  // whoever asks for a picture says what it cuts
+  }
+}
+
 TEST_F(ReportPageInChromium, CutsWhereAStateIsTooFineToBeDrawn) {
   ReportPage page = SamplePage::make();
   PageVoxels fine{"seen_free", page.resolution};
