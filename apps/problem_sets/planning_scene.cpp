@@ -65,11 +65,7 @@ class SceneReader {
       world_.joints = ros_joints(scene_.map("robot_state"));
     }
     read_frames();
-    const YamlFields world = scene_.map("world");
-    if (world.has("octomap")) add_octomap(world.map("octomap"));
-    const auto objects = world.list_of_maps("collision_objects");
-    if (objects.size() > most_objects) world.fail("collision_objects", "expected at most 100000 of them");
-    for (const YamlFields& object : objects) add_object(object);
+    if (scene_.has("world")) read_world(scene_.map("world"));
     if (scene_.has("robot_state")) add_attached(scene_.map("robot_state"));
     place_objects();
     leave_robot_name();
@@ -82,6 +78,13 @@ class SceneReader {
 
  private:
   void leave(const std::string& what) { left_out_.push_back(file_.filename().string() + ": " + what); }
+
+  void read_world(const YamlFields& world) {
+    if (world.has("octomap")) add_octomap(world.map("octomap"));
+    const auto objects = world.list_of_maps("collision_objects");
+    if (objects.size() > most_objects) world.fail("collision_objects", "expected at most 100000 of them");
+    for (const YamlFields& object : objects) add_object(object);
+  }
 
   /// Links first, where the scene has the robot, then frames that are placed in themselves, which are the
   /// planning frame, then all that hang on a known one.
@@ -375,8 +378,22 @@ class SceneReader {
 SceneFileKind kind_of_scene_file(const std::string& text, const std::filesystem::path& file) {
   const YamlFields fields(text, "file " + called(file));
   if (fields.has("world")) return SceneFileKind::scene;
-  const bool is_request = fields.has("goal_constraints") || fields.has("start_state");
-  return is_request ? SceneFileKind::request : SceneFileKind::neither;
+  if (fields.has("goal_constraints") || fields.has("start_state")) return SceneFileKind::request;
+  static const std::set<std::string> without_world{// what else a moveit_msgs/PlanningScene has
+                                                   "name",
+                                                   "robot_state",
+                                                   "robot_model_name",
+                                                   "fixed_frame_transforms",
+                                                   "allowed_collision_matrix",
+                                                   "link_scale",
+                                                   "is_diff",
+                                                   "object_colors",
+                                                   "link_padding"};
+  const std::vector<std::string> keys = fields.keys();
+  const bool is_scene = !keys.empty() && std::all_of(keys.begin(), keys.end(), [](const std::string& key) {
+    return without_world.contains(key);
+  });
+  return is_scene ? SceneFileKind::scene : SceneFileKind::neither;
 }
 
 ForeignWorld read_planning_scene(const std::string& text, const std::filesystem::path& file,

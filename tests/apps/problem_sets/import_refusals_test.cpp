@@ -29,6 +29,15 @@ TEST_F(Import, RequestsWithoutAGoalAreNotSaidToBeForAnotherRobot) {
             "orientation alone), expected at least one\n");
 }
 
+/// As MoveIt's benchmark suite writes a scene in which nothing stands.
+TEST_F(Import, ASceneWithoutAWorldIsAnEmptyOne) {
+  const CommandRun run =
+      import("mbm", {folder_.write("empty.yaml", "name: \"\"\n"), folder_.write("b.yaml", arm_request)});
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  EXPECT_EQ(map("empty").counts().occupied, 0U);
+  EXPECT_EQ(compared(folder_)["valid"], 1);
+}
+
 TEST_F(Import, WhatIsWrongIsReportedInOneSentence) {
   const auto expect_refused = [&](const std::string& kind, const std::string& name, const std::string& text,
                                   const std::string& expected) {
