@@ -135,6 +135,15 @@ std::vector<Configuration> PoseGoals::with_others_aside(const Configuration& nea
   for (int link = robot_.tip_link; link >= 0; link = robot_.links[static_cast<std::size_t>(link)].parent)
     if (const int joint = robot_.links[static_cast<std::size_t>(link)].joint; joint >= 0)
       moves[static_cast<std::size_t>(joint)] = true;
+  int last = robot_.tip_link;  // what moves on it, as fingers do, is at the tip and stays
+  while (last >= 0 && robot_.links[static_cast<std::size_t>(last)].joint < 0)
+    last = robot_.links[static_cast<std::size_t>(last)].parent;
+  for (std::size_t i = 0; i < robot_.links.size(); ++i) {
+    if (robot_.links[i].joint < 0 || moves[static_cast<std::size_t>(robot_.links[i].joint)]) continue;
+    for (int above = static_cast<int>(i); above >= 0;
+         above = robot_.links[static_cast<std::size_t>(above)].parent)
+      if (above == last) moves[static_cast<std::size_t>(robot_.links[i].joint)] = true;
+  }
   std::vector<Configuration> found;
   if (std::find(moves.begin(), moves.end(), false) == moves.end()) return found;
   std::mt19937_64 random(1);

@@ -201,7 +201,10 @@ CompareChoice choice_of(const Suite& suite, const CompareOptions& options, const
 CompareResults run_and_publish(const Suite& suite, const std::vector<PreparedExperiment>& prepared,
                                const CompareOptions& options, CompareAsked asked, Console& console) {
   if (options.resume) {
-    if (auto finished = finished_results(options.out, asked)) {
+    const CompareChoice choice = choice_of(suite, options, options.out);
+    std::size_t runs = 0;
+    for (std::size_t e = 0; e < prepared.size(); ++e) runs += count_runs(suite, prepared[e], e, choice);
+    if (auto finished = finished_results(options.out, asked, runs)) {
       console.log("clearway: " + quote(options.out.string()) + " is finished: nothing was left to run");
       if (!console.json) print_results(*finished, console);
       return std::move(*finished);

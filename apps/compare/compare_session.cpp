@@ -132,9 +132,15 @@ CompareRecords read_same(const fs::path& folder, const CompareAsked& asked) {
   return records;
 }
 
-std::optional<CompareResults> finished_results(const fs::path& folder, const CompareAsked& asked) {
+std::optional<CompareResults> finished_results(const fs::path& folder, const CompareAsked& asked,
+                                               std::size_t runs) {
   if (fs::exists(AtomicFolder::partial_of(folder)) || !fs::exists(folder / records_name)) return std::nullopt;
-  return read_same(folder, asked).results(folder);
+  const CompareRecords records = read_same(folder, asked);
+  if (records.count() < runs) return std::nullopt;
+  for (const auto& [experiment, stage] : records.stages())
+    for (const CompareRecords::Problem& problem : *records.stage(experiment, stage))
+      if (!problem.is_finished && !problem.found.runs.empty()) return std::nullopt;
+  return records.results(folder);
 }
 
 CompareRecords CompareSession::begin(AtomicFolder& folder, CompareAsked asked, bool resumes) {

@@ -33,11 +33,11 @@ class CompareSession {
   int lines_ = 0;  ///< appended
 };
 
-/// What --resume finds whole in `folder`: nothing is left to run. Empty when it is not there, or a comparison
-/// is under way beside it.
+/// What --resume finds whole in `folder`: nothing is left to run. Empty when it is not there or lacks some of
+/// the `runs` that are asked for, or a comparison is under way beside it.
 /// @throws std::invalid_argument naming what differs when it is of another comparison
-std::optional<CompareResults> finished_results(const std::filesystem::path& folder,
-                                               const CompareAsked& asked);
+std::optional<CompareResults> finished_results(const std::filesystem::path& folder, const CompareAsked& asked,
+                                               std::size_t runs);
 
 /// Every experiment's table, then their sums where there are several.
 void print_results(const CompareResults& results, Console& console);

@@ -29,8 +29,11 @@ LeftProcesses::~LeftProcesses() {
     found = false;
     for (const pid_t child : children()) {
       if (own_.contains(child)) continue;
+      if (::kill(child, SIGKILL) != 0) {  // of another user: it would be waited for as long as it lives
+        own_.insert(child);
+        continue;
+      }
       found = true;
-      ::kill(child, SIGKILL);
       while (::waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
       }
     }

@@ -70,7 +70,7 @@ namespace {
 /// Where joints rest.
 Configuration default_configuration(const Robot& robot) {
   const Configuration zero = resting_configuration(robot);
-  return named_configuration(robot, "default", zero).value_or(zero);
+  return moving_joints_of(robot, "default", zero).value_or(zero);
 }
 
 /// "--goal: state 'half' does not name joint shoulder (0.2), which stays where the stop before has it"

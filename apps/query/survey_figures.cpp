@@ -18,7 +18,8 @@ std::string oldest_look(const SweptVoxels& swept) {
 
 std::string maybe_by_hand(const SweptVoxels& swept) {
   if (swept.maybe_by_hand == 0) return {};
-  return " (of " + percent(swept, swept.maybe_by_hand) + " no look is known: they may be free by hand alone)";
+  return " (of " + percent(swept, swept.maybe_by_hand) +
+         " no later look is known: they may be free by hand alone)";
 }
 
 std::string describe_swept(const SweptVoxels& swept) {

@@ -631,7 +631,10 @@ std::optional<double> depth_scale_of_file(const std::filesystem::path& file, con
   const YamlFields whole = fields_of(text, called);
   const std::optional<YamlFields> camera = is_json_camera(whole) ? json_camera(whole, name) : std::nullopt;
   const YamlFields inner = whole.is_map("camera") ? whole.map("camera") : whole;
-  if (file.filename() == "cam_params.json" || (whole.is_map("camera") && inner.has("fx")))  // Replica
+  const bool is_replica = file.filename() == "cam_params.json" ||
+                          (whole.is_map("camera") && inner.has("fx") && inner.has("scale") &&
+                           inner.number("scale", {-1e9, 1e9}) >= 100.0);  // smaller ones mean something else
+  if (is_replica)
     if (const auto steps = inner.optional_number("scale", {1, 1e7})) return 1.0 / *steps;
   for (const char* key : {"DepthMapFactor", "RGBD.DepthMapFactor"}) {
     const auto steps = whole.optional_number(key, {0, 1e7});

@@ -71,7 +71,7 @@ void YamlFields::require_within_turn(const std::string& key, double given) const
   constexpr double most_turned = 2.0 * std::numbers::pi + 1e-3;
   if (has(key) && std::abs(given) > most_turned)
     fail(key, "expected angles in radians, each within a whole turn, got " + short_text(given) + "; " + key +
-                  "_deg takes degrees");
+                  "_deg takes degrees, and whole turns may be left out");
 }
 
 Eigen::Isometry3d YamlFields::pose(const std::string& key) const {

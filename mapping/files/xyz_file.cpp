@@ -19,6 +19,7 @@ namespace clearway {
 namespace {
 
 constexpr std::size_t largest_text = std::size_t{4} << 30U;
+constexpr double most_points = 1e12;  ///< that a first line may state
 constexpr std::string_view blanks = " \t\r";
 
 std::string_view trimmed(std::string_view text) {
@@ -112,7 +113,8 @@ class XyzReader {
   void take_line(std::string_view line) {
     if (line.empty()) return;
     if (take_comment(line)) {
-      if (count_ == 0) head_ = columns_of(line);
+      if (std::vector<std::string> names = columns_of(line); count_ == 0 && places_of(names))
+        head_ = std::move(names);
       return;
     }
     if (!has_begun_ && begin(line)) return;
@@ -123,7 +125,8 @@ class XyzReader {
   bool begin(std::string_view line) {
     const std::vector<std::string> columns = columns_of(line);
     const std::optional<double> first = parsed_number(columns.front());
-    if (columns.size() == 1 && !stated_ && first && *first >= 0.0 && *first == std::floor(*first)) {
+    if (columns.size() == 1 && !stated_ && first && *first >= 0.0 && *first <= most_points &&
+        *first == std::floor(*first)) {
       stated_ = first;
       return true;
     }
@@ -134,9 +137,20 @@ class XyzReader {
     }
     has_begun_ = true;
     delimiter_ = delimiter_of(line);
-    if (head_.size() == columns.size()) places_ = places_of(head_).value_or(places_);
+    take_head(columns.size());
     last_place_ = *std::max_element(places_.begin(), places_.end());
     return false;
+  }
+
+  /// Of a commented head, which may be a sentence: more than three columns must be those that it names.
+  void take_head(std::size_t columns) {
+    if (head_.empty()) return;
+    const Places places = *places_of(head_);
+    if (head_.size() == columns)
+      places_ = places;
+    else if (columns > 3 && places != places_)
+      refuse("has " + std::to_string(columns) + " columns, the comment above it " +
+             std::to_string(head_.size()));
   }
 
   void take_point(std::string_view line) {
@@ -147,7 +161,9 @@ class XyzReader {
       const auto axis = std::find(places_.begin(), places_.end(), column);
       if (axis == places_.end()) continue;
       const std::optional<double> number = parsed_number(word);
-      if (!number) refuse("has " + quote(word));
+      const bool is_beyond =
+          number && std::isfinite(*number) && std::abs(*number) > std::numeric_limits<float>::max();
+      if (!number || is_beyond) refuse("has " + quote(word));
       point[axis - places_.begin()] = static_cast<float>(*number);
     }
     ++count_;

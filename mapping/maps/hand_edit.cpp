@@ -21,7 +21,7 @@ Snapshot edited_voxels(const Snapshot& map, const std::vector<Eigen::Vector3d>& 
     if (is_observed && was_occupied == is_occupied) continue;
     ++(leaf != nullptr && leaf->painted() != 0 ? painted : unpainted);
     ++changed;
-    is_occupied ? tree->occupy_voxel(*cell) : tree->free_voxel(*cell, 0);
+    is_occupied ? tree->occupy_voxel(*cell) : tree->free_voxel_by_hand(*cell);
   }
   tree->add_hand_edits(is_occupied ? HandEdits{changed, 0} : HandEdits{0, changed});
   std::shared_ptr<const SeenStamps> seen;

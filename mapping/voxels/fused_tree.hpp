@@ -106,6 +106,10 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
   /// Makes one voxel observed and as free as can be, and paints it with `volumes` (bits). Prunes and updates
   /// the nodes above.
   void free_voxel(const Eigen::Vector3i& cell, std::uint16_t volumes);
+  /// The same without paint, because somebody says so: with by_hand_log_odds(), until a sensor looks again.
+  void free_voxel_by_hand(const Eigen::Vector3i& cell);
+  /// The next above the lowest: it marks what is free by hand, and counts like it.
+  float by_hand_log_odds() const { return std::nextafter(getClampingThresMinLog(), 0.0F); }
   /// Makes one voxel observed and as occupied as can be; its paint stays. Prunes and updates the nodes above.
   void occupy_voxel(const Eigen::Vector3i& cell);
 

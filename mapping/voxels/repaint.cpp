@@ -128,6 +128,12 @@ void FusedTree::free_voxel(const Eigen::Vector3i& cell, std::uint16_t volumes) {
   set_below(top, created, static_cast<int>(tree_depth), cell, getClampingThresMinLog(), volumes);
 }
 
+void FusedTree::free_voxel_by_hand(const Eigen::Vector3i& cell) {
+  bool created = false;
+  FusedNode& top = root_for_writing(created);
+  set_below(top, created, static_cast<int>(tree_depth), cell, by_hand_log_odds(), 0);
+}
+
 void FusedTree::occupy_voxel(const Eigen::Vector3i& cell) {
   bool created = false;
   FusedNode& top = root_for_writing(created);

@@ -33,12 +33,7 @@ class SrdfPairs {
     const tinyxml2::XMLElement* root = xml_.FirstChildElement("robot");
     if (xml_.Error() || !root) disagree(robot, robot.srdf.string() + " is no robot's XML");
     const auto names = [](const tinyxml2::XMLElement& entry) {
-      const auto name = [&](const char* which) {
-        const std::string given = entry.Attribute(which) ? entry.Attribute(which) : "";
-        const std::size_t begin = std::min(given.find_first_not_of(" \t\r\n"), given.size());
-        return given.substr(begin, given.find_last_not_of(" \t\r\n") + 1 - begin);
-      };
-      return Names(std::minmax(name("link1"), name("link2")));
+      return Names(std::minmax(word_of(entry, "link1"), word_of(entry, "link2")));
     };
     const auto read = [&](const char* kind, const auto& use) {
       for (const auto* entry = root->FirstChildElement(kind); entry; entry = entry->NextSiblingElement(kind))
@@ -46,9 +41,7 @@ class SrdfPairs {
     };
     read("disable_collisions", [&](const auto& entry) { disabled_.insert(names(entry)); });
     read("enable_collisions", [&](const auto& entry) { enabled_.insert(names(entry)); });
-    read("disable_default_collisions", [&](const auto& entry) {
-      if (entry.Attribute("link")) links_.insert(entry.Attribute("link"));
-    });
+    read("disable_default_collisions", [&](const auto& entry) { links_.insert(word_of(entry, "link")); });
   }
 
   /// Whether it wants them tested, neighbours or not.

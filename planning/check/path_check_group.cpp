@@ -18,13 +18,11 @@ class GroupLinks {
   void add(const std::string& group) {
     if (!visited_.insert(group).second) return;
     const tinyxml2::XMLElement* found = root_.FirstChildElement("group");
-    while (found && !found->Attribute("name", group.c_str())) found = found->NextSiblingElement("group");
+    while (found && word_of(*found, "name") != group) found = found->NextSiblingElement("group");
     if (!found) disagree(robot_, "there is no group '" + group + "'");
     for (const auto* part = found->FirstChildElement(); part; part = part->NextSiblingElement()) {
       const std::string kind = part->Name();
-      const auto value = [&](const char* name) {
-        return std::string(part->Attribute(name, nullptr) ? part->Attribute(name) : "");
-      };
+      const auto value = [&](const char* name) { return word_of(*part, name); };
       if (kind == "group") add(value("name"));
       if (kind == "link") links.insert(value("name"));
       if (kind == "joint" || kind == "passive_joint") {
@@ -61,6 +59,12 @@ class GroupLinks {
 
 }  // namespace
 
+std::string word_of(const tinyxml2::XMLElement& element, const char* name) {
+  const std::string given = element.Attribute(name) ? element.Attribute(name) : "";
+  const std::size_t begin = std::min(given.find_first_not_of(" \t\r\n"), given.size());
+  return given.substr(begin, given.find_last_not_of(" \t\r\n") + 1 - begin);
+}
+
 std::set<std::string> group_of_file(const Robot& robot, const urdf::ModelInterface& model) {
   const std::string text = read_text(robot.srdf);
   tinyxml2::XMLDocument xml;
@@ -77,7 +81,7 @@ std::set<std::string> group_of_file(const Robot& robot, const urdf::ModelInterfa
   }
   for (const auto* passive = root->FirstChildElement("passive_joint"); passive;
        passive = passive->NextSiblingElement("passive_joint"))
-    if (passive->Attribute("name")) joints.erase(passive->Attribute("name"));
+    joints.erase(word_of(*passive, "name"));
   return joints;
 }
 

@@ -15,11 +15,17 @@
 namespace KDL {
 class Segment;
 }
+namespace tinyxml2 {
+class XMLElement;
+}
 namespace urdf {
 class ModelInterface;
 }
 
 namespace clearway::check {
+
+/// An attribute of a SRDF's element without blanks around it; "" where it lacks.
+std::string word_of(const tinyxml2::XMLElement& element, const char* name);
 
 /// A link of Robot::links as KDL sees it.
 struct KdlLink {

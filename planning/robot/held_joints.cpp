@@ -77,6 +77,11 @@ Robot with_held_joints(const Robot& robot, const std::vector<HeldJoint>& held,
       link.joint = kept[joint];
       continue;
     }
+    const auto of = std::find_if(held.begin(), held.end(),
+                                 [&](const HeldJoint& one) { return one.name == robot.joints[joint].name; });
+    if (link.joint_name != robot.joints[joint].name)
+      result.held_followers.push_back(
+          {link.joint_name, link.multiplier * *value[joint] + link.offset, of->source});
     link.parent_from_link = pose_on_parent(robot, link, *value[joint]);
     link.joint = -1;
     link.multiplier = 1.0;
@@ -115,6 +120,15 @@ void require_all_joints(const Robot& robot, const NamedState& state) {
 /// not be where the robot is.
 void require_held_as_said(const Robot& robot, const NamedState& state) {
   constexpr double rounding = 1e-4;
+  for (const HeldJoint& follower : robot.held_followers) {
+    const auto value = state.values.find(follower.name);
+    if (follower.source == HoldSource::asked || value == state.values.end()) continue;
+    if (state.aside.contains(follower.name) || std::abs(value->second - follower.value) <= rounding) continue;
+    throw std::invalid_argument("state " + quote(state.name) + " of " + robot.srdf.string() + " has joint " +
+                                quote(follower.name) + " at " + short_text(value->second) +
+                                ", which mimics one that is held, and is at " + short_text(follower.value) +
+                                ": expected --fix of the joint that it mimics");
+  }
   for (const HeldJoint& held : robot.held) {
     const auto value = state.values.find(held.name);
     if (held.source == HoldSource::asked || value == state.values.end()) continue;
@@ -139,9 +153,14 @@ std::optional<Configuration> named_configuration(const Robot& robot, const std::
 
 std::optional<Configuration> named_configuration(const Robot& robot, const std::string& state,
                                                  const Configuration& others) {
+  if (const NamedState* found = state_called(robot, state)) require_held_as_said(robot, *found);
+  return moving_joints_of(robot, state, others);
+}
+
+std::optional<Configuration> moving_joints_of(const Robot& robot, const std::string& state,
+                                              const Configuration& others) {
   const NamedState* found = state_called(robot, state);
   if (found == nullptr) return std::nullopt;
-  require_held_as_said(robot, *found);
   Configuration q = others;
   for (std::size_t j = 0; j < robot.dof(); ++j) {
     const Joint& joint = robot.joints[j];

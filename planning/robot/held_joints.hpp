@@ -28,6 +28,10 @@ std::optional<Configuration> named_configuration(const Robot& robot, const std::
 std::optional<Configuration> named_configuration(const Robot& robot, const std::string& state,
                                                  const Configuration& others);
 
+/// The same, whatever the state says of joints that are held.
+std::optional<Configuration> moving_joints_of(const Robot& robot, const std::string& state,
+                                              const Configuration& others);
+
 /// Indices of the joints of which a state of that name says nothing; none where there is no such state.
 std::vector<std::size_t> joints_left_open(const Robot& robot, const std::string& state);
 

@@ -118,6 +118,7 @@ struct Robot {
   std::filesystem::path srdf{};                ///< that was read with it; empty: none
   std::string group{};            ///< planning group of the SRDF whose joints move; empty: all joints
   std::vector<HeldJoint> held{};  ///< the others, by name
+  std::vector<HeldJoint> held_followers{};  ///< joints that mimic one of these, where that has them
   std::vector<std::string>
       standing{};  ///< links that may touch what the robot stands on while no joint moves them
   std::vector<NamedState> states{};      ///< of the SRDF, by name

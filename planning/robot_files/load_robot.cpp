@@ -299,7 +299,7 @@ namespace {
 
 /// Numbers that are in other units, as they are not URDF's.
 std::vector<std::string> unit_notes(const Robot& robot) {
-  constexpr double most_turned = 50.0, largest_body = 20.0, most_slid = 50.0;  // rad, m, m
+  constexpr double most_turned = 50.0, largest_body = 20.0, most_slid = 500.0;  // rad, m, m
   std::vector<std::string> notes;
   for (const Joint& joint : robot.joints) {
     const double turned = joint.upper - joint.lower;

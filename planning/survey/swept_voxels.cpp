@@ -46,13 +46,16 @@ class LookAges {
 void count_voxel(const Snapshot& map, const Eigen::AlignedBox3d& bounds, const Eigen::Vector3d& center,
                  SweptVoxels& swept, LookAges& ages) {
   const Voxel voxel = map.voxel(center);
+  bool has_look = false;
   switch (voxel.state) {
     case VoxelState::painted:
       ++swept.painted;
       return;
     case VoxelState::seen_free:
       ++swept.seen_free;
-      swept.maybe_by_hand += !ages.add(center) && map.tree().hand_edits().freed > 0;
+      has_look = ages.add(center);
+      swept.maybe_by_hand +=
+          map.tree().hand_edits().freed > 0 && (!has_look || voxel.log_odds == map.tree().by_hand_log_odds());
       swept.seen_once += is_seen_once(voxel, map.log_odds_of_a_look());
       return;
     case VoxelState::occupied:

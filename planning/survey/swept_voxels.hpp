@@ -20,8 +20,8 @@ struct SweptVoxels {
   std::size_t painted = 0;
   std::size_t seen_free = 0;
   std::size_t seen_once = 0;  ///< of these: the evidence is no more than that of one look through the voxel
-  /// Of seen_free, in a map of which voxels were made free by hand: no look at them is known, so that they
-  /// may be some of these.
+  /// Of seen_free, in a map of which voxels were made free by hand: those of these that no sensor saw again,
+  /// and those of which no look is known.
   std::size_t maybe_by_hand = 0;
   std::size_t occupied =
       0;  ///< occupied and conflicts: of bodies that no joint moves, or of a path that collides

@@ -69,7 +69,7 @@ export class MapView {
     this.stage.scene.add(...slices.map((slice) => slice.mesh));
     if (options.layers) for (const row of this.rows) row.shown = options.layers.has(row.name);
     this.stage.look(options.view, options.fit === "all" ? this.wholeBox : this.workBox);
-    const cuts = options.cuts.length > 0 || options.picture || options.fit === "all" ? options.cuts
+    const cuts = options.saysCuts || options.picture || options.fit === "all" ? options.cuts
       : openingCuts(this.subject(faces), this.stage.eye(), faces.filter((f) => f.state !== "painted" && this.row(f.state)?.shown),
                     this.wholeBox, page.resolution, page.origin);
     const cut = faces.length === 0 ? null : cutControls(this.wholeBox, page.resolution, slices, cuts,

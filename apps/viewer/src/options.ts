@@ -9,6 +9,7 @@ export interface Options {
   dark: boolean | null;      // null: as the system prefers
   view: string;              // iso, front, side, top or "azimuth,elevation[,zoom]" in degrees
   cuts: Cut[];
+  saysCuts: boolean;         // also that there are none: cut=none
   layers: Set<string> | null;  // the layers shown; null: the usual ones
   opacity: number | null;    // of painted voxels
   fit: string;               // "work" or "all"
@@ -43,6 +44,7 @@ export function readOptions(usual: string): Options {
     dark: dark === null ? null : dark !== "0",
     view: hash.get("view") ?? "iso",
     cuts: parseCuts(hash.get("cut")),
+    saysCuts: hash.has("cut"),
     layers: layers === null ? null : new Set(layers.split(",")),
     opacity: numberOr(hash.get("opacity"), null),
     fit: hash.get("fit") ?? "work",

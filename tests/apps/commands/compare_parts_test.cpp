@@ -156,11 +156,16 @@ TEST_F(CompareParts, ASignalLeavesATableAndResumingFindsWhatNobodyInterrupted) {
   EXPECT_NE(again.log.find("out' is finished: nothing was left to run"), std::string::npos) << again.log;
   EXPECT_NE(again.out.find("solved / valid / total"), std::string::npos) << again.out;
   EXPECT_EQ(fs::last_write_time(records), written);
+  const std::string lines = read_file(records);  // cut by somebody: then all is run anew
+  folder_.write("out/runs.jsonl", lines.substr(0, lines.find('\n', lines.size() / 2) + 1));
+  EXPECT_EQ(compare(rest).status, 0);
+  expect_same("whole", "out");
+  const auto rewritten = fs::last_write_time(records);
   rest.insert(rest.end(), {"--seed", "7"});
   const CommandRun other = compare(rest);
   EXPECT_EQ(other.status, 2);
   EXPECT_NE(other.log.find("it differs in the seed (7, not 3)"), std::string::npos) << other.log;
-  EXPECT_EQ(fs::last_write_time(records), written);
+  EXPECT_EQ(fs::last_write_time(records), rewritten);
 }
 
 TEST_F(CompareParts, ResumingAnotherComparisonIsRefusedAndNothingIsLost) {

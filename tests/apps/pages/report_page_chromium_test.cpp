@@ -337,7 +337,6 @@ TEST_F(ReportPageInChromium, ShowsTheRecordingInTime) {
   EXPECT_NE(late.find("3 tags"), std::string::npos);
 }
 
-/// Of isolated free voxels a page that draws larger cubes shows none: their set is empty.
 /// In a closed room nothing of what differs is seen from outside; without a lid it is.
 TEST_F(ReportPageInChromium, OpensWithACutWhereWallsHideWhatItIsAbout) {
   const auto room = [](bool has_lid, bool has_box) {
@@ -363,6 +362,7 @@ TEST_F(ReportPageInChromium, OpensWithACutWhereWallsHideWhatItIsAbout) {
   }
 }
 
+/// Of isolated free voxels a page that draws larger cubes shows none: their set is empty.
 TEST_F(ReportPageInChromium, CutsWhereAStateIsTooFineToBeDrawn) {
   ReportPage page = SamplePage::make();
   PageVoxels fine{"seen_free", page.resolution};

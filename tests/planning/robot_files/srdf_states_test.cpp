@@ -71,6 +71,38 @@ TEST_F(SrdfStates, AStateThatHasAHeldJointElsewhereIsRefusedWithTheRemedy) {
   }
 }
 
+TEST_F(SrdfStates, WhatMimicsAHeldJointIsHeldAndToldToo) {
+  std::string urdf = three_bars();
+  urdf.insert(urdf.find("</robot>"),
+              urdf_link("l4", "0.2 0 0", "<box size='0.3 0.05 0.05'/>") +
+                  urdf_joint("j4", "revolute", "l1", "l4", "0.42 0 0.3", "0 0 1",
+                             urdf_limit(-3, 3) + "<mimic joint='j2' multiplier='2' offset='0.1'/>"));
+  const auto with = [&](double value, const std::map<std::string, double>& fixed = {}) {
+    const std::string state =
+        "<group_state name='s' group='g'><joint name='j1' value='0'/><joint name='j3' "
+        "value='0'/><joint name='j4' value='" +
+        std::to_string(value) + "'/></group_state></robot>";
+    const std::string group = "<robot name='r'><group name='g'><joint name='j1'/><joint name='j3'/></group>";
+    return refusal(load_robot(RobotRequest{folder_.write("m.urdf", urdf),
+                                           folder_.write("m.srdf", group + state), "g", fixed}),
+                   "s");
+  };
+  EXPECT_EQ(with(0.1), "");
+  EXPECT_NE(with(0.7).find("has joint 'j4' at 0.7, which mimics one that is held, and is at 0.1"),
+            std::string::npos)
+      << with(0.7);
+  EXPECT_EQ(with(0.7, {{"j2", 0.3}}), "");
+}
+
+TEST_F(SrdfStates, NamesMayHaveBlanksAroundThemForPlannersAndCheck) {
+  const Robot padded = robot(
+      "<robot name='r'><group name=' g '><joint name='j1 '/><joint name=' j3'/><joint name='j2'/></group>"
+      "<passive_joint name=' j2 '/><disable_default_collisions link=' l3 '/></robot>");
+  EXPECT_EQ(padded.dof(), 2U);
+  EXPECT_TRUE(check_path(padded, Snapshot(), {}, 0.0, {Eigen::Vector2d(0.0, 0.0)}).valid);
+  EXPECT_EQ(file_disagreement(padded), "");
+}
+
 /// The outer bar folded back onto the middle one: neighbours, of which an SRDF may want that they are tested.
 TEST_F(SrdfStates, NeighboursThatAreEnabledMeetInPlannersAndCheck) {
   const std::string group = "<robot name='r'><group name='g'><joint name='j1'/><joint name='j3'/></group>";
@@ -87,9 +119,7 @@ TEST_F(SrdfStates, NeighboursThatAreEnabledMeetInPlannersAndCheck) {
       solved("<enable_collisions link1='l3' link2='l2'/><disable_collisions link1='l2' link2='l3'/>"));
   Robot passes_over = robot(group + "<enable_collisions link1='l3' link2='l2'/></robot>");
   const Configuration from = Eigen::Vector2d(0.0, 0.0), to = Eigen::Vector2d(0.0, 3.1);
-  const auto valid = [&](const Robot& any) {
-    return check_path(any, Snapshot(), {}, 0.0, {from, to}).valid;
-  };
+  const auto valid = [&](const Robot& any) { return check_path(any, Snapshot(), {}, 0.0, {from, to}).valid; };
   EXPECT_FALSE(valid(passes_over));
   passes_over.exempt.emplace_back(1, 2);  // a planner that has it wrong
   EXPECT_FALSE(valid(passes_over));
