@@ -80,8 +80,8 @@ TEST(PoseGoals, ChooseFreeConfigurationsThatReachThem) {
 /// A planar arm of two bars that hangs beside another: joints and links begin with `side`.
 std::string bars(const std::string& side, double y) {
   const std::string turn = worlds::urdf_limit(-2, 2), at = "0 " + std::to_string(y) + " 0";
-  return worlds::urdf_link(side + "1", "0.15 0 0", "<box size='0.3 0.05 0.05'/>") +
-         worlds::urdf_link(side + "2", "0.12 0 0", "<box size='0.24 0.04 0.04'/>") + "<link name='" + side +
+  return worlds::urdf_link(side + "1", "0.15 0 0", "<box size='0.05 0.05 0.3'/>") +
+         worlds::urdf_link(side + "2", "0.12 0 0", "<box size='0.04 0.04 0.24'/>") + "<link name='" + side +
          "tip'/>" + worlds::urdf_joint(side + "j1", "revolute", "base", side + "1", at, "0 0 1", turn) +
          worlds::urdf_joint(side + "j2", "revolute", side + "1", side + "2", "0.34 0 0", "0 0 1", turn) +
          worlds::urdf_joint(side + "f", "fixed", side + "2", side + "tip", "0.25 0 0", "0 0 1", "");

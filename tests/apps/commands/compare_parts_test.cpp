@@ -150,8 +150,10 @@ TEST_F(CompareParts, ASignalLeavesATableAndResumingFindsWhatNobodyInterrupted) {
 
   const fs::path records = folder_.path() / "out" / "runs.jsonl";  // once more: nothing is left
   const auto written = fs::last_write_time(records);
-  std::erase(rest, "--quiet");
-  const CommandRun again = compare(rest);
+  std::vector<std::string> talking = rest;
+  std::erase(talking, "--quiet");
+  talking.insert(talking.begin(), "compare");
+  const CommandRun again = run_command(talking);
   EXPECT_EQ(again.status, 0) << again.log;
   EXPECT_NE(again.log.find("out' is finished: nothing was left to run"), std::string::npos) << again.log;
   EXPECT_NE(again.out.find("solved / valid / total"), std::string::npos) << again.out;

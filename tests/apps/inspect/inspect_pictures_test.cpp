@@ -73,7 +73,7 @@ TEST_F(InspectPictures, OfTwoMapsShowWhatDiffers) {
                                       "--slice", "z=0.1", path("diff.png")});
   EXPECT_EQ(run.status, exit_no) << run.log;
   const PageReader reader(bytes("diff.html"));
-  EXPECT_EQ(reader.page["title"], "a against b");
+  EXPECT_EQ(reader.page["title"], "from a to b");
   auto expected = expected_difference(a_, b_);
   for (const auto& set : reader.page["voxels"]) {
     if (set["state"] == "conflict") {
