@@ -7,6 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "datasets/yaml/whole_turn.hpp"
 #include "mapping/system/number_text.hpp"
 
 namespace clearway {
@@ -49,8 +50,6 @@ Eigen::VectorXd parse_configuration(const std::string& text, const std::string& 
   return q;
 }
 
-constexpr double most_turned = 2.0 * std::numbers::pi + 1e-3;  // rad, of an angle of a pose: more is degrees
-
 Eigen::Isometry3d pose_from_numbers(const std::vector<double>& numbers, const std::string& what) {
   if (numbers.size() != 3 && numbers.size() != 6) {
     throw std::invalid_argument(what + ": got " + std::to_string(numbers.size()) +
@@ -59,7 +58,7 @@ Eigen::Isometry3d pose_from_numbers(const std::vector<double>& numbers, const st
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.translation() = Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
   for (std::size_t i = 3; i < numbers.size(); ++i)
-    if (std::abs(numbers[i]) > most_turned)
+    if (!is_within_turn(numbers[i]))
       throw std::invalid_argument(
           what + ": expected angles in radians, each within a whole turn, got " + short_text(numbers[i]) +
           " (as degrees: " + short_text(numbers[i] * std::numbers::pi / 180.0) + " rad)");

@@ -1,12 +1,11 @@
 #include "apps/inspect/hand_shapes.hpp"
 
-#include <cmath>
 #include <map>
-#include <numbers>
 #include <stdexcept>
 
 #include "apps/console/parse.hpp"
 #include "apps/suites/suite_cells.hpp"
+#include "datasets/yaml/whole_turn.hpp"
 #include "datasets/yaml/yaml_fields.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/geometry/shape.hpp"
@@ -47,9 +46,8 @@ PlacedShape parse_shape(const std::string& text, const std::string& flag) {
   if (!(middle.cwiseAbs().maxCoeff() <= farthest_middle)) refuse("a middle within 1000 m");
   for (std::size_t i = 3; i < 3 + count; ++i)
     if (!(n[i] >= tiny && n[i] <= largest)) refuse("sizes above 0, at most 1000 m");
-  constexpr double most_turned = 2.0 * std::numbers::pi + 1e-3;  // rad: more is degrees
   for (std::size_t i = 3 + count; i < n.size(); ++i)
-    if (std::abs(n[i]) > most_turned) refuse("angles in radians, each within a whole turn");
+    if (!is_within_turn(n[i])) refuse("angles in radians, each within a whole turn");
   PlacedShape placed{shape_of_sizes(kind, n.data() + 3), Eigen::Isometry3d::Identity()};
   placed.map_from_shape.translation() = middle;
   if (turns == 1) placed.map_from_shape.linear() = rotation_from_rpy(0.0, 0.0, n.back());

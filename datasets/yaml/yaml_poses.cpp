@@ -1,8 +1,8 @@
 #include <yaml-cpp/yaml.h>
 
-#include <cmath>
 #include <numbers>
 
+#include "datasets/yaml/whole_turn.hpp"
 #include "datasets/yaml/yaml_fields.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -68,8 +68,7 @@ double YamlFields::angle(const std::string& key, double otherwise) const {
 
 /// What was given in radians and is more than a turn was meant in degrees.
 void YamlFields::require_within_turn(const std::string& key, double given) const {
-  constexpr double most_turned = 2.0 * std::numbers::pi + 1e-3;
-  if (has(key) && std::abs(given) > most_turned)
+  if (has(key) && !is_within_turn(given))
     fail(key, "expected angles in radians, each within a whole turn, got " + short_text(given) + "; " + key +
                   "_deg takes degrees, and whole turns may be left out");
 }
