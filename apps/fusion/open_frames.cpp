@@ -9,6 +9,7 @@
 #include "datasets/cameras/off_centre.hpp"
 #include "datasets/descriptions/camera_file.hpp"
 #include "datasets/pictures/depth_folder.hpp"
+#include "datasets/pictures/depth_picture.hpp"
 #include "datasets/pictures/image_folder.hpp"
 #include "datasets/pictures/picture_file.hpp"
 #include "datasets/pictures/video.hpp"
@@ -93,7 +94,7 @@ SourceOptions with_camera_beside(const DepthLayout& layout, SourceOptions option
   if (layout.camera.empty()) return with_camera_of_tum(layout, options);
   std::optional<ImageSize> size;
   for (auto file = layout.depth.begin(); !size && file != layout.depth.end(); ++file)
-    size = picture_size(*file);
+    if (const auto head = depth_picture_head(*file)) size = head->size;
   std::string note;
   depth.camera = load_camera_file(layout.camera, "", depth.rectified, size, {}, &note);
   depth.camera_file = layout.camera;

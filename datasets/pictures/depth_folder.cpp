@@ -1,12 +1,13 @@
 #include "datasets/pictures/depth_folder.hpp"
 
 #include <algorithm>
-#include <opencv2/imgcodecs.hpp>
 #include <set>
 #include <stdexcept>
 #include <utility>
 
 #include "datasets/pictures/camera_path.hpp"
+#include "datasets/pictures/depth_picture.hpp"
+#include "datasets/pictures/depth_scale.hpp"
 #include "datasets/pictures/files_in_child.hpp"
 #include "datasets/pictures/image_folder.hpp"
 #include "datasets/pictures/picture_file.hpp"
@@ -22,8 +23,6 @@ namespace clearway {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::uint16_t no_depth = 65535;
 
 /// The rays (1, y, z) of all pixels, row by row: x forward, y left, z up; 0 where the lens sees nothing.
 std::vector<Eigen::Vector3f> rays_of(const CameraIntrinsics& camera) {
@@ -66,41 +65,28 @@ struct DepthCameras {
 };
 
 /// In the child.
-cv::Mat decoded_steps(const std::string& bytes) {
-  const cv::Mat_<unsigned char> raw(1, static_cast<int>(bytes.size()),
-                                    reinterpret_cast<unsigned char*>(const_cast<char*>(bytes.data())));
-  cv::Mat depth;
-  try {
-    depth = cv::imdecode(raw, cv::IMREAD_UNCHANGED);
-  } catch (const cv::Exception&) {
-  }
-  if (depth.empty()) throw std::runtime_error("it cannot be decoded");
-  if (depth.type() != CV_16UC1) throw std::runtime_error("it is not a grey picture of 16 bits");
-  return depth;
-}
-
-/// In the child.
 CloudFrame decode_depth(const std::string& bytes, const CameraIntrinsics& stated, bool may_be_resized,
-                        CastCamera& cast, const DepthOptions& options) {
-  const cv::Mat depth = decoded_steps(bytes);
-  const bool has_size = depth.cols == stated.width && depth.rows == stated.height;
-  const auto camera = has_size || !may_be_resized ? stated : resized(stated, depth.cols, depth.rows);
-  if (!camera || depth.cols != camera->width || depth.rows != camera->height)
-    throw std::runtime_error("it has " + std::to_string(depth.cols) + " x " + std::to_string(depth.rows) +
+                        CastCamera& cast, const DepthOptions& options, bool is_real) {
+  const DepthPicture depth = decode_depth_picture(bytes);
+  if (depth.is_real != is_real)
+    throw std::runtime_error(std::string("it holds ") + (is_real ? "whole" : "real") +
+                             " numbers, and the first depth picture " + (is_real ? "real" : "whole") +
+                             " ones");
+  const auto [width, height] = depth.size;
+  const bool has_size = width == stated.width && height == stated.height;
+  const auto camera = has_size || !may_be_resized ? stated : resized(stated, width, height);
+  if (!camera || width != camera->width || height != camera->height)
+    throw std::runtime_error("it has " + std::to_string(width) + " x " + std::to_string(height) +
                              " pixels, expected the camera's " + std::to_string(stated.width) + " x " +
                              std::to_string(stated.height));
   cast.become(*camera);
   CloudFrame cloud;
   cloud.kind = "depth";
   cloud.max_range = options.max_range;
-  for (int row = 0; row < depth.rows; ++row) {
-    const auto* line = depth.ptr<std::uint16_t>(row);
-    const Eigen::Vector3f* ray =
-        &cast.rays[static_cast<std::size_t>(row) * static_cast<std::size_t>(depth.cols)];
-    for (int column = 0; column < depth.cols; ++column) {
-      if (line[column] == 0 || line[column] == no_depth || ray[column].x() == 0.0F) continue;
-      cloud.points.push_back(static_cast<float>(*options.scale * line[column]) * ray[column]);
-    }
+  for (std::size_t i = 0; i < depth.values.size(); ++i) {
+    const Eigen::Vector3f& ray = cast.rays[i];
+    if (depth.values[i] == 0.0F || ray.x() == 0.0F) continue;
+    cloud.points.push_back(static_cast<float>(*options.scale * depth.values[i]) * ray);
   }
   return cloud;
 }
@@ -121,83 +107,31 @@ std::vector<fs::path> names_of(const TimedFiles& timed) {
   return files;
 }
 
-FilesInChild::Decode depth_decoder(const DepthCameras& cameras, const DepthOptions& options) {
+FilesInChild::Decode depth_decoder(const DepthCameras& cameras, const DepthOptions& options, bool is_real) {
   const auto cast = std::make_shared<CastCamera>();
   if (!cameras.may_be_resized) cast->become(cameras.of_picture.front());
-  return [cameras, cast, options](const std::string& bytes, std::size_t number) {
+  return [cameras, cast, options, is_real](const std::string& bytes, std::size_t number) {
     const CameraIntrinsics& camera = cameras.of_picture[std::min(number, cameras.of_picture.size() - 1)];
-    return decode_depth(bytes, camera, cameras.may_be_resized, *cast, options);
+    return decode_depth(bytes, camera, cameras.may_be_resized, *cast, options, is_real);
   };
-}
-
-constexpr double usual_scale = 0.001, scale_of_tum = 0.0002;  ///< m per step
-
-/// Tables as TUM's stand beside pictures in millimetres, too (OpenLORIS, what people record for ORB-SLAM),
-/// which a map would show at a fifth of their size. They differ in what no millimetres say of a room: 10 m.
-/// @throws std::invalid_argument where some pictures, spread over all, hold nothing that would be 2 m of
-/// TUM's
-void require_steps_of_tum(const std::string& name, const DepthLayout& layout) {
-  constexpr float far = 10000.0F;
-  constexpr std::size_t most = 7, stride = 61;
-  const std::vector<fs::path> all = in_order_of_names(layout.depth);
-  std::vector<fs::path> some;
-  for (std::size_t i = 0; i < std::min(most, all.size()); ++i)
-    some.push_back(all[i * all.size() / std::min(most, all.size())]);
-  FilesInChild pictures(some, "depth picture", [](const std::string& bytes, std::size_t) {
-    const cv::Mat depth = decoded_steps(bytes);
-    CloudFrame steps;
-    for (std::size_t i = 0; i < depth.total(); i += stride) {
-      const auto step =
-          depth.at<std::uint16_t>(static_cast<int>(i) / depth.cols, static_cast<int>(i) % depth.cols);
-      if (step != 0 && step != no_depth) steps.points.emplace_back(step, 0.0F, 0.0F);
-    }
-    return steps;
-  });
-  std::size_t count = 0, far_ones = 0;
-  while (const auto picture = pictures.next()) {
-    if (!picture->content) continue;  // told when it is read
-    for (const Eigen::Vector3f& step : std::get<CloudFrame>(*picture->content).points) {
-      ++count;
-      far_ones += step.x() >= far;
-    }
-  }
-  if (count == 0 || far_ones * 1000 >= count) return;
-  throw std::invalid_argument(
-      name + " has a table of depth pictures as TUM's, " + quote_path(layout.tum_table.string()) +
-      ", whose steps are 0.0002 m, but hardly a pixel of " + std::to_string(some.size()) +
-      " pictures reaches 10000 steps, as of others in millimetres: expected `source: {depth: {scale: …}}` in "
-      "the setup, 0.0002 or 0.001");
-}
-
-/// Why the pictures' steps are taken for TUM's, after "… are 0.0002 m, as"; empty: they are not. Who lists
-/// pictures as TUM does (ETH3D, ICL-NUIM, Bonn) has its steps as well.
-std::string why_of_tum(const DepthLayout& layout, const SourceOptions& options) {
-  if (is_of_tum(options.depth.poses.empty() ? layout.poses : options.depth.poses))
-    return "the files are TUM's";
-  if (layout.tum_table.empty()) return "";
-  return "TUM's, ETH3D's and ICL-NUIM's, whose tables of pictures are as " +
-         quote_path(layout.tum_table.string());
-}
-
-/// The setup's; else TUM's, where the files look like theirs.
-SourceOptions with_scale(SourceOptions options, const std::string& why_of_tum) {
-  if (!options.depth.scale) options.depth.scale = why_of_tum.empty() ? usual_scale : scale_of_tum;
-  return options;
 }
 
 class DepthFolder final : public FrameSource {
  public:
   /// @param path of the camera, where the poses are one @param camera of all pictures; empty: the path's
+  /// @param is_real of the pictures' values: real numbers
   DepthFolder(const DepthLayout& layout, const CameraPath& path,
-              const std::optional<CameraIntrinsics>& camera, const SourceOptions& options)
-      : why_of_tum_(clearway::why_of_tum(layout, options)),
-        options_(with_scale(options, why_of_tum_)),
+              const std::optional<CameraIntrinsics>& camera, const SourceOptions& options, bool is_real)
+      : why_of_tum_(is_real ? "" : clearway::why_of_tum(layout, options)),
+        is_real_(is_real),
+        options_(with_scale(options, why_of_tum_, is_real)),
         is_scale_stated_(options.depth.scale.has_value()),
         timed_(times_of_files(layout.depth, options.rate)),
         poses_(options.depth.poses.empty() ? layout.poses : options.depth.poses, layout.pose_folder, "depth",
                in_order_of_names(layout.depth), options.depth.tolerance, timed_.time_caveat.empty()),
         depth_(names_of(timed_), "depth picture",
-               depth_decoder(camera ? DepthCameras{{*camera}} : cameras_of(path, layout), options_.depth)),
+               depth_decoder(camera ? DepthCameras{{*camera}} : cameras_of(path, layout), options_.depth,
+                             is_real)),
         unnamed_(layout.unnamed) {
     if (!options.depth.camera_file.empty())
       camera_note_ = "the depth pictures' camera is that of " +
@@ -234,6 +168,10 @@ class DepthFolder final : public FrameSource {
     if (!is_scale_stated_ && !why_of_tum_.empty())
       sentences.push_back("steps of depth are 0.0002 m, as " + why_of_tum_ +
                           "; `source: {depth: {scale: …}}` states others.");
+    else if (!is_scale_stated_ && is_real_)
+      sentences.push_back(
+          "depth is taken as metres along the optical axis, which nothing states "
+          "(`source: {depth: {scale: …}}`).");
     else if (!is_scale_stated_)
       sentences.push_back(
           "steps of depth are taken as 0.001 m, which nothing states; TUM's and ICL-NUIM's are 0.0002 "
@@ -313,6 +251,7 @@ class DepthFolder final : public FrameSource {
   }
 
   std::string why_of_tum_;
+  bool is_real_;
   SourceOptions options_;
   bool is_scale_stated_;
   TimedFiles timed_;
@@ -356,12 +295,14 @@ std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const Dep
     throw std::invalid_argument(name + " has poses in " + quote(found.poses.filename().string()) +
                                 " and in " + quote(found.other_poses.filename().string()) +
                                 ": expected `poses` of `source: {depth: …}` in the setup to name one");
-  const auto depth_size = picture_size(layout.depth.front());
+  const auto head = depth_picture_head(in_order_of_names(layout.depth).front());
+  const bool is_real = head && head->is_real;
+  const auto depth_size = head ? std::optional(head->size) : std::nullopt;
   const auto path = path_of(
       layout.poses, {depth_size, layout.colour.empty() ? depth_size : picture_size(layout.colour.front())});
   SourceOptions whole = path ? with_path(options, *path) : options;
-  if (whole.depth.scale)
-    whole.depth.scale_note.clear();  // nobody asks the camera's file
+  if (whole.depth.scale || is_real)
+    whole.depth.scale_note.clear();  // nobody asks the camera's file, which speaks of steps
   else
     whole.depth.scale = whole.depth.scale_of_file;
   if (!whole.depth.scale && !whole.depth.scale_note.empty())  // the file says what no camera has
@@ -382,9 +323,10 @@ std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const Dep
         " has rectified depth pictures, by 'rectified' of 'source: {depth: …}', and their camera has a "
         "distortion; expected `camera` of 'source: {depth: …}' to be the rectified one without it, or ROS's "
         "camera_info with a projection_matrix as its `file`, or 'rectified: false'");
-  const bool is_table_alone = !whole.depth.scale && !layout.tum_table.empty() && !is_of_tum(layout.poses);
-  if (is_table_alone) require_steps_of_tum(name, layout);
-  auto source = std::make_unique<DepthFolder>(layout, path.value_or(CameraPath{}), stated, whole);
+  const bool is_table_alone = !layout.tum_table.empty() && !is_of_tum(layout.poses);
+  if (!whole.depth.scale && is_real) require_metres(name, layout);
+  if (!whole.depth.scale && !is_real && is_table_alone) require_steps_of_tum(name, layout);
+  auto source = std::make_unique<DepthFolder>(layout, path.value_or(CameraPath{}), stated, whole, is_real);
   if (!source->has_poses() && !options.places_depth)
     throw std::invalid_argument(
         name +

@@ -8,7 +8,7 @@
 
 namespace clearway {
 
-/// Depth pictures (16-bit PNG: the distance along the optical axis, 0 and 65535: none) as scans of kind and
+/// Depth pictures (decode_depth_picture: the distance along the optical axis) as scans of kind and
 /// sensor "depth", cast through the lens of their camera (depth_rays), colour pictures as images of sensor
 /// "colour", in the order of their times. Scans for which no pose is known are left out and counted, unless
 /// the setup places the sensor. Their camera is that of `depth` in the options, else that of the options:

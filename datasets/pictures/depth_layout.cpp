@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "datasets/pictures/camera_path.hpp"
+#include "datasets/pictures/depth_picture.hpp"
 #include "datasets/pictures/picture_file.hpp"
 #include "datasets/pictures/picture_poses.hpp"
 #include "mapping/system/input_file.hpp"
@@ -27,12 +28,12 @@ std::vector<fs::path> pictures_in(const fs::path& folder) {
   return files;
 }
 
-/// 3RScan's depth is PGM.
-std::vector<fs::path> pgm_in(const fs::path& folder) {
+/// 3RScan's PGM, arrays of NumPy, OpenEXR of Record3D and Blender.
+std::vector<fs::path> depth_alone_in(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error))
-    if (extension_of(entry.path()) == ".pgm") files.push_back(entry.path());
+    if (is_depth_alone(entry.path())) files.push_back(entry.path());
   return files;
 }
 
@@ -80,7 +81,7 @@ DepthLayout layout_by_names(const fs::path& folder) {
   DepthLayout layout;
   for (const char* name : {"depth", "aligned_depth", "depths", "depth_images"}) {
     if (layout.depth.empty()) layout.depth = pictures_in(folder / name);
-    if (layout.depth.empty()) layout.depth = pgm_in(folder / name);
+    if (layout.depth.empty()) layout.depth = depth_alone_in(folder / name);
   }
   if (!layout.depth.empty()) {
     const fs::path colour = first_there(folder, {"rgb", "color", "colour", "image", "images"});
@@ -93,7 +94,7 @@ DepthLayout layout_by_names(const fs::path& folder) {
   for (const fs::path& flat : {folder, folder / "results", folder / "data", folder / "sequence"}) {
     const std::vector<fs::path> pictures = pictures_in(flat);
     layout.depth = called(pictures, {"depth"});
-    if (layout.depth.empty()) layout.depth = called(pgm_in(flat), {"depth"});
+    if (layout.depth.empty()) layout.depth = called(depth_alone_in(flat), {"depth"});
     if (layout.depth.empty()) continue;
     std::vector<fs::path> others;
     for (const fs::path& picture : pictures)  // frame-000000.depth.png is none of the frames

@@ -5,12 +5,12 @@
 
 namespace clearway {
 
-/// What the call throws as std::invalid_argument; empty when it does not.
-template <class Call>
+/// What the call throws as this error; empty when it does not.
+template <class Error = std::invalid_argument, class Call>
 std::string complaint(const Call& call) {
   try {
     call();
-  } catch (const std::invalid_argument& error) {
+  } catch (const Error& error) {
     return error.what();
   }
   return "";

@@ -7,40 +7,14 @@
 
 #include "datasets/pictures/picture_file.hpp"
 #include "tests/datasets/complaint.hpp"
+#include "tests/datasets/pictures/depth_folders.hpp"
 #include "tests/worlds/picture_bytes.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace depth_folder_test {
 
-const CameraIntrinsics camera{48, 36, 50, 52, 24, 18, {}};
-
-/// A wall straight ahead, with one pixel that stands out and two that hold no depth.
-std::string depth_png(std::uint16_t units) {
-  cv::Mat depth(36, 48, CV_16UC1, cv::Scalar(units));
-  depth.at<std::uint16_t>(10, 34) = static_cast<std::uint16_t>(units / 2);
-  depth.at<std::uint16_t>(0, 0) = 0;
-  depth.at<std::uint16_t>(0, 1) = 65535;
-  return picture_bytes(depth, ".png");
-}
-
-SourceOptions options(double scale = 0.0002) {
-  SourceOptions options;
-  options.camera = camera;
-  options.depth.scale = scale;
-  return options;
-}
-
-class DepthFolders : public testing::Test {
- protected:
-  std::unique_ptr<FrameSource> open(const SourceOptions& with) {
-    const auto layout = depth_layout(folder_.path());
-    EXPECT_TRUE(layout);
-    return open_depth_folder(folder_.path(), *layout, with);
-  }
-  void make(const std::string& name) { std::filesystem::create_directory(folder_ / name); }
-  TemporaryFolder folder_;
-};
+using namespace depth_folders;
 
 TEST_F(DepthFolders, PixelsBecomePointsByThePinholeAndPosesOfTumPlaceThem) {
   make("depth");
@@ -76,54 +50,6 @@ TEST_F(DepthFolders, PixelsBecomePointsByThePinholeAndPosesOfTumPlaceThem) {
   int frames = 0;
   while (all->next()) ++frames;
   EXPECT_EQ(frames, 3);
-}
-
-TEST_F(DepthFolders, StepsAreStatedOrTumsOrMillimetresAndWhoDidNotSayIsTold) {
-  make("depth");
-  folder_.write("depth/10.00.png", depth_png(10000));
-  const auto depth_of = [&](std::optional<double> scale, const std::string& head, const char* told) {
-    folder_.write("groundtruth.txt", head + "9.99 0 0 0 0 0 0 1\n10.01 0 0 0 0 0 0 1\n");
-    SourceOptions stated = options();
-    stated.depth.scale = scale;
-    const auto source = open(stated);
-    const auto frame = source->next();
-    const std::vector<std::string> warnings = source->warnings();
-    EXPECT_EQ(warnings.size(), *told == '\0' ? 0U : 1U) << head;
-    for (const std::string& warning : warnings) EXPECT_NE(warning.find(told), std::string::npos) << warning;
-    return std::get<CloudFrame>(frame.value().content).points.back().x();
-  };
-  const std::string tum = "# ground truth trajectory\n# file: 'rgbd_dataset_freiburg1_xyz.bag'\n";
-  EXPECT_FLOAT_EQ(depth_of({}, tum, "0.0002 m, as the files are TUM's"), 2.0F);
-  EXPECT_FLOAT_EQ(depth_of(0.001, tum, ""), 10.0F);
-  EXPECT_FLOAT_EQ(depth_of({}, "# time x y z qx qy qz qw\n", "taken as 0.001 m, which nothing states"),
-                  10.0F);
-  EXPECT_FLOAT_EQ(depth_of(0.0002, "", ""), 2.0F);
-  folder_.write("associated.txt", "10.00 rgb/10.00.png 10.00 depth/10.00.png\n");
-  EXPECT_FLOAT_EQ(depth_of({}, "", "0.0002 m, as TUM's, ETH3D's and ICL-NUIM's"), 2.0F);
-  EXPECT_FLOAT_EQ(depth_of(0.001, "", ""), 10.0F);
-}
-
-/// OpenLORIS and others write TUM's tables beside pictures in millimetres.
-TEST_F(DepthFolders, WhatTumsTablesSayOfTheStepsIsAskedForWhereAllWouldBeNear) {
-  make("depth");
-  folder_.write("depth.txt", "10.0 depth/10.0.png\n");
-  folder_.write("groundtruth.txt", "9.99 0 0 0 0 0 0 1\n10.01 0 0 0 0 0 0 1\n");
-  SourceOptions silent = options();
-  silent.depth.scale = {};
-  for (const auto& [units, is_asked] : {std::pair{9000, true}, std::pair{11000, false}}) {
-    folder_.write("depth/10.0.png", depth_png(static_cast<std::uint16_t>(units)));
-    const std::string refusal = complaint([&] { open(silent); });
-    EXPECT_EQ(refusal.find("expected `source: {depth: {scale: …}}` in the setup, 0.0002 or 0.001") !=
-                  std::string::npos,
-              is_asked)
-        << refusal;
-    EXPECT_EQ(complaint([&] { open(options(0.001)); }).find("scale"), std::string::npos);
-  }
-  // One of many: a room that is seen to its end now and then. And a damaged one is told as ever.
-  for (int i = 11; i < 40; ++i)
-    folder_.write("depth/" + std::to_string(i) + ".0.png", depth_png(i % 5 == 0 ? 20000 : 4000));
-  folder_.write("depth/10.0.png", "no picture");
-  EXPECT_EQ(complaint([&] { open(silent); }), "");
 }
 
 /// Its camera has fy = -480: the y axis points up, in the poses, too. By hand: the pixel (34, 10) is 8 rows

@@ -1,10 +1,12 @@
 #include "mapping/voxels/memory_room.hpp"
 
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <bit>
+#include <cstdlib>
 #include <fstream>
 
 #include "mapping/scans/scan_rays.hpp"
@@ -76,6 +78,15 @@ Scan octant(std::size_t rays, double length) {
   return scan;
 }
 
+/// Takes what the tests before left free on the heap, which no limit of addresses counts.
+void take_free_heap() {
+  for (const std::size_t chunk : {std::size_t{1} << 16U, std::size_t{1} << 12U})
+    for (const std::size_t size = mallinfo2().arena; mallinfo2().arena == size;) {
+      void* volatile taken = std::malloc(chunk);  // the process ends soon
+      if (taken == nullptr) return;
+    }
+}
+
 /// Limits this process to so many more bytes. The limit before.
 rlimit leave_addresses(std::size_t bytes) {
   rlimit before{};
@@ -105,6 +116,7 @@ TEST(MemoryRoom, AScanThatNeedsMoreIsRefusedInASentenceAndLeavesNoTrace) {
     const ScanInsertion insertion;
     insert_scan(tree, star(100, 0.0445), {}, insertion, workspace);  // takes the windows' memory
     const std::size_t nodes = tree.size();
+    take_free_heap();
     const rlimit before = leave_addresses(std::size_t{100} << 20U);
     std::string said = "not refused";
     try {

@@ -1,0 +1,90 @@
+#include "datasets/pictures/depth_scale.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "datasets/pictures/depth_picture.hpp"
+#include "datasets/pictures/files_in_child.hpp"
+#include "datasets/pictures/picture_times.hpp"
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double usual_scale = 0.001, scale_of_tum = 0.0002;  ///< m per step
+
+/// Some of the depth in some pictures, spread over all, as it is stored.
+struct DepthSample {
+  std::vector<float> values;
+  std::size_t pictures = 0;
+};
+
+DepthSample sample_of(const DepthLayout& layout) {
+  constexpr std::size_t most = 7, stride = 61;
+  const std::vector<fs::path> all = in_order_of_names(layout.depth);
+  std::vector<fs::path> some;
+  for (std::size_t i = 0; i < std::min(most, all.size()); ++i)
+    some.push_back(all[i * all.size() / std::min(most, all.size())]);
+  FilesInChild pictures(some, "depth picture", [](const std::string& bytes, std::size_t) {
+    const DepthPicture depth = decode_depth_picture(bytes);
+    CloudFrame values;
+    for (std::size_t i = 0; i < depth.values.size(); i += stride)
+      if (depth.values[i] != 0.0F) values.points.emplace_back(depth.values[i], 0.0F, 0.0F);
+    return values;
+  });
+  DepthSample sample{{}, some.size()};
+  while (const auto picture = pictures.next()) {
+    if (!picture->content) continue;  // told when it is read
+    for (const Eigen::Vector3f& value : std::get<CloudFrame>(*picture->content).points)
+      sample.values.push_back(value.x());
+  }
+  return sample;
+}
+
+}  // namespace
+
+std::string why_of_tum(const DepthLayout& layout, const SourceOptions& options) {
+  if (is_of_tum(options.depth.poses.empty() ? layout.poses : options.depth.poses))
+    return "the files are TUM's";
+  if (layout.tum_table.empty()) return "";
+  return "TUM's, ETH3D's and ICL-NUIM's, whose tables of pictures are as " +
+         quote_path(layout.tum_table.string());
+}
+
+SourceOptions with_scale(SourceOptions options, const std::string& why_of_tum, bool is_real) {
+  if (!options.depth.scale)
+    options.depth.scale = is_real ? 1.0 : why_of_tum.empty() ? usual_scale : scale_of_tum;
+  return options;
+}
+
+void require_steps_of_tum(const std::string& name, const DepthLayout& layout) {
+  constexpr float far = 10000.0F;
+  const DepthSample sample = sample_of(layout);
+  const auto far_ones = static_cast<std::size_t>(
+      std::count_if(sample.values.begin(), sample.values.end(), [](float step) { return step >= far; }));
+  if (sample.values.empty() || far_ones * 1000 >= sample.values.size()) return;
+  throw std::invalid_argument(
+      name + " has a table of depth pictures as TUM's, " + quote_path(layout.tum_table.string()) +
+      ", whose steps are 0.0002 m, but hardly a pixel of " + std::to_string(sample.pictures) +
+      " pictures reaches 10000 steps, as of others in millimetres: expected `source: {depth: {scale: …}}` in "
+      "the setup, 0.0002 or 0.001");
+}
+
+void require_metres(const std::string& name, const DepthLayout& layout) {
+  constexpr float far = 100.0F;
+  DepthSample sample = sample_of(layout);
+  if (sample.values.empty()) return;
+  const auto middle = sample.values.begin() + static_cast<std::ptrdiff_t>(sample.values.size() / 2);
+  std::nth_element(sample.values.begin(), middle, sample.values.end());
+  if (*middle <= far) return;
+  throw std::invalid_argument(
+      name + " has depth pictures of real numbers, half of them beyond " +
+      std::to_string(std::lround(*middle)) +
+      ", which cannot be metres: expected `source: {depth: {scale: …}}` in the setup, "
+      "0.001 for millimetres");
+}
+
+}  // namespace clearway

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+
+#include "datasets/pictures/depth_layout.hpp"
+#include "datasets/sources/frame_source.hpp"
+
+namespace clearway {
+
+/// Why the pictures' steps are taken for TUM's, after "… are 0.0002 m, as"; empty: they are not. Who lists
+/// pictures as TUM does (ETH3D, ICL-NUIM, Bonn) has its steps as well.
+std::string why_of_tum(const DepthLayout& layout, const SourceOptions& options);
+
+/// The setup's scale; else metres for real numbers, TUM's steps where the files look like theirs, else 0.001.
+SourceOptions with_scale(SourceOptions options, const std::string& why_of_tum, bool is_real);
+
+/// Tables as TUM's stand beside pictures in millimetres, too (OpenLORIS, what people record for ORB-SLAM),
+/// which a map would show at a fifth of their size. They differ in what no millimetres say of a room: 10 m.
+/// @throws std::invalid_argument where some pictures, spread over all, hold nothing that would be 2 m of
+/// TUM's
+void require_steps_of_tum(const std::string& name, const DepthLayout& layout);
+
+/// Real numbers are metres in most files, and millimetres in others. @throws std::invalid_argument where half
+/// of the depth in some pictures, spread over all, lies beyond 100 m
+void require_metres(const std::string& name, const DepthLayout& layout);
+
+}  // namespace clearway

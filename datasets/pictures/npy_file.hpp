@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+#include "datasets/pictures/depth_picture.hpp"
+
+namespace clearway {
+
+/// Whether these are the bytes of a NumPy array (.npy).
+bool is_npy(const std::string& bytes);
+
+/// A picture of one number a pixel as numpy.save writes it (numpy.lib.format, versions 1 to 3): rows and
+/// columns, or these and a third axis of one entry before or behind; whole numbers of 8 to 64 bits or real
+/// ones of 16 to 64, in either order of bytes. @throws std::runtime_error a clause that says why it is none
+DepthPicture decode_npy(const std::string& bytes);
+
+}  // namespace clearway

@@ -1,0 +1,97 @@
+#include "datasets/pictures/depth_scale.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/datasets/complaint.hpp"
+#include "tests/datasets/pictures/depth_folders.hpp"
+
+namespace clearway {
+namespace depth_scale_test {
+
+using namespace depth_folders;
+
+using DepthScales = DepthFolders;
+
+TEST_F(DepthScales, StepsAreStatedOrTumsOrMillimetresAndWhoDidNotSayIsTold) {
+  make("depth");
+  folder_.write("depth/10.00.png", depth_png(10000));
+  const auto depth_of = [&](std::optional<double> scale, const std::string& head, const char* told) {
+    folder_.write("groundtruth.txt", head + "9.99 0 0 0 0 0 0 1\n10.01 0 0 0 0 0 0 1\n");
+    SourceOptions stated = options();
+    stated.depth.scale = scale;
+    const auto source = open(stated);
+    const auto frame = source->next();
+    const std::vector<std::string> warnings = source->warnings();
+    EXPECT_EQ(warnings.size(), *told == '\0' ? 0U : 1U) << head;
+    for (const std::string& warning : warnings) EXPECT_NE(warning.find(told), std::string::npos) << warning;
+    return std::get<CloudFrame>(frame.value().content).points.back().x();
+  };
+  const std::string tum = "# ground truth trajectory\n# file: 'rgbd_dataset_freiburg1_xyz.bag'\n";
+  EXPECT_FLOAT_EQ(depth_of({}, tum, "0.0002 m, as the files are TUM's"), 2.0F);
+  EXPECT_FLOAT_EQ(depth_of(0.001, tum, ""), 10.0F);
+  EXPECT_FLOAT_EQ(depth_of({}, "# time x y z qx qy qz qw\n", "taken as 0.001 m, which nothing states"),
+                  10.0F);
+  EXPECT_FLOAT_EQ(depth_of(0.0002, "", ""), 2.0F);
+  folder_.write("associated.txt", "10.00 rgb/10.00.png 10.00 depth/10.00.png\n");
+  EXPECT_FLOAT_EQ(depth_of({}, "", "0.0002 m, as TUM's, ETH3D's and ICL-NUIM's"), 2.0F);
+  EXPECT_FLOAT_EQ(depth_of(0.001, "", ""), 10.0F);
+}
+
+/// OpenLORIS and others write TUM's tables beside pictures in millimetres.
+TEST_F(DepthScales, WhatTumsTablesSayOfTheStepsIsAskedForWhereAllWouldBeNear) {
+  make("depth");
+  folder_.write("depth.txt", "10.0 depth/10.0.png\n");
+  folder_.write("groundtruth.txt", "9.99 0 0 0 0 0 0 1\n10.01 0 0 0 0 0 0 1\n");
+  SourceOptions silent = options();
+  silent.depth.scale = {};
+  for (const auto& [units, is_asked] : {std::pair{9000, true}, std::pair{11000, false}}) {
+    folder_.write("depth/10.0.png", depth_png(static_cast<std::uint16_t>(units)));
+    const std::string refusal = complaint([&] { open(silent); });
+    EXPECT_EQ(refusal.find("expected `source: {depth: {scale: …}}` in the setup, 0.0002 or 0.001") !=
+                  std::string::npos,
+              is_asked)
+        << refusal;
+    EXPECT_EQ(complaint([&] { open(options(0.001)); }).find("scale"), std::string::npos);
+  }
+  // One of many: a room that is seen to its end now and then. And a damaged one is told as ever.
+  for (int i = 11; i < 40; ++i)
+    folder_.write("depth/" + std::to_string(i) + ".0.png", depth_png(i % 5 == 0 ? 20000 : 4000));
+  folder_.write("depth/10.0.png", "no picture");
+  EXPECT_EQ(complaint([&] { open(silent); }), "");
+}
+
+/// As nerfstudio, Record3D and learned depth are kept.
+TEST_F(DepthScales, RealNumbersAreMetresUnlessStatedOrBeyondThem) {
+  make("depth");
+  folder_.write("poses.txt", "0 0 0 0 0 0 0 1\n0.1 0 0 0 0 0 0 1\n");
+  const auto open_with = [&](float value, std::optional<double> scale) {
+    const cv::Mat_<float> wall(36, 48, value);
+    folder_.write("depth/0.0.pfm", picture_bytes(wall, ".pfm"));
+    folder_.write("depth/0.1.pfm", picture_bytes(wall, ".pfm"));
+    SourceOptions stated = options();
+    stated.depth.scale = scale;
+    return open(stated);
+  };
+  const auto depth_of = [](FrameSource& source) {
+    return std::get<CloudFrame>(source.next().value().content).points.at(900).x();
+  };
+  const auto metres = open_with(2.5F, {});
+  EXPECT_FLOAT_EQ(depth_of(*metres), 2.5F);
+  ASSERT_EQ(metres->warnings().size(), 1U);
+  EXPECT_NE(metres->warnings()[0].find("taken as metres along the optical axis"), std::string::npos);
+  const auto stated = open_with(2500.0F, 0.001);
+  EXPECT_FLOAT_EQ(depth_of(*stated), 2.5F);
+  EXPECT_TRUE(stated->warnings().empty());
+  EXPECT_NE(
+      complaint([&] { open_with(2500.0F, {}); }).find("half of them beyond 2500, which cannot be metres"),
+      std::string::npos);
+  folder_.write("depth/0.1.pfm", depth_png(2000));
+  const auto mixed = open(options(1.0));
+  EXPECT_TRUE(mixed->next());
+  EXPECT_FALSE(mixed->next());
+  ASSERT_TRUE(mixed->damage());
+  EXPECT_NE(mixed->damage()->find("whole numbers"), std::string::npos) << *mixed->damage();
+}
+
+}  // namespace depth_scale_test
+}  // namespace clearway
