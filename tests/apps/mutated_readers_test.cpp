@@ -159,6 +159,7 @@ TEST_F(MutatedReaders, bags) {
 TEST_F(MutatedReaders, depth_pictures_and_matrices_of_poses) {
   std::filesystem::create_directory(folder_ / "depth");
   std::filesystem::create_directory(folder_ / "pose");
+  setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 1);
   folder_.write("pose/1.txt", "1 0 0 0.5\n0 1 0 0.25\n0 0 1 -1\n0 0 0 1\n");
   const std::string depth = picture_bytes(cv::Mat(36, 48, CV_16UC1, cv::Scalar(900)), ".png");
   folder_.write("depth/1.png", depth);
@@ -171,6 +172,14 @@ TEST_F(MutatedReaders, depth_pictures_and_matrices_of_poses) {
     if (source->damage()) throw DamagedFile(*source->damage());
   };
   expect_read_or_refused("depth/1.png", depth, read);
+  std::filesystem::remove(folder_ / "depth/1.png");
+  for (const char* array : {"real.npy", "fortran.npy", "small.pfm"}) {
+    const std::string name = "depth/1" + std::filesystem::path(array).extension().string();
+    expect_read_or_refused(name, source("tests/fuzz/corpus/depth_picture/" + std::string(array)), read);
+    std::filesystem::remove(folder_ / name);
+  }
+  expect_read_or_refused("depth/1.exr", picture_bytes(cv::Mat_<float>(36, 48, 2.0F), ".exr"), read);
+  std::filesystem::remove(folder_ / "depth/1.exr");
   expect_read_or_refused("pose/1.txt", read_file(folder_.path() / "pose/1.txt"), read);
   expect_read_or_refused("depth/trajectory.log", "0 0 1\n1 0 0 0.5\n0 1 0 0.25\n0 0 1 -1\n0 0 0 1\n",
                          [](const auto& file) { PicturePoses(file, "", "depth", {"1.png"}, 0.02); });
