@@ -66,11 +66,11 @@ struct DepthCameras {
 
 /// In the child.
 CloudFrame decode_depth(const std::string& bytes, const CameraIntrinsics& stated, bool may_be_resized,
-                        CastCamera& cast, const DepthOptions& options, bool is_real) {
+                        CastCamera& cast, const DepthOptions& options, const DepthNumbers& numbers) {
   const DepthPicture depth = decode_depth_picture(bytes);
-  if (depth.is_real != is_real)
-    throw std::runtime_error(std::string("it holds ") + (is_real ? "whole" : "real") +
-                             " numbers, and the first depth picture " + (is_real ? "real" : "whole") +
+  if (depth.is_real != numbers.is_real)
+    throw std::runtime_error(std::string("it holds ") + (numbers.is_real ? "whole" : "real") +
+                             " numbers, and the first depth picture " + (numbers.is_real ? "real" : "whole") +
                              " ones");
   const auto [width, height] = depth.size;
   const bool has_size = width == stated.width && height == stated.height;
@@ -86,7 +86,7 @@ CloudFrame decode_depth(const std::string& bytes, const CameraIntrinsics& stated
   for (std::size_t i = 0; i < depth.values.size(); ++i) {
     const Eigen::Vector3f& ray = cast.rays[i];
     if (depth.values[i] == 0.0F || ray.x() == 0.0F) continue;
-    cloud.points.push_back(static_cast<float>(*options.scale * depth.values[i]) * ray);
+    cloud.points.push_back(static_cast<float>(*options.scale * numbers.value_of(depth.values[i])) * ray);
   }
   return cloud;
 }
@@ -107,31 +107,32 @@ std::vector<fs::path> names_of(const TimedFiles& timed) {
   return files;
 }
 
-FilesInChild::Decode depth_decoder(const DepthCameras& cameras, const DepthOptions& options, bool is_real) {
+FilesInChild::Decode depth_decoder(const DepthCameras& cameras, const DepthOptions& options,
+                                   const DepthNumbers& numbers) {
   const auto cast = std::make_shared<CastCamera>();
   if (!cameras.may_be_resized) cast->become(cameras.of_picture.front());
-  return [cameras, cast, options, is_real](const std::string& bytes, std::size_t number) {
+  return [cameras, cast, options, numbers](const std::string& bytes, std::size_t number) {
     const CameraIntrinsics& camera = cameras.of_picture[std::min(number, cameras.of_picture.size() - 1)];
-    return decode_depth(bytes, camera, cameras.may_be_resized, *cast, options, is_real);
+    return decode_depth(bytes, camera, cameras.may_be_resized, *cast, options, numbers);
   };
 }
 
 class DepthFolder final : public FrameSource {
  public:
   /// @param path of the camera, where the poses are one @param camera of all pictures; empty: the path's
-  /// @param is_real of the pictures' values: real numbers
   DepthFolder(const DepthLayout& layout, const CameraPath& path,
-              const std::optional<CameraIntrinsics>& camera, const SourceOptions& options, bool is_real)
-      : why_of_tum_(is_real ? "" : clearway::why_of_tum(layout, options)),
-        is_real_(is_real),
-        options_(with_scale(options, why_of_tum_, is_real)),
+              const std::optional<CameraIntrinsics>& camera, const SourceOptions& options,
+              const DepthNumbers& numbers)
+      : why_of_tum_(numbers.is_real ? "" : clearway::why_of_tum(layout, options)),
+        numbers_(numbers),
+        options_(with_scale(options, why_of_tum_, numbers.is_real)),
         is_scale_stated_(options.depth.scale.has_value()),
         timed_(times_of_files(layout.depth, options.rate)),
         poses_(options.depth.poses.empty() ? layout.poses : options.depth.poses, layout.pose_folder, "depth",
                in_order_of_names(layout.depth), options.depth.tolerance, timed_.time_caveat.empty()),
         depth_(names_of(timed_), "depth picture",
                depth_decoder(camera ? DepthCameras{{*camera}} : cameras_of(path, layout), options_.depth,
-                             is_real)),
+                             numbers)),
         unnamed_(layout.unnamed) {
     if (!options.depth.camera_file.empty())
       camera_note_ = "the depth pictures' camera is that of " +
@@ -168,10 +169,15 @@ class DepthFolder final : public FrameSource {
     if (!is_scale_stated_ && !why_of_tum_.empty())
       sentences.push_back("steps of depth are 0.0002 m, as " + why_of_tum_ +
                           "; `source: {depth: {scale: …}}` states others.");
-    else if (!is_scale_stated_ && is_real_)
+    else if (!is_scale_stated_ && numbers_.is_real)
       sentences.push_back(
           "depth is taken as metres along the optical axis, which nothing states "
           "(`source: {depth: {scale: …}}`).");
+    else if (numbers_.is_rotated)
+      sentences.push_back(
+          "depth is read as SUN3D and SUN RGB-D store it, millimetres whose bits are rotated by three: "
+          "nearly "
+          "all steps are multiples of 8; `source: {depth: {scale: …}}` takes them as they are.");
     else if (!is_scale_stated_)
       sentences.push_back(
           "steps of depth are taken as 0.001 m, which nothing states; TUM's and ICL-NUIM's are 0.0002 "
@@ -251,7 +257,7 @@ class DepthFolder final : public FrameSource {
   }
 
   std::string why_of_tum_;
-  bool is_real_;
+  DepthNumbers numbers_;
   SourceOptions options_;
   bool is_scale_stated_;
   TimedFiles timed_;
@@ -296,12 +302,12 @@ std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const Dep
                                 " and in " + quote(found.other_poses.filename().string()) +
                                 ": expected `poses` of `source: {depth: …}` in the setup to name one");
   const auto head = depth_picture_head(in_order_of_names(layout.depth).front());
-  const bool is_real = head && head->is_real;
+  DepthNumbers numbers{head && head->is_real};
   const auto depth_size = head ? std::optional(head->size) : std::nullopt;
   const auto path = path_of(
       layout.poses, {depth_size, layout.colour.empty() ? depth_size : picture_size(layout.colour.front())});
   SourceOptions whole = path ? with_path(options, *path) : options;
-  if (whole.depth.scale || is_real)
+  if (whole.depth.scale || numbers.is_real)
     whole.depth.scale_note.clear();  // nobody asks the camera's file, which speaks of steps
   else
     whole.depth.scale = whole.depth.scale_of_file;
@@ -323,10 +329,13 @@ std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const Dep
         " has rectified depth pictures, by 'rectified' of 'source: {depth: …}', and their camera has a "
         "distortion; expected `camera` of 'source: {depth: …}' to be the rectified one without it, or ROS's "
         "camera_info with a projection_matrix as its `file`, or 'rectified: false'");
-  const bool is_table_alone = !layout.tum_table.empty() && !is_of_tum(layout.poses);
-  if (!whole.depth.scale && is_real) require_metres(name, layout);
-  if (!whole.depth.scale && !is_real && is_table_alone) require_steps_of_tum(name, layout);
-  auto source = std::make_unique<DepthFolder>(layout, path.value_or(CameraPath{}), stated, whole, is_real);
+  if (!whole.depth.scale && numbers.is_real)
+    require_metres(name, layout);
+  else if (!whole.depth.scale && !layout.tum_table.empty() && !is_of_tum(layout.poses))
+    require_steps_of_tum(name, layout);
+  else if (!whole.depth.scale && !is_of_tum(layout.poses))
+    numbers.is_rotated = are_steps_rotated(layout);
+  auto source = std::make_unique<DepthFolder>(layout, path.value_or(CameraPath{}), stated, whole, numbers);
   if (!source->has_poses() && !options.places_depth)
     throw std::invalid_argument(
         name +

@@ -180,6 +180,8 @@ std::optional<DepthLayout> depth_layout(const fs::path& folder, const fs::path& 
   for (const char* kind : {".log", ".freiburg"})
     if (layout.poses.empty()) layout.poses = only_file(folder, kind);
   if (layout.poses.empty() && layout.pose_folder.empty())
+    layout.poses = only_file(folder / "extrinsics", ".txt");  // SUN3D's
+  if (layout.poses.empty() && layout.pose_folder.empty())
     layout.poses = first_there(folder, {"trajectory.json"});
   if (!path) return layout;
   layout.other_poses = layout.poses.empty() ? layout.pose_folder : layout.poses;

@@ -1,7 +1,10 @@
 #include "datasets/pictures/depth_scale.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <set>
 #include <stdexcept>
 
 #include "datasets/pictures/depth_picture.hpp"
@@ -45,6 +48,25 @@ DepthSample sample_of(const DepthLayout& layout) {
 }
 
 }  // namespace
+
+float DepthNumbers::value_of(float stored) const {
+  if (!is_rotated) return stored;
+  const auto bits = static_cast<std::uint16_t>(stored);
+  return static_cast<float>(std::rotr(bits, 3));
+}
+
+bool are_steps_rotated(const DepthLayout& layout) {
+  const DepthSample sample = sample_of(layout);
+  std::size_t of_8 = 0, of_16 = 0;
+  for (const float value : sample.values) {
+    of_8 += std::fmod(value, 8.0F) == 0.0F;
+    of_16 += std::fmod(value, 16.0F) == 0.0F;
+  }
+  constexpr std::size_t least_kinds = 16;  // a wall straight ahead says nothing
+  const std::size_t count = sample.values.size(),
+                    kinds = std::set<float>(sample.values.begin(), sample.values.end()).size();
+  return kinds >= least_kinds && 100 * of_8 >= 95 * count && 100 * of_16 <= 80 * count;
+}
 
 std::string why_of_tum(const DepthLayout& layout, const SourceOptions& options) {
   if (is_of_tum(options.depth.poses.empty() ? layout.poses : options.depth.poses))

@@ -7,6 +7,20 @@
 
 namespace clearway {
 
+/// What the stored numbers of a folder's depth pictures are.
+struct DepthNumbers {
+  bool is_real = false;  ///< else steps
+  /// The bits of steps are rotated left by three, as SUN3D and SUN RGB-D store them.
+  bool is_rotated = false;
+
+  /// The steps, or the real number, that a stored number stands for.
+  float value_of(float stored) const;
+};
+
+/// Whether nearly all steps in some pictures, spread over all, are multiples of 8, and many not of 16: what
+/// rotated bits of millimetres below 8.2 m give, and no sensor else.
+bool are_steps_rotated(const DepthLayout& layout);
+
 /// Why the pictures' steps are taken for TUM's, after "… are 0.0002 m, as"; empty: they are not. Who lists
 /// pictures as TUM does (ETH3D, ICL-NUIM, Bonn) has its steps as well.
 std::string why_of_tum(const DepthLayout& layout, const SourceOptions& options);

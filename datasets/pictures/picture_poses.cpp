@@ -118,6 +118,31 @@ NumberedPoses poses_of_log(const std::vector<Line>& lines, const std::string& na
   return numbered;
 }
 
+/// Three rows of a matrix for each picture, in their order (SUN3D's extrinsics). @throws
+/// std::invalid_argument also for four rows, as Neural RGB-D's, whose axes are not known to be ours
+NumberedPoses poses_of_rows(const std::vector<Line>& lines, const std::string& name) {
+  const auto is_last_row = [](const Line& line) {
+    return line.words.size() == 4 && std::all_of(line.words.begin(), line.words.begin() + 3,
+                                                 [](const auto& word) { return finite_number(word) == 0.0; });
+  };
+  if (lines.size() >= 4 && is_last_row(lines[3]))
+    throw std::invalid_argument(
+        name +
+        " has matrices of four rows one below the other, whose axes differ between data sets: expected "
+        "16 numbers a line, world_from_camera with x right, y down and z forward");
+  NumberedPoses numbered;
+  for (std::size_t at = 0; at < lines.size(); at += 3) {
+    std::vector<std::string> words;
+    for (std::size_t row = at; row < std::min(at + 3, lines.size()); ++row)
+      if (lines[row].words.size() == 4)
+        words.insert(words.end(), lines[row].words.begin(), lines[row].words.end());
+    const auto pose =
+        pose_at(name, lines[at], words, "expected three rows of four numbers, a rigid transform");
+    numbered.poses.emplace(numbered.poses.size(), pose);
+  }
+  return numbered;
+}
+
 std::set<std::size_t> values_of(const std::map<fs::path, std::size_t>& numbers) {
   std::set<std::size_t> values;
   for (const auto& [picture, number] : numbers) values.insert(number);
@@ -160,6 +185,7 @@ std::optional<NumberedPoses> parse_numbered_poses(const std::string& text, const
   const std::vector<Line> lines = lines_of(text);
   const std::size_t width = lines.empty() ? 0 : lines.front().words.size();
   if (width == 3) return poses_of_log(lines, name);
+  if (width == 4) return poses_of_rows(lines, name);
   if (width != 12 && width != 16) return std::nullopt;
   const char* const expected = width == 12 ? "expected 12 numbers, the three rows of a rigid transform"
                                            : "expected 16 numbers, the four rows of a rigid transform";

@@ -23,9 +23,9 @@ struct NumberedPoses {
 };
 
 /// Poses that have no times, world_from_camera, m: a line of 12 or 16 numbers for each picture, the rows of
-/// its matrix (KITTI, Replica), or of five lines, three numbers of which the first is the picture's and the
-/// four rows of a matrix (Redwood's and Open3D's `.log`). Nothing for a text whose first line is of another
-/// kind.
+/// its matrix (KITTI, Replica), or three lines of four (SUN3D), or of five lines, three numbers of which the
+/// first is the picture's and the four rows of a matrix (Redwood's and Open3D's `.log`). Nothing for a text
+/// whose first line is of another kind.
 /// @throws std::invalid_argument naming `name`, the line and what was expected.
 std::optional<NumberedPoses> parse_numbered_poses(const std::string& text, const std::string& name);
 

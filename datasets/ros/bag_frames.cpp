@@ -275,7 +275,11 @@ Eigen::Isometry3d BagFrames::pose_of(const std::string& frame, double time, doub
 std::vector<Frame> BagFrames::frames_of_cloud(const BagMessage& message) {
   const BagTopic& topic = bag_.topics()[message.topic];
   WireReader in(message.bytes, *topic.wire);
-  const RosPointCloud cloud = is_livox_cloud(topic.type) ? read_livox_cloud(in) : read_point_cloud(in);
+  RosPointCloud cloud = is_livox_cloud(topic.type) ? read_livox_cloud(in) : read_point_cloud(in);
+  if (has_other_order(cloud)) {
+    cloud.is_bigendian = !cloud.is_bigendian;
+    account_.note_other_order(topic.name);
+  }
   Frame frame{time_of(cloud.header, message.time), topic.name, points_cloud(cloud)};
   if (options_.bag.fixed_frame.empty()) return {frame};
   auto& points = std::get<CloudFrame>(frame.content);

@@ -55,6 +55,8 @@ void LeftOut::note_motion(const std::string& topic, const std::string& field, do
   motion.farthest = std::max(motion.farthest, farthest);
 }
 
+void LeftOut::note_other_order(const std::string& topic) { note(other_order_, topic, ""); }
+
 void LeftOut::note_odd_times(const std::string& topic, const std::string& what) {
   note(odd_times_, topic, what);
 }
@@ -101,6 +103,11 @@ std::vector<std::string> LeftOut::clauses(const std::vector<std::string>& frames
                               "; `point_times: false` in `source: {bag: …}` of the setup takes a cloud as "
                               "seen at its stamp, as where another program did so before"
                         : "each is placed by one pose, at its stamp"));
+  for (const auto& [topic, other] : other_order_)
+    clauses.push_back(
+        "holds " + std::to_string(other.count) + " clouds in topic " + quote(topic) +
+        " that state an order of bytes (`is_bigendian`) in which their points make no sense; the "
+        "other one was read");
   for (const auto& [topic, odd] : odd_times_)
     clauses.push_back("holds " + std::to_string(odd.count) + " clouds in topic " + quote(topic) +
                       " whose points' times make no sense in s, ms, us or ns since the stamp or 1970 (of the "

@@ -28,6 +28,8 @@ class LeftOut {
   void note_unseen(const std::string& topic, const std::string& frame);
   /// A cloud during which the sensor moved. @param field of its points' times @param farthest m, of a point
   void note_motion(const std::string& topic, const std::string& field, double farthest);
+  /// A cloud whose bytes have the other order than it states.
+  void note_other_order(const std::string& topic);
   /// A cloud whose points' times make no sense. @param what a clause of them
   void note_odd_times(const std::string& topic, const std::string& what);
 
@@ -55,7 +57,7 @@ class LeftOut {
   static void note(std::map<std::string, Missing>& kind, const std::string& topic, const std::string& first);
 
   // Of the topic.
-  std::map<std::string, Missing> unusable_, cut_, jumped_, odd_times_, unseen_;
+  std::map<std::string, Missing> unusable_, cut_, jumped_, odd_times_, unseen_, other_order_;
   std::map<std::string, Stamps> stamps_;
   std::map<std::string, Motion> moved_;
 };

@@ -269,6 +269,27 @@ std::optional<PointTimes> point_times(const RosPointCloud& cloud) {
   return out;
 }
 
+bool has_other_order(RosPointCloud cloud) {
+  constexpr std::size_t most = 1000;
+  const std::size_t count = std::size_t{cloud.height} * cloud.width,
+                    stride = std::max<std::size_t>(count / most, 1);
+  const auto sound_ones = [&](bool is_bigendian) {
+    cloud.is_bigendian = is_bigendian;
+    const PlaceReader places(cloud);
+    std::size_t at = 0, sound = 0;
+    for_each_point(cloud, [&](std::size_t begin) {
+      if (at++ % stride != 0) return;
+      for (const float number : places.at(begin)) {
+        const float size = std::abs(number);
+        sound += size == 0.0F || (size >= 1e-4F && size <= 1e4F);
+      }
+    });
+    return sound;
+  };
+  const bool stated = cloud.is_bigendian;
+  return 2 * sound_ones(stated) < sound_ones(!stated);
+}
+
 CloudFrame points_cloud(const RosPointCloud& cloud) {
   const PlaceReader places(cloud);
   CloudFrame out;

@@ -26,6 +26,11 @@ CloudFrame depth_cloud(const RosImage& image, const CameraIntrinsics& camera,
 /// The pose of the axes x forward, y left, z up in the optical ones: z forward, x right, y down.
 Eigen::Isometry3d optical_from_sensor();
 
+/// Whether the coordinates of a cloud make sense in the other order of bytes than the one it states, and not
+/// in that: some drivers say `is_bigendian` of what is not, which PCL and RViz do not read.
+/// @throws std::runtime_error a clause, as points_cloud
+bool has_other_order(RosPointCloud cloud);
+
 /// Its finite points but those at the origin, which drivers put where nothing came back.
 CloudFrame points_cloud(const RosPointCloud& cloud);
 /// When the points of points_cloud were measured, by a field of each point's time: t, time, timestamp,

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "tests/datasets/complaint.hpp"
 #include "tests/datasets/pictures/depth_folders.hpp"
 
@@ -58,6 +60,40 @@ TEST_F(DepthScales, WhatTumsTablesSayOfTheStepsIsAskedForWhereAllWouldBeNear) {
     folder_.write("depth/" + std::to_string(i) + ".0.png", depth_png(i % 5 == 0 ? 20000 : 4000));
   folder_.write("depth/10.0.png", "no picture");
   EXPECT_EQ(complaint([&] { open(silent); }), "");
+}
+
+/// A ramp of `least` to beyond `most` steps.
+std::string ramp_png(int least, int most, const std::function<int(int)>& stored) {
+  cv::Mat_<std::uint16_t> depth(36, 48);
+  for (int i = 0; i < 36 * 48; ++i)
+    depth(i / 48, i % 48) = static_cast<std::uint16_t>(stored(least + (most - least) * i / (36 * 48)));
+  return picture_bytes(depth, ".png");
+}
+
+/// SUN3D: bitor(bitshift(depth, 3), bitshift(depth, -13)) of 16 bits.
+TEST_F(DepthScales, BitsThatSun3dRotatesAreRotatedBackUnlessAScaleIsStated) {
+  make("depth");
+  folder_.write("groundtruth.txt", "9.99 0 0 0 0 0 0 1\n10.01 0 0 0 0 0 0 1\n");
+  const auto rotated = [](int d) { return (d << 3 | d >> 13) & 0xffff; };
+  const auto last_depth = [&](const std::string& picture, std::optional<double> scale, const char* told) {
+    folder_.write("depth/10.00.png", picture);
+    SourceOptions stated = options();
+    stated.depth.scale = scale;
+    const auto source = open(stated);
+    const auto frame = source->next();
+    const std::vector<std::string> warnings = source->warnings();
+    EXPECT_EQ(warnings.size(), *told == '\0' ? 0U : 1U);
+    for (const std::string& warning : warnings) EXPECT_NE(warning.find(told), std::string::npos) << warning;
+    return std::get<CloudFrame>(frame.value().content).points.back().x();
+  };
+  EXPECT_NEAR(last_depth(ramp_png(500, 3001, rotated), {}, "bits are rotated"), 3.0, 0.002);
+  EXPECT_NEAR(last_depth(ramp_png(1000, 8301, rotated), {}, "bits are rotated"), 8.3, 0.006);
+  EXPECT_NEAR(last_depth(ramp_png(500, 3001, rotated), 0.000125, ""), 3.0, 0.002);
+  // millimetres as they are, of a sensor of 10 bits, and a wall straight ahead
+  const auto plain = [](int d) { return d; };
+  EXPECT_NEAR(last_depth(ramp_png(500, 3001, plain), {}, "taken as 0.001 m"), 3.0, 0.002);
+  EXPECT_NEAR(last_depth(ramp_png(8, 188, [](int d) { return d << 6; }), {}, "taken as 0.001 m"), 12.0, 0.1);
+  EXPECT_NEAR(last_depth(ramp_png(1000, 1000, plain), {}, "taken as 0.001 m"), 1.0, 1e-6);
 }
 
 /// As nerfstudio, Record3D and learned depth are kept.

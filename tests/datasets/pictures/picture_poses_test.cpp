@@ -71,17 +71,18 @@ class PosesOfPictures : public testing::Test {
 };
 
 TEST_F(PosesOfPictures, AreTheSameInEachForm) {
-  std::string timed = "# time x y z qx qy qz qw\n", kitti, replica, log, from_one;
+  std::string timed = "# time x y z qx qy qz qw\n", kitti, replica, sun3d, log, from_one;
   for (int i = 0; i < 12; ++i) {
     const Eigen::Isometry3d& pose = truth_[static_cast<std::size_t>(i)];
     timed += tum(i, pose);
     kitti += rows(pose, 3, " ");
+    sun3d += rows(pose, 3, "\n");
     replica += rows(pose, 4, " ");
     const std::string number = std::to_string(i), next = std::to_string(i + 1);
     log += number + "\t" + number + " " + next + "\r\n" + rows(pose, 4, "\n") + "\n";
     from_one += next + " " + next + " " + next + "\n" + rows(pose, 4, "\n");
   }
-  for (const std::string& text : {timed, kitti, replica, log, from_one}) expect_those(open(text));
+  for (const std::string& text : {timed, kitti, replica, sun3d, log, from_one}) expect_those(open(text));
   EXPECT_EQ(open(timed).span(), (std::pair<double, double>(0, 11)));
   EXPECT_FALSE(open(kitti).span());
 }
@@ -228,7 +229,10 @@ TEST_F(PosesOfPictures, ThatAreForOthersAreRefused) {
         {"-1 0 1\n" + matrix, "line 1: expected three whole numbers"},
         {"0 0 1\n" + matrix + "0 0 1\n" + matrix, "line 6: picture 0 has a second pose"},
         {"# nothing\n", "expected at least one pose"},
-        {"1 2 3 4\n", "line 1: expected 'time x y z qx qy qz qw'"}}) {
+        {"1 2 3 4\n", "line 1: expected three rows"},
+        {rows(truth_[0], 3, "\n") + "1 2 3 4\n", "line 4: expected three rows"},
+        {matrix + matrix, "matrices of four rows one below the other"},
+        {"1 2 3 4 5\n", "line 1: expected 'time x y z qx qy qz qw'"}}) {
     const std::string sentence = complaint([&, text = text] { open(text); });
     EXPECT_NE(sentence.find("poses '"), std::string::npos) << sentence;
     EXPECT_NE(sentence.find(expected), std::string::npos) << sentence;

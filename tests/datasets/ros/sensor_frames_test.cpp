@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <opencv2/calib3d.hpp>
+#include <random>
 
 #include "datasets/ros/ros_camera.hpp"
 #include "datasets/sources/lens.hpp"
@@ -81,6 +84,43 @@ PointTimes times_of(const std::string& field, std::uint8_t kind, double from, do
   cloud.data = data;
   EXPECT_EQ(points_cloud(cloud).points.size(), 2U);
   return point_times(cloud).value();
+}
+
+/// `at` the coordinates of a cloud, in the order of bytes that is said, or in the other one.
+bool is_other_order(const std::vector<Eigen::Vector3f>& at, bool is_big, bool says_big) {
+  std::vector<std::uint8_t> data(12 * at.size());
+  for (std::size_t i = 0; i < at.size(); ++i)
+    for (int axis = 0; axis < 3; ++axis) {
+      std::uint8_t* number = &data[12 * i + 4 * static_cast<std::size_t>(axis)];
+      std::memcpy(number, &at[i][axis], 4);
+      if (is_big) std::reverse(number, number + 4);
+    }
+  RosPointCloud cloud;
+  cloud.fields = {{"x", 0, 1, 7}, {"y", 4, 1, 7}, {"z", 8, 1, 7}};
+  cloud.width = static_cast<std::uint32_t>(at.size());
+  cloud.height = 1;
+  cloud.point_step = 12;
+  cloud.row_step = 12 * cloud.width;
+  cloud.is_bigendian = says_big;
+  cloud.data = data;
+  return has_other_order(cloud);
+}
+
+TEST(SensorFrames, AnOrderOfBytesInWhichPointsMakeNoSenseIsNoticed) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> near(-4.0F, 4.0F);
+  std::vector<Eigen::Vector3f> room, sparse(5000, Eigen::Vector3f::Constant(NAN)),
+      zeros(10, Eigen::Vector3f(0, 0, 0));
+  for (int i = 0; i < 5000; ++i) room.emplace_back(near(random), near(random), near(random));
+  for (std::size_t i = 0; i < sparse.size(); i += 10) sparse[i] = room[i];
+  for (const bool is_big : {false, true})
+    for (const bool says_big : {false, true}) {
+      EXPECT_EQ(is_other_order(room, is_big, says_big), is_big != says_big);
+      EXPECT_EQ(is_other_order(sparse, is_big, says_big), is_big != says_big);
+      EXPECT_FALSE(is_other_order(zeros, is_big, says_big));
+      EXPECT_FALSE(is_other_order({}, is_big, says_big));
+      EXPECT_FALSE(is_other_order({5, Eigen::Vector3f::Constant(NAN)}, is_big, says_big));
+    }
 }
 
 /// A packet of a sweep spans less than a sweep does: 0.37 ms would be 0.37 s of microseconds.
