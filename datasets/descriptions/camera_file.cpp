@@ -67,6 +67,13 @@ CameraIntrinsics only_camera(const YamlFields& fields, CameraIntrinsics camera, 
   return camera;
 }
 
+/// Refuses a name for a file of one camera that is not called so.
+void require_name(const YamlFields& file, const std::string& wanted) {
+  if (wanted.empty() || (file.has("camera_name") && file.text("camera_name") == wanted)) return;
+  file.fail("", "it has one camera, which is not called " + quote(wanted) +
+                    ": expected no `name` beside `file`, or another file");
+}
+
 /// One camera of kalibr's camchain, or EuRoC's sensor.yaml.
 CameraIntrinsics read_chain_camera(const YamlFields& fields, bool is_rectified) {
   if (const std::string model = fields.text("camera_model", "pinhole"); model != "pinhole")
@@ -84,9 +91,13 @@ CameraIntrinsics read_chain_camera(const YamlFields& fields, bool is_rectified) 
   return only_camera(fields, camera, is_rectified);
 }
 
+bool is_of_camchain(const YamlFields& file, const std::string& key) {
+  return key.starts_with("cam") && file.is_map(key);
+}
+
 CameraIntrinsics read_camchain(const YamlFields& file, const std::string& wanted, bool is_rectified) {
   std::vector<std::string> cameras = file.keys();
-  std::erase_if(cameras, [](const std::string& key) { return !key.starts_with("cam"); });
+  std::erase_if(cameras, [&](const std::string& key) { return !is_of_camchain(file, key); });
   const std::string name = wanted.empty() && cameras.size() == 1 ? cameras.front() : wanted;
   if (std::find(cameras.begin(), cameras.end(), name) == cameras.end())
     file.fail("", (wanted.empty() ? "" : "it has no camera " + quote(wanted) + "; ") + "it has " +
@@ -103,13 +114,14 @@ CameraIntrinsics read_rectified(const YamlFields& file, const CameraIntrinsics& 
   info.distortion_model = lens_name(raw.lens);
   info.d.assign(raw.distortion.begin(), raw.distortion.end());
   info.k = {raw.fx, 0, raw.cx, 0, raw.fy, raw.cy, 0, 0, 1};
-  const auto take = [&file](const std::string& key, auto& matrix) {
-    if (!file.has(key)) return;
+  const auto take = [&file](const std::string& ros, const std::string& opencv, auto& matrix) {
+    const std::string key = file.has(ros) ? ros : opencv;
+    if (!file.is_map(key)) return;
     const std::vector<double> values = file.map(key).numbers("data", within_reach, matrix.size());
     std::copy(values.begin(), values.end(), matrix.begin());
   };
-  take("rectification_matrix", info.r);
-  take("projection_matrix", info.p);
+  take("rectification_matrix", "R", info.r);
+  take("projection_matrix", "P", info.p);
   try {
     return rectified_camera(info).intrinsics;
   } catch (const std::runtime_error& error) {
@@ -217,6 +229,7 @@ constexpr const char* coefficient_keys[] = {"distortion_coefficients",
                                             "distortion_coeffs",
                                             "Distortion_Coefficients",
                                             "DistortionCoefficients",
+                                            "DistCoeffs",
                                             "distortionCoefficients",
                                             "distortion",
                                             "dist",
@@ -236,13 +249,14 @@ MatrixKey matrix_key(const YamlFields& file, const std::string& wanted) {
   std::string names;
   for (const MatrixKey& key : matrix_keys) {
     if (!file.has(key.matrix)) continue;
-    if (wanted == key.matrix) return key;
     found.push_back(key);
+    if (wanted == key.matrix) return key;
     names += (names.empty() ? "" : ", ") + std::string(key.matrix);
   }
   if (found.size() > 1)
     file.fail("", "it has several cameras, " + names +
                       ": expected `camera: {file: …, name: …}` to name one of them");
+  require_name(file, wanted);
   return found.empty() ? matrix_keys[0] : found.front();
 }
 
@@ -270,7 +284,8 @@ ImageSize read_size(const YamlFields& file, std::optional<ImageSize> given) {
   }
   for (const char* name : {"image_size", "imageSize", "img_size"}) {
     if (!file.has(name)) continue;
-    const std::vector<double> size = file.numbers(name, sides, 2);
+    const std::vector<double> size =
+        file.is_map(name) ? file.map(name).numbers("data", sides, 2) : file.numbers(name, sides, 2);
     return {static_cast<int>(size[0]), static_cast<int>(size[1])};
   }
   if (!given)
@@ -413,16 +428,22 @@ CameraIntrinsics read_camodocal(const YamlFields& file, std::optional<ImageSize>
   return only_camera(file, camera, is_rectified);
 }
 
-/// How the names of an ORB-SLAM's camera begin; empty: it is none of its settings.
-std::string orb_slam_prefix(const YamlFields& fields) {
-  for (const char* prefix : {"Camera1.", "Camera."})
-    if (fields.has(std::string(prefix) + "fx")) return prefix;
-  return "";
+/// How the names of an ORB-SLAM's cameras begin; none: it is none of its settings.
+std::vector<std::string> orb_slam_prefixes(const YamlFields& fields) {
+  std::vector<std::string> found;
+  for (const char* prefix : {"Camera1.", "Camera.", "Camera2."})
+    if (fields.has(std::string(prefix) + "fx")) found.emplace_back(prefix);
+  return found;
 }
 
-/// ORB-SLAM's settings, of the one or the left camera.
-CameraIntrinsics read_orb_slam(const YamlFields& fields, const std::string& prefix,
+/// ORB-SLAM's settings, of the camera that is wanted; else of the one or the left one.
+CameraIntrinsics read_orb_slam(const YamlFields& fields, const std::string& wanted,
                                std::optional<ImageSize> given, bool is_rectified) {
+  const std::vector<std::string> prefixes = orb_slam_prefixes(fields);
+  const std::string prefix = wanted.empty() ? prefixes.front() : wanted + ".";
+  if (std::find(prefixes.begin(), prefixes.end(), prefix) == prefixes.end())
+    fields.fail("", "it has no camera " + quote(wanted) +
+                        ", expected `name` beside `file` to be as its keys " + "begin, such as Camera1");
   constexpr Bounds sides{32, 20000};
   const auto of_camera = [&](const char* name, double otherwise) {
     return fields.number(prefix + name, within_reach, otherwise);
@@ -485,7 +506,7 @@ std::optional<YamlFields> json_camera(const YamlFields& file, const std::string&
 /// A message as it is printed says more of its K than OpenCV's users do.
 bool is_echo(const YamlFields& file) {
   if (file.has("k")) return true;
-  return file.has("K") && (file.has("P") || file.has("R") || file.has("header"));
+  return file.is_list("K") && (file.has("P") || file.has("R") || file.has("header"));
 }
 
 bool has_any_matrix(const YamlFields& file) {
@@ -496,25 +517,31 @@ bool has_any_matrix(const YamlFields& file) {
 /// Whether it is a file of json_camera's kinds, and of no other that is looked for before.
 bool is_json_camera(const YamlFields& file) {
   return !is_echo(file) && !file.is_list("intrinsics") && !file.is_map("projection_parameters") &&
-         !file.has("image_width") && !has_any_matrix(file) && orb_slam_prefix(file).empty();
+         !file.has("image_width") && !has_any_matrix(file) && orb_slam_prefixes(file).empty();
 }
 
 CameraIntrinsics read_any(const YamlFields& file, const std::string& camera, BesideFile& beside) {
   const bool is_rectified = beside.is_rectified;
+  const bool is_chain_camera = file.is_list("intrinsics") && file.is_list("resolution");
+  if (is_echo(file) || is_chain_camera || file.is_map("projection_parameters")) require_name(file, camera);
   if (is_echo(file)) return read_echo(file, is_rectified);
-  if (file.is_list("intrinsics") && file.is_list("resolution")) return read_chain_camera(file, is_rectified);
+  if (is_chain_camera) return read_chain_camera(file, is_rectified);
   if (file.is_map("projection_parameters")) return read_camodocal(file, beside.size, is_rectified);
   if (file.has("image_width") || has_any_matrix(file)) return read_camera_info(file, camera, beside);
-  if (const std::string prefix = orb_slam_prefix(file); !prefix.empty())
-    return read_orb_slam(file, prefix, beside.size, is_rectified);
+  if (!orb_slam_prefixes(file).empty()) return read_orb_slam(file, camera, beside.size, is_rectified);
   if (const auto fields = json_camera(file, camera)) {
     if (is_realsense(*fields)) return read_realsense(*fields, beside.size, is_rectified);
     return is_open3d(*fields) ? read_open3d(*fields, beside.size, is_rectified)
                               : read_plain(*fields, beside.size, is_rectified);
   }
   const std::vector<std::string> keys = file.keys();
-  if (std::any_of(keys.begin(), keys.end(), [](const std::string& key) { return key.starts_with("cam"); }))
+  if (std::any_of(keys.begin(), keys.end(),
+                  [&](const std::string& key) { return is_of_camchain(file, key); }))
     return read_camchain(file, camera, is_rectified);
+  if (file.has("fl_x") || file.has("frames"))
+    file.fail("",
+              "it is nerfstudio's transforms.json, whose cameras are those of its own pictures: expected "
+              "numbers in the setup, or another program's file of the camera");
   file.fail("",
             "expected kalibr's camchain (`cam0`), ROS's camera_info or OpenCV's calibration (`image_width`, "
             "`camera_matrix`), a CameraInfo as `ros2 topic echo` prints it (`width`, `k`), librealsense's "
@@ -579,6 +606,8 @@ CameraIntrinsics parse_camera_file(const std::string& text, const std::string& n
     return read;
   }
   if (is_numbers_alone(text)) {
+    if (!camera.empty())
+      throw std::invalid_argument(called + " has a matrix alone: expected no `name` beside `file`.");
     CameraIntrinsics pinhole = camera_of_matrix_text(text, called, size);
     pinhole.is_rectified = is_rectified;
     if (lens.value_or(LensModel::plumb_bob) == LensModel::fisheye)

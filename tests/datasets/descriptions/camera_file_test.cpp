@@ -226,5 +226,65 @@ TEST(CameraFile, OrbSlamsSettingsAreRead) {
   }
 }
 
+TEST(CameraFile, ANameIsThatOfACameraInTheFileOrRefused) {
+  const auto orb = [](const std::string& prefix, const std::string& fx) {
+    return prefix + "fx: " + fx + "\n" + prefix + "fy: 516.5\n" + prefix + "cx: 318.6\n" + prefix +
+           "cy: 255.3\n";
+  };
+  const std::string stereo =
+      orb("Camera1.", "600") + orb("Camera2.", "500") + "Camera.width: 640\nCamera.height: 480\n";
+  EXPECT_EQ(parse_camera_file(stereo, "f", "").fx, 600.0);
+  EXPECT_EQ(parse_camera_file(stereo, "f", "Camera1").fx, 600.0);
+  EXPECT_EQ(parse_camera_file(stereo, "f", "Camera2").fx, 500.0);
+  EXPECT_NE(complaint([&] { parse_camera_file(stereo, "f", "Camera3"); }).find("no camera 'Camera3'"),
+            std::string::npos);
+  const std::string matrix = "{rows: 3, cols: 3, dt: d, data: [600, 0, 320, 0, 602, 240, 0, 0, 1]}\n";
+  const std::string left = "image_width: 640\nimage_height: 480\nM1: " + matrix + "D1: [0.1, 0, 0, 0]\n";
+  EXPECT_EQ(parse_camera_file(left, "f", "M1").fx, 600.0);
+  EXPECT_NE(
+      complaint([&] { parse_camera_file(left, "f", "M2"); }).find("one camera, which is not called 'M2'"),
+      std::string::npos);
+  const std::string ros =
+      "image_width: 640\nimage_height: 480\ncamera_name: narrow\ncamera_matrix: " + matrix;
+  EXPECT_EQ(parse_camera_file(ros, "f", "narrow").fx, 600.0);
+  EXPECT_NE(complaint([&] { parse_camera_file(ros, "f", "wide"); }).find("not called 'wide'"),
+            std::string::npos);
+  EXPECT_NE(complaint([&] {
+              parse_camera_file("600 0 320\n0 602 240\n0 0 1\n", "f", "wide", false, ImageSize{640, 480});
+            }).find("a matrix alone"),
+            std::string::npos);
+}
+
+/// As cv::FileStorage writes what cv::stereoRectify gave, and sizes as matrices.
+TEST(CameraFile, MatricesOfOpencvBesideRAndPAreNoMessageOfRos) {
+  const auto matrix = [](const char* size, const char* data) {
+    return std::string(": !!opencv-matrix\n   ") + size + "\n   dt: d\n   data: [ " + data + " ]\n";
+  };
+  const std::string text = "%YAML:1.0\n---\nK" +
+                           matrix("rows: 3\n   cols: 3", "600, 0, 320, 0, 602, 240, 0, 0, 1") + "D" +
+                           matrix("rows: 1\n   cols: 4", "0.1, 0, 0, 0") + "R" +
+                           matrix("rows: 3\n   cols: 3", "1, 0, 0, 0, 1, 0, 0, 0, 1") + "P" +
+                           matrix("rows: 3\n   cols: 4", "560, 0, 322, 0, 0, 570, 236, 0, 0, 0, 1, 0") +
+                           "image_size" + matrix("rows: 1\n   cols: 2", "640, 480");
+  const CameraIntrinsics raw = parse_camera_file(text, "f", "");
+  EXPECT_EQ(raw.fx, 600.0);
+  EXPECT_EQ(raw.distortion[0], 0.1);
+  EXPECT_EQ(raw.width, 640);
+  const CameraIntrinsics rectified = parse_camera_file(text, "f", "", true);
+  EXPECT_EQ(rectified.fx, 560.0);
+  EXPECT_EQ(rectified.cy, 236.0);
+  EXPECT_EQ(rectified.distortion[0], 0.0);
+}
+
+TEST(CameraFile, WhatBelongsToNerfstudiosPicturesIsRefusedInASentence) {
+  EXPECT_NE(
+      complaint([] {
+        parse_camera_file(
+            R"({"camera_model": "OPENCV", "fl_x": 600, "fl_y": 600, "cx": 320, "cy": 240, "w": 640, "h": 480, "frames": []})",
+            "f", "");
+      }).find("nerfstudio's transforms.json"),
+      std::string::npos);
+}
+
 }  // namespace camera_file_test
 }  // namespace clearway
