@@ -112,6 +112,7 @@ std::string unpainted_reason(const Fusion& fusion) {
   const VoxelCounts voxels = fusion.map.snapshot().counts();
   if (voxels.painted + voxels.conflict > 0) return "";
   const double radius = 1000.0 * counts.painted_radius, holds_one_anywhere = radius / std::sqrt(3.0);
+  if (1000.0 * fusion.map.options().resolution <= holds_one_anywhere) return "";  // strokes were undone
   const double unit = std::pow(10.0, std::floor(std::log10(holds_one_anywhere)) - 1.0);
   return "none of the " + grouped(counts.spheres) + " balls, of mean radius " + significant(radius, 3) +
          " mm, holds a whole voxel of " + significant(1000.0 * fusion.map.options().resolution, 3) +

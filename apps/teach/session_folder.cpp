@@ -1,5 +1,6 @@
 #include "apps/teach/session_folder.hpp"
 
+#include <map>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -41,6 +42,19 @@ void take_source(const fs::path& from, const fs::path& to) {
     else  // a link to nothing, a pipe: damage of the source, which is to be reported again
       fs::create_symlink(fs::absolute(entry.path()), place);
   }
+}
+
+/// Of a file's bytes; of a folder, of the names and digests of all files below it, in the order of the names.
+std::string digest_of(const fs::path& source) {
+  if (!fs::is_directory(source)) return fs::is_regular_file(source) ? map_sha256(source) : "";
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(source))
+    if (!entry.is_directory())
+      files[entry.path().lexically_relative(source).generic_string()] =
+          entry.is_regular_file() ? map_sha256(entry.path()) : "none";
+  std::string text;
+  for (const auto& [name, digest] : files) text += digest + "  " + name + '\n';
+  return sha256(text);
 }
 
 /// The end of a path or question, which says what kind of file it is, in letters that any disk takes.
@@ -104,7 +118,7 @@ void save_session(const RecordedSession& session, const std::map<std::string, st
   const Json json{
       {"format", format},
       {"source", source.string()},
-      {"sha256", fs::is_regular_file(kept) ? map_sha256(kept) : ""},
+      {"sha256", digest_of(kept)},
       {"setup_file", plain(session.setup_file.empty() ? "" : fs::absolute(session.setup_file).string())},
       {"folder", plain((session.folder.empty() ? fs::current_path() : session.folder).string())},
       {"resolution", session.resolution},
@@ -134,7 +148,7 @@ RecordedSession load_session(const fs::path& folder) {
   const fs::path source = inner_path(field.at("source"));
   session.source = folder / source;
   const std::string digest = field.at("sha256").text();
-  if (!digest.empty() && map_sha256(session.source) != digest)
+  if (!digest.empty() && digest_of(session.source) != digest)
     throw std::invalid_argument("session " + quote_path(folder.string()) + ": its recording " +
                                 quote_path(source.string()) + " is not the one that it was made from");
   session.setup_file = field.at("setup_file").text();

@@ -67,6 +67,16 @@ TEST_F(Emptiness, BallsTooSmallToHoldAVoxelAreReportedWithTheResolutionThatTheyT
   EXPECT_EQ(refusal("r.rawlog", small_setup + "map: {resolution: 0.001}\n"), "");
 }
 
+/// What was painted and erased, or undone, was not too small.
+TEST(UnpaintedReason, IsGivenOnlyOfBallsThatAreTooSmallForTheVoxels) {
+  Fusion fusion{{}, "none", FreeSpaceMap({.resolution = 0.01}), {}, {}, {}, {}, {}};
+  fusion.counts.spheres = 10;
+  fusion.counts.painted_radius = 0.0172;  // sqrt(3) voxels are 17.3 mm
+  EXPECT_NE(unpainted_reason(fusion).find("at most 9.9 mm"), std::string::npos) << unpainted_reason(fusion);
+  fusion.counts.painted_radius = 0.0174;
+  EXPECT_EQ(unpainted_reason(fusion), "");
+}
+
 TEST_F(Emptiness, ImagesOfABagThatCannotBeUsedAreReportedWithTheReason) {
   worlds::CameraBag bag(folder_ / "r.mcap");
   bag.image("/image", 5, "lens", "nv21", 48, std::vector<std::uint8_t>(48 * 36));

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "mapping/files/cloud_file.hpp"
+#include "tests/datasets/complaint.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
@@ -22,6 +23,31 @@ TEST(SessionFolder, AScanThatIsALinkToNothingIsDamageInTheSessionToo) {
   EXPECT_EQ(scans, 1);
   ASSERT_TRUE(kept->damage());
   EXPECT_NE(kept->damage()->find("2.pcd' cannot be read: No such file"), std::string::npos);
+}
+
+/// Of a recording that is one file this is so, too.
+TEST(SessionFolder, AFolderOfWhichAFileIsGoneOrAnotherOrMoreIsNotTheOneItWasMadeFrom) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "scans/more");
+  for (const char* name : {"scans/1.pcd", "scans/more/2.pcd"})
+    folder.write(name, format_pcd({{1.0F, 0.0F, 0.0F}}));
+  RecordedSession session;
+  session.source = folder / "scans";
+  save_session(session, {}, folder / "session");
+  const auto load = [&] { return complaint([&] { load_session(folder / "session"); }); };
+  EXPECT_EQ(load(), "");
+  const std::filesystem::path kept = folder / "session/source/scans";
+  std::filesystem::rename(kept / "1.pcd", kept / "3.pcd");
+  EXPECT_NE(load().find("its recording 'source/scans' is not the one that it was made from"),
+            std::string::npos);
+  std::filesystem::rename(kept / "3.pcd", kept / "1.pcd");
+  EXPECT_EQ(load(), "");
+  folder.write("session/source/scans/4.pcd", "");
+  EXPECT_NE(load(), "");
+  std::filesystem::remove(kept / "4.pcd");
+  std::filesystem::remove(kept / "more/2.pcd");
+  folder.write("session/source/scans/more/2.pcd", format_pcd({{2.0F, 0.0F, 0.0F}}));
+  EXPECT_NE(load(), "");
 }
 
 /// A question may end in a slash, names may be long, of dots alone, or no UTF-8.
