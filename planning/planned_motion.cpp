@@ -9,6 +9,7 @@
 
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/thread_time.hpp"
+#include "planning/files/joint_order.hpp"
 #include "planning/leg_motions.hpp"
 #include "planning/robot_files/torque_terms.hpp"
 
@@ -254,6 +255,7 @@ class LoadedMotion {
 
 PlannedMotion plan_motion(const ConfigurationSpace& space, const Plan& plan,
                           const SmoothMotionOptions& options, double grip_time) {
+  require_joint_order(space.robot(), plan);
   if (!plan.is_proved())
     throw std::invalid_argument("motion: the plan is not proved, expected one that is solved and valid");
   if (!(grip_time >= 0.0 && grip_time <= most_grip_time))
@@ -279,6 +281,7 @@ void give_motion(const ConfigurationSpace& space, Plan& plan, const SmoothMotion
 }
 
 MotionJudgement judge_motion(const MotionTerms& terms, const Plan& plan) {
+  require_joint_order(terms.robot, plan);
   const std::vector<LegLoad> loads = riding_on(plan);
   const MotionToCheck motion = motion_to_check(plan, terms.robot);
   MotionJudgement judged;
@@ -308,6 +311,7 @@ Trajectory trajectory_of(const Motion& motion) {
 }
 
 Trajectory trajectory_of(const Robot& robot, const Plan& plan, double grip_time) {
+  require_joint_order(robot, plan);
   if (plan.motion) return with_events(plan);
   return plan.loads.empty() && !plan.pick ? time_parameterize(robot, plan.waypoints())
                                           : timed_legs(robot, plan, grip_time);

@@ -245,26 +245,4 @@ void adopt_terms(Contract& contract, Plan& plan, bool is_timed) {
       "controller goes between them is not known");
 }
 
-Plan in_order_of(const Robot& robot, Plan plan) {
-  const std::vector<std::string> own = joint_names(robot);
-  if (own == plan.joints ||
-      !std::is_permutation(own.begin(), own.end(), plan.joints.begin(), plan.joints.end()))
-    return plan;
-  std::vector<Eigen::Index> places;
-  for (const std::string& name : own)
-    places.push_back(std::find(plan.joints.begin(), plan.joints.end(), name) - plan.joints.begin());
-  const auto reorder = [&](std::vector<Configuration>& list) {
-    for (Configuration& q : list) q = Configuration(q(places));
-  };
-  if (plan.start.size() > 0) plan.start = Configuration(plan.start(places));
-  reorder(plan.goals);
-  for (PlanResult& leg : plan.legs) reorder(leg.waypoints);
-  if (plan.motion)
-    for (auto* list : {&plan.motion->motion.positions, &plan.motion->motion.velocities,
-                       &plan.motion->motion.accelerations})
-      reorder(*list);
-  plan.joints = own;
-  return plan;
-}
-
 }  // namespace clearway

@@ -32,7 +32,4 @@ Plan plan_of_trajectory(const ForeignTrajectory& trajectory, const Robot& robot,
 /// @param is_timed whether timed_trajectory() is judged
 void adopt_terms(Contract& contract, Plan& plan, bool is_timed);
 
-/// The plan in the order of the robot's joints, when it has the same in another order.
-Plan in_order_of(const Robot& robot, Plan plan);
-
 }  // namespace clearway

@@ -17,6 +17,7 @@
 #include "mapping/maps/map_damage.hpp"
 #include "mapping/maps/map_integration.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "planning/files/joint_order.hpp"
 #include "planning/files/plan_file.hpp"
 #include "planning/planned_motion.hpp"
 #include "planning/robot_files/load_robot.hpp"

@@ -6,6 +6,7 @@
 #include "apps/python/records.hpp"
 #include "planning/check/check_legs.hpp"
 #include "planning/check/check_pick.hpp"
+#include "planning/files/joint_order.hpp"
 #include "planning/files/plan_file.hpp"
 #include "planning/planned_motion.hpp"
 #include "planning/problem/pick.hpp"
@@ -64,11 +65,13 @@ std::map<std::string, Policy> policies_with(const ConfigurationSpace& space,
 }
 
 /// The plan's path, and its motion, under the space's terms, with what is stated to ride on the robot.
-PathVerdict check_plan(const NamedSpace& space, const Plan& plan,
+PathVerdict check_plan(const NamedSpace& space, const Plan& given,
                        const std::optional<std::vector<LegLoad>>& stated, const std::optional<Pick>& pick,
                        const py::dict& load_policies) {
   const std::map<std::string, Policy> of_loads = policies_of_loads(load_policies);
   const Robot& robot = space->robot();
+  const Plan plan = in_order_of(robot, given);
+  require_joint_order(robot, plan);
   if (plan.waypoints().empty())
     throw std::invalid_argument("plan: expected one with a path, its status is " +
                                 std::string(to_string(plan.status())));

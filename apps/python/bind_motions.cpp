@@ -6,6 +6,7 @@
 
 #include "apps/python/bindings.hpp"
 #include "apps/python/records.hpp"
+#include "planning/files/joint_order.hpp"
 #include "planning/files/trajectory_file.hpp"
 #include "planning/gate/gate.hpp"
 #include "planning/path/trajectory.hpp"
@@ -172,7 +173,8 @@ void bind_making(py::module_& module) {
         options.period = period;
         options.straighten = straighten;
         options.reach = reach;
-        return without_lock([&] { return plan_motion(*space, plan, options, grip_time); });
+        return without_lock(
+            [&] { return plan_motion(*space, in_order_of(space->robot(), plan), options, grip_time); });
       },
       py::arg("space"), py::arg("plan"), py::kw_only(), py::arg("speed") = usual.speed,
       py::arg("acceleration") = usual.acceleration, py::arg("jerk") = usual.jerk,

@@ -8,6 +8,7 @@
 
 #include "mapping/system/number_text.hpp"
 #include "planning/files/csv_field.hpp"
+#include "planning/files/joint_order.hpp"
 #include "planning/files/json_field.hpp"
 #include "planning/files/load_json.hpp"
 #include "planning/path/path_pieces.hpp"
@@ -203,6 +204,7 @@ std::vector<WaypointOrigin> Plan::origins() const {
 }
 
 std::vector<LegsToCheck> legs_of(const Plan& plan, const Robot& robot, const Snapshot& map) {
+  require_joint_order(robot, plan);
   const auto names = [&](int leg) {
     std::vector<std::string> riding;
     for (const LegLoad& load : plan.loads)
@@ -224,6 +226,7 @@ std::vector<LegsToCheck> legs_of(const Plan& plan, const Robot& robot, const Sna
 }
 
 PickToCheck pick_of(const Plan& plan, const Pick& pick, const Robot& robot, const Snapshot& map) {
+  require_joint_order(robot, plan);
   PickToCheck check{robot, map, pick, Eigen::Isometry3d::Identity(), {}};
   for (const LegLoad& load : plan.loads)
     if (load.load.name == pick.object.name) check.link_from_load = load.load.link_from_load;

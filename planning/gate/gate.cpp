@@ -134,6 +134,10 @@ Gate::Gate(GateOptions options) : options_(std::move(options)) {
 Gate::~Gate() = default;
 
 void Gate::restart(std::optional<Configuration> start) {
+  if (const std::shared_ptr<const Map> map = maps_.get(); map != nullptr && start) {
+    const std::string violation = limit_violation(map->proof.space.robot(), *start);
+    require(violation.empty(), "gate: start: " + violation);
+  }
   standing_.clear();
   gripped_ = start;
   if (start) standing_.push_back(std::move(*start));

@@ -87,6 +87,24 @@ class Arm(unittest.TestCase):
         self.assertEqual((answer["first_contact"], answer["edge"], answer["parameter"]),
                          (verdict.first_contact, verdict.edge, verdict.parameter))
 
+    def test_joints_in_another_order_are_taken_by_their_names(self):
+        plan = cw.plan(self.space, self.start, self.goal, planner="rrtconnect")
+        said = plan.to_dict()
+        said.pop("motion", None)
+        said["joints"].reverse()
+        for key in ("waypoints", "goals"):
+            said[key] = [values[::-1] for values in said[key]]
+        said["start"].reverse()
+        turned = cw.parse_plan(json.dumps(said))
+        self.assertTrue(cw.check_plan(self.space, turned).valid)
+        np.testing.assert_allclose(cw.plan_motion(self.space, turned).motion.positions[-1], plan.waypoints[-1])
+        said["joints"] = plan.joints
+        self.assertFalse(cw.check_plan(self.space, cw.parse_plan(json.dumps(said))).valid)
+        said["joints"] = ["other", *plan.joints[1:]]
+        for use in (cw.check_plan, cw.plan_motion):
+            with self.assertRaisesRegex(ValueError, "'other'"):
+                use(self.space, cw.parse_plan(json.dumps(said)))
+
     def test_goals_may_be_poses(self):
         pose = self.robot.tip_pose(self.goal)
         plan = cw.plan(self.space, self.start, goal_poses=pose, planner="rrtconnect")

@@ -350,8 +350,12 @@ TEST(Gate, RefusesOptionsAndRobotsThatDoNotFitAndKeepsItsMap) {
   any.publish(before_wall());
   EXPECT_THROW(any.publish({arm, VoxelScene().snapshot()}), std::invalid_argument);
   EXPECT_EQ(any.judge(along_x({0.0, 0.1})).map, 1U);
-  any.restart(Eigen::VectorXd::Zero(5));
-  EXPECT_THROW(any.judge(along_x({0.0, 0.1})), std::invalid_argument);
+  EXPECT_THROW(any.restart(Eigen::VectorXd::Zero(5)), std::invalid_argument);
+  EXPECT_EQ(any.judge(along_x({0.0, 0.1})).map, 1U);  // as before
+  Gate early;  // no map says which robot it is
+  early.restart(Eigen::VectorXd::Zero(5));
+  early.publish(before_wall());
+  EXPECT_THROW(early.judge(along_x({0.0, 0.1})), std::invalid_argument);
   Gate aged({.max_age = 1.0});
   EXPECT_THROW(aged.publish(before_wall(), std::numeric_limits<double>::quiet_NaN()), std::invalid_argument);
 }
