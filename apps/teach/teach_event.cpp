@@ -122,6 +122,15 @@ RobotChoice robot_of(const JsonField& line) {
   return robot;
 }
 
+/// A robot's file is named from the folder of the events, as a load's mesh is; one that is not there may be a
+/// known robot, or named from where the program runs.
+void take_own_robot(const std::filesystem::path& folder, RobotChoice& robot) {
+  const std::filesystem::path own = folder / robot.robot;
+  std::error_code error;
+  if (std::filesystem::path(robot.robot).has_extension() && std::filesystem::is_regular_file(own, error))
+    robot.robot = std::filesystem::weakly_canonical(own).string();
+}
+
 /// As in a load's file; JSON is YAML, so that one reader takes both. @param line as it is called in
 /// complaints
 TaughtLoad load_of(Json json, const std::string& line, const std::filesystem::path& folder) {
@@ -256,6 +265,7 @@ void read_events(const std::filesystem::path& file, const std::string& what, con
     const Json json = Json::parse(line);
     const JsonField field(json, name);
     TeachEvent event = event_of(field, when);
+    if (event.action == TeachAction::robot) take_own_robot(file.parent_path(), event.robot);
     if (event.action == TeachAction::attach) read_attach(json, field, name, file.parent_path(), event);
     take(std::move(event), field);
   }

@@ -183,6 +183,18 @@ TEST(Teach, EventsThatWouldFillTheMemoryAreRefused) {
   EXPECT_TRUE(load_teach_events(folder / "e.jsonl").empty());
 }
 
+TEST(Teach, ARobotsFileIsNamedFromTheFolderOfTheEvents) {
+  const TemporaryFolder folder;
+  folder.write("arm.urdf", "");
+  const auto robot_of = [&](const std::string& named) {
+    folder.write("e.jsonl", "{\"time\":0.5,\"action\":\"robot\",\"robot\":\"" + named + "\"}\n");
+    return load_teach_events(folder / "e.jsonl").front().robot.robot;
+  };
+  EXPECT_EQ(robot_of("arm.urdf"), std::filesystem::weakly_canonical(folder / "arm.urdf").string());
+  EXPECT_EQ(robot_of("other.urdf"), "other.urdf");  // from where the program runs
+  EXPECT_EQ(robot_of("panda"), "panda");
+}
+
 TEST(Teach, ALoadsNameIsATextHoweverItIsWritten) {
   const TemporaryFolder folder;
   folder.write("e.jsonl",
