@@ -20,7 +20,6 @@ namespace clearway {
 namespace {
 
 constexpr float no_depth = 65535.0F;
-constexpr std::int64_t longest_side = 20000, most_pixels = 64'000'000;
 
 /// All channels of a picture that hold the same are one: who writes depth as a picture of colours repeats it.
 cv::Mat only_channel(const cv::Mat& picture) {
@@ -42,13 +41,11 @@ DepthPicture decode_pfm(const std::string& bytes) {
   double sign = 0.0;
   if (!(head >> magic >> width >> height >> sign) || sign == 0.0 || head.get() == EOF)
     throw std::runtime_error("its head cannot be read");
-  if (std::min(width, height) < 1 || std::max(width, height) > longest_side || width * height > most_pixels)
-    throw std::runtime_error("it has " + std::to_string(width) + " x " + std::to_string(height) +
-                             " pixels, expected sides of at most 20,000 and 64 million pixels");
+  const ImageSize size = require_picture_size(width, height);
   const auto at = static_cast<std::size_t>(head.tellg());
   const auto pixels = static_cast<std::size_t>(width * height);
   if (bytes.size() - at < pixels * sizeof(float)) throw std::runtime_error("it is cut off");
-  DepthPicture picture{{static_cast<int>(width), static_cast<int>(height)}, std::vector<float>(pixels), true};
+  DepthPicture picture{size, std::vector<float>(pixels), true};
   const bool is_swapped = (sign > 0.0) == (std::endian::native == std::endian::little);
   for (std::size_t i = 0; i < pixels; ++i) {
     std::array<char, sizeof(float)> own;

@@ -13,10 +13,10 @@
 #include <string_view>
 #include <vector>
 
+#include "datasets/pictures/picture_file.hpp"
+
 namespace clearway {
 namespace {
-
-constexpr std::int64_t longest_side = 20000, most_pixels = 64'000'000;
 
 class ByteStream final : public Imf::IStream {
  public:
@@ -72,20 +72,13 @@ std::vector<std::string> channels_of_depth(const Imf::ChannelList& list) {
   return all;
 }
 
-ImageSize size_of(const Imath::Box2i& window) {
-  const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1,
-                     height = std::int64_t{window.max.y} - window.min.y + 1;
-  if (std::min(width, height) < 1 || std::max(width, height) > longest_side || width * height > most_pixels)
-    throw std::runtime_error("it has " + std::to_string(width) + " x " + std::to_string(height) +
-                             " pixels, expected sides of at most 20,000 and 64 million pixels");
-  return {static_cast<int>(width), static_cast<int>(height)};
-}
-
 DepthPicture depth_in(Imf::InputFile& file) {
   const Imath::Box2i window = file.header().dataWindow();
   if (window != file.header().displayWindow())
     throw std::runtime_error("it holds a part of its picture alone: expected all of it");
-  DepthPicture picture{size_of(window), {}, true};
+  const ImageSize size = require_picture_size(std::int64_t{window.max.x} - window.min.x + 1,
+                                              std::int64_t{window.max.y} - window.min.y + 1);
+  DepthPicture picture{size, {}, true};
   const auto width = static_cast<std::size_t>(picture.size.width);
   const std::size_t pixels = width * static_cast<std::size_t>(picture.size.height);
   for (const std::string& channel : channels_of_depth(file.header().channels())) {

@@ -11,13 +11,13 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "datasets/pictures/picture_file.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
 
 constexpr std::string_view magic("\x93NUMPY", 6);
-constexpr std::int64_t longest_side = 20000, most_pixels = 64'000'000;
 
 /// What the head of an array says.
 struct ArrayHead {
@@ -98,10 +98,7 @@ std::pair<std::int64_t, std::int64_t> sides_of(const ArrayHead& head) {
   if (sides.size() != 2)
     throw std::runtime_error("it is an array of " + (text.empty() ? "no" : text) +
                              " entries: expected rows and columns");
-  if (std::min(sides[0], sides[1]) < 1 || std::max(sides[0], sides[1]) > longest_side ||
-      sides[0] * sides[1] > most_pixels)
-    throw std::runtime_error("it is an array of " + text +
-                             " entries, expected sides of at most 20,000 and 64 million pixels");
+  require_picture_size(sides[1], sides[0]);
   return {sides[0], sides[1]};
 }
 

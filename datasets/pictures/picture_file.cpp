@@ -116,6 +116,13 @@ bool is_whole(const std::string& bytes) {
   return false;
 }
 
+ImageSize require_picture_size(std::int64_t width, std::int64_t height) {
+  if (std::min(width, height) < 1 || std::max(width, height) > longest_side || width * height > most_pixels)
+    throw std::runtime_error("it has " + std::to_string(width) + " x " + std::to_string(height) +
+                             " pixels, expected sides of at most 20,000 and 64 million pixels");
+  return {static_cast<int>(width), static_cast<int>(height)};
+}
+
 GrayImage decode_picture(const std::string& bytes) {
   if (!is_whole(bytes)) throw std::runtime_error("it is cut off");
   const cv::Mat_<unsigned char> raw(1, static_cast<int>(bytes.size()),
@@ -129,10 +136,7 @@ GrayImage decode_picture(const std::string& bytes) {
                                  : "it cannot be decoded");
   }
   if (grey.empty()) throw std::runtime_error("it cannot be decoded");
-  if (grey.cols > longest_side || grey.rows > longest_side ||
-      static_cast<std::int64_t>(grey.total()) > most_pixels)
-    throw std::runtime_error("it has " + std::to_string(grey.cols) + " x " + std::to_string(grey.rows) +
-                             " pixels, expected sides of at most 20,000 and 64 million pixels");
+  require_picture_size(grey.cols, grey.rows);
   GrayImage image{grey.cols, grey.rows, {}};
   image.pixels.reserve(grey.total());
   for (int row = 0; row < grey.rows; ++row)

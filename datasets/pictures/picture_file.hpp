@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -12,6 +13,9 @@ namespace clearway {
 /// True for a name that ends in .png, .jpg, .jpeg, .bmp, .tif, .tiff, .webp or .ppm, in small or capital
 /// letters.
 bool is_picture_file(const std::filesystem::path& file);
+
+/// @throws std::runtime_error a clause for sides that are not 1 to 20,000, or more than 64 million pixels
+ImageSize require_picture_size(std::int64_t width, std::int64_t height);
 
 /// A picture of one of these formats, or PGM, as grey, its pixels as they are stored (an orientation in EXIF
 /// does not turn them: a calibration belongs to the sensor). OpenCV's decoders may crash on hostile files, so
