@@ -15,6 +15,7 @@
 #include "planning/check/check_legs.hpp"
 #include "planning/problem/held_to_task.hpp"
 #include "planning/robot/inverse_dynamics.hpp"
+#include "planning/robot/joint_names.hpp"
 #include "planning/robot/reach.hpp"
 
 namespace clearway {
@@ -231,7 +232,7 @@ Plan empty_plan(const PlanQuery& query, const Planner& planner) {
   plan.robot = query.robot_name.empty() ? robot.name : query.robot_name;
   plan.robot_scale = robot.scale;
   plan.map_from_base = robot.map_from_base;
-  for (const Joint& joint : robot.joints) plan.joints.push_back(joint.name);
+  plan.joints = joint_names(robot);
   plan.group = robot.group;
   for (const HeldJoint& joint : robot.held) plan.held[joint.name] = joint.value;
   plan.xacro = robot.xacro;

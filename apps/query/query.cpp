@@ -153,12 +153,6 @@ double choose_padding(const RobotChoice& choice, const Robot& robot) {
   return choice.padding.value_or(robot.position_accuracy);
 }
 
-std::vector<std::string> joint_names(const Robot& robot) {
-  std::vector<std::string> names;
-  for (const Joint& joint : robot.joints) names.push_back(joint.name);
-  return names;
-}
-
 std::vector<bool> prismatic_joints(const Robot& robot) {
   std::vector<bool> flags;
   for (const Joint& joint : robot.joints) flags.push_back(joint.kind == JointKind::prismatic);

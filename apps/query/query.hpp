@@ -8,6 +8,7 @@
 #include "apps/console/commands.hpp"
 #include "planning/files/plan_file.hpp"
 #include "planning/problem/planner.hpp"
+#include "planning/robot/joint_names.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/space/configuration_space.hpp"
 
@@ -50,8 +51,7 @@ double choose_padding(const RobotChoice& choice, const Robot& robot);
 /// degrees; else empty. @param flag "--start"
 std::string degrees_hint(const Robot& robot, const Configuration& q, const std::string& flag);
 
-/// Of each joint its name, and whether it slides: what parse_configuration asks for.
-std::vector<std::string> joint_names(const Robot& robot);
+/// Of each joint whether it slides: what parse_configuration asks for beside joint_names.
 std::vector<bool> prismatic_joints(const Robot& robot);
 
 /// The robot in the map. A padding may make its surroundings too large to be looked at: then the flag is

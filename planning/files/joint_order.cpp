@@ -4,20 +4,11 @@
 #include <stdexcept>
 
 #include "mapping/system/plain_text.hpp"
+#include "planning/robot/joint_names.hpp"
 
 namespace clearway {
-namespace {
-
-std::vector<std::string> names_of(const Robot& robot) {
-  std::vector<std::string> names;
-  for (const Joint& joint : robot.joints) names.push_back(joint.name);
-  return names;
-}
-
-}  // namespace
-
 Plan in_order_of(const Robot& robot, Plan plan) {
-  const std::vector<std::string> own = names_of(robot);
+  const std::vector<std::string> own = joint_names(robot);
   if (own == plan.joints ||
       !std::is_permutation(own.begin(), own.end(), plan.joints.begin(), plan.joints.end()))
     return plan;
@@ -39,7 +30,7 @@ Plan in_order_of(const Robot& robot, Plan plan) {
 }
 
 void require_joint_order(const Robot& robot, const Plan& plan) {
-  const std::vector<std::string> own = names_of(robot);
+  const std::vector<std::string> own = joint_names(robot);
   if (plan.joints.empty() || plan.joints == own) return;
   const bool has_all = std::is_permutation(own.begin(), own.end(), plan.joints.begin(), plan.joints.end());
   throw std::invalid_argument(

@@ -10,6 +10,7 @@
 #include "planning/files/csv_field.hpp"
 #include "planning/files/json_field.hpp"
 #include "planning/problem/option_reader.hpp"
+#include "planning/robot/joint_names.hpp"
 
 namespace clearway {
 namespace {
@@ -74,12 +75,6 @@ nlohmann::ordered_json time_json(double time) {
   return {{"sec", nanoseconds / 1'000'000'000}, {"nanosec", nanoseconds % 1'000'000'000}};
 }
 
-std::vector<std::string> names_of(const Robot& robot) {
-  std::vector<std::string> names;
-  for (const Joint& joint : robot.joints) names.push_back(joint.name);
-  return names;
-}
-
 std::string text_of(const nlohmann::ordered_json& json) {
   return json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
@@ -87,7 +82,7 @@ std::string text_of(const nlohmann::ordered_json& json) {
 std::string write_ros_json(const Robot& robot, const Plan&, const Trajectory& trajectory) {
   nlohmann::ordered_json json = {
       {"header", {{"stamp", time_json(0.0)}, {"frame_id", robot.links.front().name}}},
-      {"joint_names", names_of(robot)}};
+      {"joint_names", joint_names(robot)}};
   json["points"] = nlohmann::ordered_json::array();
   for (const TrajectoryPoint& point : trajectory.points)
     json["points"].push_back({{"positions", json_of(point.position)},
@@ -99,10 +94,12 @@ std::string write_ros_json(const Robot& robot, const Plan&, const Trajectory& tr
 }
 
 std::string write_json(const Robot& robot, const Plan& plan, const Trajectory& trajectory) {
-  nlohmann::ordered_json json = {
-      {"robot", plan.robot},       {"planner", plan.planner},
-      {"seed", plan.seed},         {"map", {{"file", plan.map_file}, {"sha256", plan.map_sha256}}},
-      {"joints", names_of(robot)}, {"period_s", trajectory.sampling_period}};
+  nlohmann::ordered_json json = {{"robot", plan.robot},
+                                 {"planner", plan.planner},
+                                 {"seed", plan.seed},
+                                 {"map", {{"file", plan.map_file}, {"sha256", plan.map_sha256}}},
+                                 {"joints", joint_names(robot)},
+                                 {"period_s", trajectory.sampling_period}};
   for (const char* name : {"times_s", "positions", "velocities", "accelerations"})
     json[name] = nlohmann::ordered_json::array();
   for (const TrajectoryPoint& point : trajectory.points) {

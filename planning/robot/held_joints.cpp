@@ -9,14 +9,14 @@
 #include "mapping/system/nearest_name.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "planning/robot/joint_names.hpp"
 #include "planning/robot/link_pose.hpp"
 
 namespace clearway {
 namespace {
 
 std::size_t joint_index(const Robot& robot, const std::string& name, const std::filesystem::path& file) {
-  std::vector<std::string> names;
-  for (const Joint& joint : robot.joints) names.push_back(joint.name);
+  const std::vector<std::string> names = joint_names(robot);
   const auto found = std::find(names.begin(), names.end(), name);
   if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
   const std::string nearest = nearest_name(name.substr(0, 100), names, 3);
