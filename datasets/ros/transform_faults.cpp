@@ -45,6 +45,24 @@ void refuse_alternation(const TransformTree& tree, const std::string& frame) {
                          "one publisher of each frame");
 }
 
+/// The root drives in the frames above it, and all sensors stand still in it: as on a robot, whose own frame
+/// is no place for a map. Empty: it is not so.
+std::string driven_root(const TransformTree& tree, const std::string& root,
+                        const std::set<std::string>& sensors) {
+  constexpr double still = 0.02, far = 0.2;  // m
+  for (const std::string& frame : used_frames(tree, root, sensors))
+    if (tree.way_of(frame) > still) return "";
+  const std::vector<std::string> chain = tree.chain_of(root);
+  double way = 0.0;
+  for (const std::string& frame : chain) way = std::max(way, tree.way_of(frame));
+  if (way <= far || sensors.empty()) return "";
+  return "has frame " + quote(root) + ", in which all is placed, move by " + short_text(way, 3) + " m in " +
+         quote(chain.back()) +
+         ", and its sensors stand still in it: what they saw from different places lies " +
+         "one over the other; expected `fixed_frame` to be " + quote(chain.back()) +
+         " if that is the world's";
+}
+
 }  // namespace
 
 std::set<std::string> used_frames(const TransformTree& tree, const std::string& root,
@@ -78,6 +96,7 @@ void refuse_contradictions(const TransformTree& tree, const std::string& root,
 std::vector<std::string> tell_contradictions(const TransformTree& tree, const std::string& root,
                                              const std::set<std::string>& sensors) {
   std::vector<std::string> clauses;
+  if (const std::string driven = driven_root(tree, root, sensors); !driven.empty()) clauses.push_back(driven);
   for (const std::string& frame : used_frames(tree, root, sensors)) {
     const PoseConflicts conflicts = tree.conflicts_of(frame);
     if (conflicts.same_time > 0)

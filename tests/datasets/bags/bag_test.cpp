@@ -376,40 +376,5 @@ TEST(Bag, SensorsThatAreTakenToStandStillAlthoughThereAreFramesAreReported) {
   EXPECT_TRUE(read(bag("cdr_none.mcap"), options).warnings.empty()) << "the setup says where it is";
 }
 
-RosTransform transform(double time, const std::string& parent, const std::string& child,
-                       const Eigen::Isometry3d& pose) {
-  return {{time, parent}, child, pose.translation(), Eigen::Quaterniond(pose.linear())};
-}
-
-TEST(TransformTree, GoesUpAndDownAndBetweenTimes) {
-  TransformTree tree;
-  const Eigen::Isometry3d turn = pose(1, 0, 0) * Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitZ());
-  tree.add(transform(0, "a", "b", pose(0, 0, 0)), false, 0);
-  tree.add(transform(1, "a", "b", turn), false, 0);
-  tree.add(transform(5, "a", "b", turn), false, 0);
-  tree.add(transform(0, "a", "c", pose(0, 0, 7)), true, 0);
-  const auto half = tree.root_from_frame("c", "b", 0.5, 0);
-  ASSERT_TRUE(half);
-  EXPECT_TRUE(half->isApprox(pose(0.5, 0, -7) * Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()), 1e-12));
-  EXPECT_FALSE(tree.root_from_frame("c", "b", -0.1, 0)) << "before the first";
-  EXPECT_FALSE(tree.root_from_frame("c", "b", 3.0, 0)) << "4 s apart";
-  EXPECT_TRUE(tree.root_from_frame("c", "b", 5.0, 0)) << "at a pose itself";
-  EXPECT_FALSE(tree.root_from_frame("x", "b", 0.5, 0));
-  EXPECT_TRUE(tree.root_from_frame("x", "x", 0.5, 0)->isApprox(Eigen::Isometry3d::Identity()));
-}
-
-TEST(TransformTree, LeavesOutWhatIsNoTransform) {
-  TransformTree tree;
-  RosTransform wrong = transform(0, "a", "b", pose(0, 0, 0));
-  wrong.rotation.coeffs() *= 1.1;
-  tree.add(wrong, false, 0);
-  tree.add(transform(0, "b", "b", pose(0, 0, 0)), false, 0);
-  EXPECT_EQ(tree.left_out(), 2U);
-  EXPECT_TRUE(tree.frames().empty());
-  tree.add(transform(0, "a", "b", pose(0, 0, 1)), true, 0);
-  tree.add(transform(0, "b", "a", pose(0, 0, 1)), true, 0);  // a circle: no chain ends, none is found twice
-  EXPECT_TRUE(tree.root_from_frame("a", "b", 0.0, 0));
-}
-
 }  // namespace bag_test
 }  // namespace clearway
