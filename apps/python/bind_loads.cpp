@@ -1,9 +1,11 @@
 // What a robot carries: loads on its legs, objects that it picks, and the check of plans with them.
+#include <cmath>
 #include <map>
 #include <stdexcept>
 
 #include "apps/python/bindings.hpp"
 #include "apps/python/records.hpp"
+#include "mapping/system/number_text.hpp"
 #include "planning/check/check_legs.hpp"
 #include "planning/check/check_pick.hpp"
 #include "planning/files/joint_order.hpp"
@@ -72,6 +74,9 @@ PathVerdict check_plan(const NamedSpace& space, const Plan& given,
   const Robot& robot = space->robot();
   const Plan plan = in_order_of(robot, given);
   require_joint_order(robot, plan);
+  if (std::abs(plan.robot_scale - robot.scale) > 1e-9 * robot.scale)
+    throw std::invalid_argument("plan: expected one for a robot at scale " + short_text(robot.scale) +
+                                ", as the space's is, got " + short_text(plan.robot_scale));
   if (plan.waypoints().empty())
     throw std::invalid_argument("plan: expected one with a path, its status is " +
                                 std::string(to_string(plan.status())));

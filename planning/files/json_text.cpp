@@ -117,8 +117,10 @@ class SizeLimit {
   [[noreturn]] void refuse(std::size_t position, const std::string& expected) const {
     const std::string_view before = text_.substr(0, std::min(position, text_.size()));
     const auto line = 1 + std::count(before.begin(), before.end(), '\n');
-    const std::size_t start = before.rfind('\n') + 1;  // npos + 1 = 0: the first line
-    throw std::invalid_argument(name_ + " is not valid JSON at line " + std::to_string(line) + ", column " +
+    const std::size_t start = before.rfind('\n') + 1;                     // npos + 1 = 0: the first line
+    const bool is_one_line = text_.find('\n') == std::string_view::npos;  // perhaps one of many of a stream
+    throw std::invalid_argument(name_ + " is not valid JSON at " +
+                                (is_one_line ? "" : "line " + std::to_string(line) + ", ") + "column " +
                                 std::to_string(before.size() - start + 1) + ": expected " + expected);
   }
   [[noreturn]] void refuse_size(const std::string& most) const {

@@ -18,21 +18,22 @@ std::string refusal(const std::string& text) {
   return "accepted";
 }
 
-std::string at(int line, int column, const std::string& expected) {
-  return "'p.json' is not valid JSON at line " + std::to_string(line) + ", column " + std::to_string(column) +
-         ": expected " + expected;
+/// In a text of one line, which may be any line of a stream, no line is named.
+std::string at(int column, const std::string& expected, const std::string& line = "") {
+  return "'p.json' is not valid JSON at " + line + "column " + std::to_string(column) + ": expected " +
+         expected;
 }
 
 TEST(JsonText, names_the_place_and_what_should_have_come_there) {
-  EXPECT_EQ(refusal(""), at(1, 1, "a value"));
-  EXPECT_EQ(refusal("{\"a\": 1,\n \"b\" 2}"), at(2, 6, "':' and a value"));
-  EXPECT_EQ(refusal("{\"a\": }"), at(1, 7, "a value"));
-  EXPECT_EQ(refusal("{\"a\": 1 \"b\""), at(1, 9, "',' and a key in quotes, or '}'"));
-  EXPECT_EQ(refusal("{a: 1}"), at(1, 2, "a key in quotes, or '}'"));
-  EXPECT_EQ(refusal("[1,,2]"), at(1, 4, "a value"));
-  EXPECT_EQ(refusal("[1 2]"), at(1, 4, "',' and a value, or ']'"));
-  EXPECT_EQ(refusal("[1]]"), at(1, 4, "nothing more"));
-  EXPECT_EQ(refusal("[1e999]"), at(1, 2, "a number that is not too large"));
+  EXPECT_EQ(refusal(""), at(1, "a value"));
+  EXPECT_EQ(refusal("{\"a\": 1,\n \"b\" 2}"), at(6, "':' and a value", "line 2, "));
+  EXPECT_EQ(refusal("{\"a\": }"), at(7, "a value"));
+  EXPECT_EQ(refusal("{\"a\": 1 \"b\""), at(9, "',' and a key in quotes, or '}'"));
+  EXPECT_EQ(refusal("{a: 1}"), at(2, "a key in quotes, or '}'"));
+  EXPECT_EQ(refusal("[1,,2]"), at(4, "a value"));
+  EXPECT_EQ(refusal("[1 2]"), at(4, "',' and a value, or ']'"));
+  EXPECT_EQ(refusal("[1]]"), at(4, "nothing more"));
+  EXPECT_EQ(refusal("[1e999]"), at(2, "a number that is not too large"));
 }
 
 /// Of a key that an object has twice readers take the one or the other.
@@ -45,9 +46,9 @@ TEST(JsonText, a_key_that_an_object_has_twice_is_named) {
 }
 
 TEST(JsonText, bytes_that_are_no_utf8_are_located) {
-  EXPECT_EQ(refusal("{\"a\": \"caf\xe9\"}"), at(1, 11, "text in UTF-8"));
-  EXPECT_EQ(refusal("{\n\"\xff\": 1}"), at(2, 2, "text in UTF-8"));
-  EXPECT_EQ(refusal("[\"caf\xc3\xa9\", ]"), at(1, 11, "a value"));
+  EXPECT_EQ(refusal("{\"a\": \"caf\xe9\"}"), at(11, "text in UTF-8"));
+  EXPECT_EQ(refusal("{\n\"\xff\": 1}"), at(2, "text in UTF-8", "line 2, "));
+  EXPECT_EQ(refusal("[\"caf\xc3\xa9\", ]"), at(11, "a value"));
 }
 
 TEST(JsonText, says_nothing_in_the_parsers_words_whatever_comes_in) {
