@@ -333,8 +333,15 @@ std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const Dep
     require_metres(name, layout);
   else if (!whole.depth.scale && !layout.tum_table.empty() && !is_of_tum(layout.poses))
     require_steps_of_tum(name, layout);
-  else if (!whole.depth.scale && !is_of_tum(layout.poses))
-    numbers.is_rotated = are_steps_rotated(layout);
+  else if (!numbers.is_real && !is_of_tum(layout.poses) &&
+           whole.depth.scale.value_or(usual_depth_scale) == usual_depth_scale && are_steps_rotated(layout)) {
+    numbers.is_rotated = !whole.depth.scale;
+    if (whole.depth.scale)
+      whole.depth.scale_note =
+          "nearly all steps of depth are multiples of 8, as of SUN3D and SUN RGB-D, whose bits are rotated "
+          "by "
+          "three: at a scale of 0.001 these are eight times too far; without `scale` they are rotated back.";
+  }
   auto source = std::make_unique<DepthFolder>(layout, path.value_or(CameraPath{}), stated, whole, numbers);
   if (!source->has_poses() && !options.places_depth)
     throw std::invalid_argument(

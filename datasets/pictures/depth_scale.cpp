@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double usual_scale = 0.001, scale_of_tum = 0.0002;  ///< m per step
+constexpr double scale_of_tum = 0.0002;  ///< m per step
 
 /// Some of the depth in some pictures, spread over all, as it is stored.
 struct DepthSample {
@@ -78,7 +78,7 @@ std::string why_of_tum(const DepthLayout& layout, const SourceOptions& options) 
 
 SourceOptions with_scale(SourceOptions options, const std::string& why_of_tum, bool is_real) {
   if (!options.depth.scale)
-    options.depth.scale = is_real ? 1.0 : why_of_tum.empty() ? usual_scale : scale_of_tum;
+    options.depth.scale = is_real ? 1.0 : why_of_tum.empty() ? usual_depth_scale : scale_of_tum;
   return options;
 }
 

@@ -7,6 +7,8 @@
 
 namespace clearway {
 
+constexpr double usual_depth_scale = 0.001;  ///< m per step
+
 /// What the stored numbers of a folder's depth pictures are.
 struct DepthNumbers {
   bool is_real = false;  ///< else steps

@@ -168,6 +168,21 @@ std::set<std::size_t> whole_times(const std::string& text) {
   return poses;
 }
 
+/// Refuses lines of numbers of which there are neither a time and a pose nor a matrix's.
+void require_columns(const std::string& text, const std::string& name) {
+  for (const Line& line : lines_of(text)) {
+    const bool are_numbers = std::all_of(line.words.begin(), line.words.end(), [](const std::string& word) {
+      return finite_number(word).has_value();
+    });
+    if (!are_numbers) continue;  // a head, or a table with commas
+    if (line.words.size() == 8) return;
+    throw std::invalid_argument(
+        name + ", line " + std::to_string(line.number) + ": it has " + std::to_string(line.words.size()) +
+        " numbers, expected 'time x y z qx qy qz qw', the 12 or 16 of a picture's matrix, "
+        "or its rows in three lines");
+  }
+}
+
 bool is_part(char c) { return c == '.' || c == '_' || c == '-' || c == ' '; }
 
 }  // namespace
@@ -229,6 +244,7 @@ PicturePoses::PicturePoses(const fs::path& file, fs::path folder, std::string wo
     number(std::move(*numbered), pictures, name);
     return;
   }
+  require_columns(text, name);
   // Between two poses at most twice the tolerance apart each time has one within the tolerance.
   std::size_t left_out = 0;
   between_.emplace(parse_tum_poses(text, name, 2.0 * tolerance, &left_out));

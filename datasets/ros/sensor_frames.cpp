@@ -279,10 +279,8 @@ bool has_other_order(RosPointCloud cloud) {
     std::size_t at = 0, sound = 0;
     for_each_point(cloud, [&](std::size_t begin) {
       if (at++ % stride != 0) return;
-      for (const float number : places.at(begin)) {
-        const float size = std::abs(number);
-        sound += size == 0.0F || (size >= 1e-4F && size <= 1e4F);
-      }
+      for (const float number : places.at(begin))  // 0, as of what did not come back, is 0 in both
+        sound += std::abs(number) >= 1e-4F && std::abs(number) <= 1e4F;
     });
     return sound;
   };

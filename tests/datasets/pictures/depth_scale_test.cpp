@@ -89,6 +89,7 @@ TEST_F(DepthScales, BitsThatSun3dRotatesAreRotatedBackUnlessAScaleIsStated) {
   EXPECT_NEAR(last_depth(ramp_png(500, 3001, rotated), {}, "bits are rotated"), 3.0, 0.002);
   EXPECT_NEAR(last_depth(ramp_png(1000, 8301, rotated), {}, "bits are rotated"), 8.3, 0.006);
   EXPECT_NEAR(last_depth(ramp_png(500, 3001, rotated), 0.000125, ""), 3.0, 0.002);
+  EXPECT_NEAR(last_depth(ramp_png(500, 3001, rotated), 0.001, "eight times too far"), 24.0, 0.02);
   // millimetres as they are, of a sensor of 10 bits, and a wall straight ahead
   const auto plain = [](int d) { return d; };
   EXPECT_NEAR(last_depth(ramp_png(500, 3001, plain), {}, "taken as 0.001 m"), 3.0, 0.002);

@@ -232,7 +232,7 @@ TEST_F(PosesOfPictures, ThatAreForOthersAreRefused) {
         {"1 2 3 4\n", "line 1: expected three rows"},
         {rows(truth_[0], 3, "\n") + "1 2 3 4\n", "line 4: expected three rows"},
         {matrix + matrix, "matrices of four rows one below the other"},
-        {"1 2 3 4 5\n", "line 1: expected 'time x y z qx qy qz qw'"}}) {
+        {"1 2 3 4 5\n", "line 1: it has 5 numbers, expected 'time x y z qx qy qz qw', the 12"}}) {
     const std::string sentence = complaint([&, text = text] { open(text); });
     EXPECT_NE(sentence.find("poses '"), std::string::npos) << sentence;
     EXPECT_NE(sentence.find(expected), std::string::npos) << sentence;
