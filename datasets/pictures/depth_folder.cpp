@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "datasets/pictures/arkit_folder.hpp"
 #include "datasets/pictures/camera_path.hpp"
 #include "datasets/pictures/depth_picture.hpp"
 #include "datasets/pictures/depth_scale.hpp"
@@ -139,7 +140,8 @@ class DepthFolder final : public FrameSource {
                      quote_path(options.depth.camera_file.string()) +
                      ", which lies beside them; `source: {depth: {camera: …}}` states another.";
     if (!camera)
-      camera_note_ = "the depth pictures' cameras are those of " + quote_path(layout.poses.string()) +
+      camera_note_ = "the depth pictures' cameras are those of " +
+                     quote_path((path.shots.empty() ? layout.camera_folder : layout.poses).string()) +
                      "; `source: {depth: {camera: …}}` states another.";
     if (extension_of(layout.poses) == ".freiburg" && camera && camera->fy > 0.0)
       icl_note_ =
@@ -205,6 +207,7 @@ class DepthFolder final : public FrameSource {
  private:
   /// Of the pictures in the order of their times.
   DepthCameras cameras_of(const CameraPath& path, const DepthLayout& layout) const {
+    if (path.shots.empty()) return {cameras_of_arkit(layout.camera_folder, names_of(timed_)), false};
     DepthCameras cameras{{}, path.is_named};
     const auto shots = shots_of_pictures(path, layout.poses, in_order_of_names(layout.depth));
     for (const TimedFile& picture : timed_.files) {
@@ -314,15 +317,15 @@ std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const Dep
   if (!whole.depth.scale && !whole.depth.scale_note.empty())  // the file says what no camera has
     throw std::invalid_argument(whole.depth.scale_note);
   const auto& stated = options.depth.camera ? options.depth.camera : options.camera;
-  if (!stated && !(path && path->has_cameras()))
+  if (!stated && !(path && path->has_cameras()) && layout.camera_folder.empty())
     throw std::invalid_argument(name +
                                 " has depth pictures, which do not hold their camera: expected `camera`, or "
                                 "`camera` of `source: {depth: …}`, in the setup, or a file of it beside them "
                                 "(intrinsic/intrinsic_depth.txt, camera_intrinsic.json, camera.yaml, …)");
-  const bool is_bent = stated
-                           ? has_distortion(*stated)
-                           : std::any_of(path->shots.begin(), path->shots.end(),
-                                         [](const CameraShot& shot) { return has_distortion(*shot.camera); });
+  const bool is_bent =
+      stated ? has_distortion(*stated)
+             : path && std::any_of(path->shots.begin(), path->shots.end(),
+                                   [](const CameraShot& shot) { return has_distortion(*shot.camera); });
   if (options.depth.rectified && is_bent)
     throw std::invalid_argument(
         name +

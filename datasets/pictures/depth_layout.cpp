@@ -79,14 +79,15 @@ bool has_pose_files(const fs::path& folder) {
 /// As the folders of data sets are called, or by the pictures' names.
 DepthLayout layout_by_names(const fs::path& folder) {
   DepthLayout layout;
-  for (const char* name : {"depth", "aligned_depth", "depths", "depth_images"}) {
+  for (const char* name : {"depth", "aligned_depth", "depths", "depth_images", "lowres_depth"}) {
     if (layout.depth.empty()) layout.depth = pictures_in(folder / name);
     if (layout.depth.empty()) layout.depth = depth_alone_in(folder / name);
   }
   if (!layout.depth.empty()) {
-    const fs::path colour = first_there(folder, {"rgb", "color", "colour", "image", "images"});
+    const fs::path colour = first_there(folder, {"rgb", "color", "colour", "image", "images", "lowres_wide"});
     if (!colour.empty()) layout.colour = pictures_in(colour);
     layout.pose_folder = first_there(folder, {"pose", "poses"});
+    layout.camera_folder = first_there(folder, {"lowres_wide_intrinsics"});
     layout.tum_table = first_there(
         folder, {"depth.txt", "associations.txt", "association.txt", "associate.txt", "associated.txt"});
     return layout;
@@ -177,7 +178,7 @@ std::optional<DepthLayout> depth_layout(const fs::path& folder, const fs::path& 
     layout.camera = first_there(above, {"cam_params.json"});  // Replica's, of all its rooms
   layout.poses = first_there(folder, {"groundtruth.txt", "poses.txt", "trajectory.txt", "trajectory.log",
                                       "traj.txt", "scene/trajectory.log"});
-  for (const char* kind : {".log", ".freiburg"})
+  for (const char* kind : {".log", ".freiburg", ".traj"})
     if (layout.poses.empty()) layout.poses = only_file(folder, kind);
   if (layout.poses.empty() && layout.pose_folder.empty())
     layout.poses = only_file(folder / "extrinsics", ".txt");  // SUN3D's

@@ -12,11 +12,12 @@ constexpr std::size_t largest_poses = std::size_t{256} << 20U;  ///< bytes of a 
 /// Where a folder keeps its depth pictures, colour pictures and poses.
 struct DepthLayout {
   std::vector<std::filesystem::path> depth, colour;  ///< colour may be empty
-  std::filesystem::path poses;        ///< TUM text, numbered poses or a camera's path; empty: none
-  std::filesystem::path other_poses;  ///< beside transforms.json: which of the two counts is not known
-  std::filesystem::path pose_folder;  ///< of a matrix for each depth picture; empty: none
-  std::filesystem::path camera;       ///< a file of the depth pictures' camera; empty: none
-  std::filesystem::path tum_table;    ///< that lists the pictures of `depth/` as TUM does; empty: none
+  std::filesystem::path poses;          ///< TUM text, numbered poses or a camera's path; empty: none
+  std::filesystem::path other_poses;    ///< beside transforms.json: which of the two counts is not known
+  std::filesystem::path pose_folder;    ///< of a matrix for each depth picture; empty: none
+  std::filesystem::path camera;         ///< a file of the depth pictures' camera; empty: none
+  std::filesystem::path camera_folder;  ///< of a .pincam for each picture (ARKitScenes); empty: none
+  std::filesystem::path tum_table;      ///< that lists the pictures of `depth/` as TUM does; empty: none
   std::size_t unnamed = 0;  ///< depth pictures that transforms.json, which names others, does not name
 };
 

@@ -46,6 +46,14 @@ std::optional<double> date_time(const std::string& stem) {
   return *whole + *finite_number("0." + fraction);
 }
 
+/// ARKitScenes: eight digits of the recording, and seconds with milliseconds.
+std::optional<double> arkit_time(const std::string& stem) {
+  static const std::regex pattern("\\d{8}_(\\d{1,8}\\.\\d{3})");
+  std::smatch found;
+  if (stem.size() > 30 || !std::regex_match(stem, found, pattern)) return std::nullopt;
+  return finite_number(found[1].str());
+}
+
 /// Whether bare digits are a clock's milliseconds, microseconds or nanoseconds.
 bool has_clock_digits(const std::string& text) {
   return text.find_first_not_of(name_digits) == std::string::npos &&
@@ -82,7 +90,8 @@ std::optional<double> time_in_name(const std::string& stem) {
     if (is_clock)
       if (const auto clock = finite_number(text)) return clock;
   }
-  return date_time(stem);
+  const auto date = date_time(stem);
+  return date ? date : arkit_time(stem);
 }
 
 }  // namespace clearway

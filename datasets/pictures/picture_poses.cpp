@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "datasets/pictures/arkit_folder.hpp"
 #include "datasets/pictures/camera_path.hpp"
 #include "datasets/pictures/picture_numbers.hpp"
 #include "datasets/sources/finite_number.hpp"
@@ -234,7 +235,8 @@ PicturePoses::PicturePoses(const fs::path& file, fs::path folder, std::string wo
   if (file.empty()) return;
   folder_.clear();
   const std::string name = "poses " + quote_path(file.string());
-  const std::string text = read_input(file, "poses", largest_pose_file);
+  std::string text = read_input(file, "poses", largest_pose_file);
+  if (is_arkit_poses(file)) text = tum_of_arkit(text, name);
   if (is_camera_path(text)) {
     for (const auto& [picture, shot] : shots_of_pictures(parse_camera_path(text, name), file, pictures))
       by_file_[picture] = shot.world_from_camera;

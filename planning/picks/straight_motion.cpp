@@ -20,7 +20,7 @@ double lowest(const Robot& robot, const Body& body, const Configuration& q) {
 }
 
 /// One piece of an edge, and how high the body is at its ends.
-struct Piece {
+struct EdgePart {
   Configuration from, to;
   double height_from = 0.0, height_to = 0.0;
 };
@@ -61,13 +61,13 @@ bool keeps_height(const Robot& robot, std::size_t index, const std::vector<Confi
                   double high) {
   const Body& body = robot.bodies[index];
   const Eigen::VectorXd levers = body_levers(robot, body) * (1.0 + 1e-9);
-  std::vector<Piece> open;
+  std::vector<EdgePart> open;
   for (std::size_t i = path.size(); i-- > 1;)
     open.push_back({path[i - 1], path[i], lowest(robot, body, path[i - 1]), lowest(robot, body, path[i])});
   if (path.size() == 1)
     open.push_back({path[0], path[0], lowest(robot, body, path[0]), lowest(robot, body, path[0])});
   while (!open.empty()) {
-    const Piece piece = open.back();
+    const EdgePart piece = open.back();
     open.pop_back();
     const double below = std::min(piece.height_from, piece.height_to);
     const double above = std::max(piece.height_from, piece.height_to);
