@@ -11,6 +11,7 @@
 #include "datasets/cameras/opencv_xml.hpp"
 #include "datasets/cameras/realsense_lens.hpp"
 #include "datasets/cameras/sensor_info.hpp"
+#include "datasets/descriptions/opencv_camera.hpp"
 #include "datasets/descriptions/setup.hpp"
 #include "datasets/ros/ros_camera.hpp"
 #include "datasets/sources/lens.hpp"
@@ -20,59 +21,6 @@
 
 namespace clearway {
 namespace {
-
-std::string lower_case(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
-/// What the setup says beside the file, and what is to be told of it.
-struct BesideFile {
-  bool is_rectified = false;
-  std::optional<ImageSize> size;
-  std::optional<LensModel> lens;
-  std::string note;
-};
-
-/// OpenCV's coefficients, as many as the lens has; OpenCV writes 5, 8, 12 or 14 for one that has fewer.
-void take_distortion(const YamlFields& fields, const std::string& key, LensModel lens,
-                     CameraIntrinsics& camera) {
-  const std::vector<double> values = fields.flat_numbers(key, within_reach);
-  const std::size_t size = values.size();
-  const bool is_list = size == 4 || size == 5 || size == 8 || size == 12 || size == 14;
-  if (!is_list && !(values.empty() && lens != LensModel::fisheye))
-    fields.fail(key, std::string("expected ") + (lens == LensModel::fisheye ? "4" : "4, 5 or 8") +
-                         " numbers, got " + std::to_string(size));
-  try {
-    set_lens(camera, lens, values);
-  } catch (const std::runtime_error& error) {
-    fields.fail(key, error.what());
-  }
-}
-
-LensModel read_lens(const YamlFields& fields, const std::string& key, const std::string& otherwise) {
-  const std::string name = lower_case(fields.text(key, otherwise));
-  if (name == "none") return LensModel::plumb_bob;
-  const auto lens = lens_named(name);
-  if (!lens) fields.fail(key, "the lens '" + name + "' is not known, expected " + known_lenses);
-  return *lens;
-}
-
-/// The camera of a file that knows no rectified one beside it.
-CameraIntrinsics only_camera(const YamlFields& fields, CameraIntrinsics camera, bool is_rectified) {
-  if (is_rectified && has_distortion(camera))
-    fields.fail("",
-                "it says nothing of rectified pictures: expected ROS's camera_info with a projection_matrix");
-  camera.is_rectified = is_rectified;
-  return camera;
-}
-
-/// Refuses a name for a file of one camera that is not called so.
-void require_name(const YamlFields& file, const std::string& wanted) {
-  if (wanted.empty() || (file.has("camera_name") && file.text("camera_name") == wanted)) return;
-  file.fail("", "it has one camera, which is not called " + quote(wanted) +
-                    ": expected no `name` beside `file`, or another file");
-}
 
 /// One camera of kalibr's camchain, or EuRoC's sensor.yaml.
 CameraIntrinsics read_chain_camera(const YamlFields& fields, bool is_rectified) {
@@ -104,70 +52,6 @@ CameraIntrinsics read_camchain(const YamlFields& file, const std::string& wanted
                       std::to_string(cameras.size()) +
                       " cameras, expected `camera: {file: …, name: …}` to name one of them");
   return read_chain_camera(file.map(name), is_rectified);
-}
-
-/// Of the pictures that ROS rectifies with this file.
-CameraIntrinsics read_rectified(const YamlFields& file, const CameraIntrinsics& raw) {
-  RosCameraInfo info;
-  info.width = static_cast<std::uint32_t>(raw.width);
-  info.height = static_cast<std::uint32_t>(raw.height);
-  info.distortion_model = lens_name(raw.lens);
-  info.d.assign(raw.distortion.begin(), raw.distortion.end());
-  info.k = {raw.fx, 0, raw.cx, 0, raw.fy, raw.cy, 0, 0, 1};
-  const auto take = [&file](const std::string& ros, const std::string& opencv, auto& matrix) {
-    const std::string key = file.has(ros) ? ros : opencv;
-    if (!file.is_map(key)) return;
-    const std::vector<double> values = file.map(key).numbers("data", within_reach, matrix.size());
-    std::copy(values.begin(), values.end(), matrix.begin());
-  };
-  take("rectification_matrix", "R", info.r);
-  take("projection_matrix", "P", info.p);
-  try {
-    return rectified_camera(info).intrinsics;
-  } catch (const std::runtime_error& error) {
-    file.fail("projection_matrix", error.what());
-  }
-}
-
-/// The lens of a file that OpenCV wrote: by the number of its coefficients.
-LensModel read_opencv_lens(const YamlFields& file, const std::vector<double>& coefficients) {
-  if (file.integer("fisheye_model", {0, 1}, 0) == 1) return LensModel::fisheye;
-  return coefficients.size() > 5 ? LensModel::rational : LensModel::plumb_bob;
-}
-
-/// The lens that a file names: by ROS's key in one of ROS's names, by others' as far as it is one of a lens.
-std::optional<LensModel> named_lens(const YamlFields& file) {
-  if (file.has("distortion_model")) return read_lens(file, "distortion_model", "plumb_bob");
-  for (const char* key : {"model", "camera_model", "lens", "lens_model", "camera_type"}) {
-    if (!file.is_word(key)) continue;
-    const std::string name = lower_case(file.text(key));
-    const auto says = [&](const char* word) { return name.find(word) != std::string::npos; };
-    if (says("fisheye") || says("equi") || says("kannala")) return LensModel::fisheye;
-    if (const auto lens = lens_named(name)) return lens;
-    const bool is_other = says("omni") || says("fov") || says("sphere") || says("mei") || says("eucm") ||
-                          says("unified") || says("scaramuzza") || says("division") || name == "ds" ||
-                          name == "ucm" || name == "atan";
-    if (is_other) file.fail(key, "the lens " + quote(name) + " is not known, expected " + known_lenses);
-  }
-  return std::nullopt;
-}
-
-/// As a matrix with `data`, or as a plain list, or as the list of lists that Python's tolist() makes of it.
-void take_coefficients(const YamlFields& file, const std::string& key, CameraIntrinsics& camera,
-                       BesideFile& beside) {
-  const bool is_list = file.is_list(key);
-  const YamlFields fields = is_list ? file : file.map(key);
-  const std::string numbers = is_list ? key : "data";
-  const std::vector<double> values = fields.flat_numbers(numbers, within_reach);
-  const auto named = named_lens(file);
-  const LensModel lens = named ? *named : beside.lens ? *beside.lens : read_opencv_lens(file, values);
-  take_distortion(fields, numbers, lens, camera);
-  const bool may_be_fisheye =
-      !named && !beside.lens && !file.has("fisheye_model") && values.size() == 4 && has_distortion(camera);
-  if (may_be_fisheye)
-    beside.note =
-        "has four coefficients and names no lens: they are taken as k1, k2, p1, p2 of a plumb_bob; "
-        "`lens: fisheye` beside `file` makes them cv::fisheye's, `lens: plumb_bob` ends this note";
 }
 
 /// What `rostopic echo` and `ros2 topic echo` print of a CameraInfo: one message.
@@ -203,136 +87,6 @@ CameraIntrinsics read_echo(const YamlFields& file, bool is_rectified) {
   } catch (const std::runtime_error& error) {
     file.fail("", error.what());
   }
-}
-
-/// How OpenCV's users call a camera's matrix, and its coefficients: those of any name, or of one of two.
-struct MatrixKey {
-  const char *matrix, *coefficients;
-};
-constexpr MatrixKey matrix_keys[] = {{"camera_matrix", ""},
-                                     {"cameraMatrix", ""},
-                                     {"Camera_Matrix", ""},
-                                     {"CameraMatrix", ""},
-                                     {"cameraIntrinsics", ""},
-                                     {"K", ""},
-                                     {"M1", "D1"},
-                                     {"M2", "D2"},
-                                     {"K1", "D1"},
-                                     {"K2", "D2"},
-                                     {"cameraMatrix1", "distCoeffs1"},
-                                     {"cameraMatrix2", "distCoeffs2"}};
-constexpr const char* coefficient_keys[] = {"distortion_coefficients",
-                                            "distCoeffs",
-                                            "dist_coeffs",
-                                            "dist_coeff",
-                                            "dist_coefs",
-                                            "distortion_coeffs",
-                                            "Distortion_Coefficients",
-                                            "DistortionCoefficients",
-                                            "DistCoeffs",
-                                            "distortionCoefficients",
-                                            "distortion",
-                                            "dist",
-                                            "kc",
-                                            "D"};
-constexpr std::pair<const char*, const char*> size_keys[] = {
-    {"image_width", "image_height"},
-    {"image_Width", "image_Height"},
-    {"imageWidth", "imageHeight"},
-    {"calibration_image_width", "calibration_image_height"},
-    {"width", "height"},
-    {"w", "h"}};
-
-/// The matrix that the file has, of several the one that is wanted.
-MatrixKey matrix_key(const YamlFields& file, const std::string& wanted) {
-  std::vector<MatrixKey> found;
-  std::string names;
-  for (const MatrixKey& key : matrix_keys) {
-    if (!file.has(key.matrix)) continue;
-    found.push_back(key);
-    if (wanted == key.matrix) return key;
-    names += (names.empty() ? "" : ", ") + std::string(key.matrix);
-  }
-  if (found.size() > 1)
-    file.fail("", "it has several cameras, " + names +
-                      ": expected `camera: {file: …, name: …}` to name one of them");
-  require_name(file, wanted);
-  return found.empty() ? matrix_keys[0] : found.front();
-}
-
-/// Nine numbers, row by row: as OpenCV's matrix, as a list or as three lists.
-std::vector<double> read_matrix(const YamlFields& file, const std::string& key) {
-  std::vector<double> k;
-  const bool is_list = file.is_list(key);
-  const YamlFields fields = is_list ? file : file.map(key);
-  const std::string numbers = is_list ? key : "data";
-  for (const auto& row : fields.rows(numbers, within_reach, 3, {})) k.insert(k.end(), row.begin(), row.end());
-  const bool is_camera = k.size() == 9 && k[0] > 0.0 && k[4] > 0.0 && k[1] == 0.0 && k[3] == 0.0 &&
-                         k[6] == 0.0 && k[7] == 0.0 && k[8] == 1.0;
-  if (!is_camera) fields.fail(numbers, "expected [fx, 0, cx, 0, fy, cy, 0, 0, 1] row by row, fx and fy > 0");
-  return k;
-}
-
-/// That of the file, else `given`.
-ImageSize read_size(const YamlFields& file, std::optional<ImageSize> given) {
-  constexpr Bounds sides{32, 20000};
-  for (const auto& [width, height] : size_keys)
-    if (file.has(width) || file.has(height)) return {file.integer(width, sides), file.integer(height, sides)};
-  if (file.is_map("resolution")) {  // PhotonVision
-    const YamlFields size = file.map("resolution");
-    return {size.integer("width", sides), size.integer("height", sides)};
-  }
-  for (const char* name : {"image_size", "imageSize", "img_size"}) {
-    if (!file.has(name)) continue;
-    const std::vector<double> size =
-        file.is_map(name) ? file.map(name).numbers("data", sides, 2) : file.numbers(name, sides, 2);
-    return {static_cast<int>(size[0]), static_cast<int>(size[1])};
-  }
-  if (!given)
-    file.fail("image_width",
-              "it does not say how large the pictures are: expected image_width and image_height, or `width` "
-              "and `height` beside `file`");
-  return *given;
-}
-
-/// The coefficients' key; empty: it has none. One that looks like it and is not known is refused.
-std::string coefficients_key(const YamlFields& file, const MatrixKey& matrix) {
-  if (*matrix.coefficients != '\0') {
-    if (!file.has(matrix.coefficients))
-      file.fail(matrix.coefficients,
-                "expected the coefficients that belong to " + std::string(matrix.matrix));
-    return matrix.coefficients;
-  }
-  std::string found;
-  for (const char* key : coefficient_keys) {
-    if (!file.has(key)) continue;
-    if (!found.empty()) file.fail(key, "expected one list of coefficients, got '" + found + "', too");
-    found = key;
-  }
-  if (!found.empty()) return found;
-  if (file.has("distortion_model") && file.text("distortion_model") != "none")
-    file.fail("distortion_coefficients", "expected those of its distortion_model, got nothing of that name");
-  for (const std::string& key : file.keys()) {
-    const std::string low = lower_case(key);
-    const bool holds_numbers = file.is_list(key) || file.is_map(key);
-    const bool is_other = low.ends_with("model") || low.ends_with("type");
-    if (!is_other &&
-        (low.find("distort") != std::string::npos || low.find("distc") != std::string::npos ||
-         (holds_numbers && (low.find("dist") != std::string::npos || low.find("coef") != std::string::npos))))
-      file.fail(key, "expected the lens's coefficients as distortion_coefficients, got another name");
-  }
-  return "";
-}
-
-/// ROS's camera_info, and what OpenCV's users write.
-CameraIntrinsics read_camera_info(const YamlFields& file, const std::string& wanted, BesideFile& beside) {
-  const MatrixKey matrix = matrix_key(file, wanted);
-  const std::vector<double> k = read_matrix(file, matrix.matrix);
-  const ImageSize size = read_size(file, beside.size);
-  CameraIntrinsics camera{size.width, size.height, k[0], k[4], k[2], k[5], {}};
-  const std::string coefficients = coefficients_key(file, matrix);
-  if (!coefficients.empty()) take_coefficients(file, coefficients, camera, beside);
-  return beside.is_rectified ? read_rectified(file, camera) : camera;
 }
 
 /// librealsense's intrinsics, by their names there.
@@ -392,7 +146,7 @@ CameraIntrinsics read_plain(const YamlFields& fields, std::optional<ImageSize> g
   refuse_other_lenses(fields);
   if (named_lens(fields).value_or(LensModel::plumb_bob) != LensModel::plumb_bob)
     fields.fail("", "expected a plumb_bob, whose coefficients are k1, k2, p1, p2, k3");
-  if (const std::string key = coefficients_key(fields, matrix_keys[0]); !key.empty())
+  if (const std::string key = coefficients_key(fields); !key.empty())
     take_distortion(fields, key, LensModel::plumb_bob, camera);
   return only_camera(fields, camera, is_rectified);
 }
@@ -436,9 +190,33 @@ std::vector<std::string> orb_slam_prefixes(const YamlFields& fields) {
   return found;
 }
 
+/// ORB-SLAM2's stereo settings: Camera.fx, … are of the pictures that it rectifies, LEFT.K, … of the raw
+/// ones.
+CameraIntrinsics read_orb_slam_raw(const YamlFields& fields, const std::string& side, bool is_rectified) {
+  constexpr Bounds sides{32, 20000};
+  const std::string prefix = side + ".";
+  const std::vector<double> k = read_matrix(fields, prefix + "K");
+  CameraIntrinsics camera{fields.integer(prefix + "width", sides),
+                          fields.integer(prefix + "height", sides),
+                          k[0],
+                          k[4],
+                          k[2],
+                          k[5],
+                          {}};
+  BesideFile beside;
+  take_coefficients(fields, prefix + "D", camera, beside);
+  return is_rectified ? read_rectified(fields, camera, prefix) : camera;
+}
+
 /// ORB-SLAM's settings, of the camera that is wanted; else of the one or the left one.
 CameraIntrinsics read_orb_slam(const YamlFields& fields, const std::string& wanted,
                                std::optional<ImageSize> given, bool is_rectified) {
+  if ((wanted == "LEFT" || wanted == "RIGHT") && fields.has(wanted + ".K"))
+    return read_orb_slam_raw(fields, wanted, is_rectified);
+  if (fields.has("LEFT.K") && !is_rectified)
+    fields.fail("LEFT.K",
+                "Camera.fx and so on are of rectified pictures, LEFT.K and RIGHT.K of raw ones: expected "
+                "`name: LEFT` or `name: RIGHT` beside `file`, or `rectified: true`");
   const std::vector<std::string> prefixes = orb_slam_prefixes(fields);
   const std::string prefix = wanted.empty() ? prefixes.front() : wanted + ".";
   if (std::find(prefixes.begin(), prefixes.end(), prefix) == prefixes.end())
@@ -509,11 +287,6 @@ bool is_echo(const YamlFields& file) {
   return file.is_list("K") && (file.has("P") || file.has("R") || file.has("header"));
 }
 
-bool has_any_matrix(const YamlFields& file) {
-  return std::any_of(std::begin(matrix_keys), std::end(matrix_keys),
-                     [&file](const MatrixKey& key) { return file.has(key.matrix); });
-}
-
 /// Whether it is a file of json_camera's kinds, and of no other that is looked for before.
 bool is_json_camera(const YamlFields& file) {
   return !is_echo(file) && !file.is_list("intrinsics") && !file.is_map("projection_parameters") &&
@@ -572,11 +345,27 @@ CameraIntrinsics camera_of_info(const std::string& text, const std::string& call
   return camera;
 }
 
+/// With a blank behind `key:` where a list follows at once, which OpenCV reads (ORB-SLAM2's EuRoC.yaml).
+std::string with_blanks(const std::string& text) {
+  std::string spaced;
+  bool is_key = true;  // of this line, so far
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    spaced += c;
+    if (is_key && c == ':' && i + 1 < text.size() && text[i + 1] == '[') spaced += ' ';
+    if (c == '\n')
+      is_key = true;
+    else if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_' && c != '.' && c != ' ')
+      is_key = false;
+  }
+  return spaced;
+}
+
 /// Of YAML, JSON, or what OpenCV's FileStorage wrote, which as YAML begins with a directive of its own.
 YamlFields fields_of(const std::string& text, const std::string& called) {
   const bool is_opencv = text.starts_with("%YAML:1.0");
   return {is_xml(text) ? yaml_of_opencv_xml(text, called)
-          : is_opencv  ? text.substr(std::min(text.find('\n'), text.size()))
+          : is_opencv  ? with_blanks(text.substr(std::min(text.find('\n'), text.size())))
                        : text,
           called};
 }

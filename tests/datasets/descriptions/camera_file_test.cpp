@@ -255,6 +255,26 @@ TEST(CameraFile, ANameIsThatOfACameraInTheFileOrRefused) {
             std::string::npos);
 }
 
+/// ORB-SLAM2's EuRoC.yaml, whose lists begin without a blank.
+TEST(CameraFile, OfOrbSlams2StereoSettingsTheRawCamerasAreLeftAndRight) {
+  const std::string text =
+      "%YAML:1.0\nCamera.fx: 435.2\nCamera.fy: 435.2\nCamera.cx: 367.4\nCamera.cy: 252.2\n"
+      "Camera.width: 752\nCamera.height: 480\nLEFT.height: 480\nLEFT.width: 752\n"
+      "LEFT.D: !!opencv-matrix\n   rows: 1\n   cols: 5\n   dt: d\n   data:[-0.28, 0.07, 0.0002, 0.00002, "
+      "0.0]\n"
+      "LEFT.K: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n"
+      "   data: [458.6, 0.0, 367.2, 0.0, 457.3, 248.4, 0.0, 0.0, 1.0]\n"
+      "LEFT.P: !!opencv-matrix\n   rows: 3\n   cols: 4\n   dt: d\n"
+      "   data:[435.2, 0, 367.4, 0, 0, 435.2, 252.2, 0, 0, 0, 1, 0]\n";
+  EXPECT_EQ(parse_camera_file(text, "f", "LEFT"),
+            (CameraIntrinsics{752, 480, 458.6, 457.3, 367.2, 248.4, {-0.28, 0.07, 0.0002, 0.00002, 0.0}}));
+  EXPECT_EQ(parse_camera_file(text, "f", "LEFT", true).fx, 435.2);
+  EXPECT_EQ(parse_camera_file(text, "f", "", true).fx, 435.2);
+  EXPECT_NE(complaint([&] { parse_camera_file(text, "f", ""); }).find("`name: LEFT`"), std::string::npos);
+  EXPECT_NE(complaint([&] { parse_camera_file(text, "f", "RIGHT", true); }).find("no camera 'RIGHT'"),
+            std::string::npos);
+}
+
 /// As cv::FileStorage writes what cv::stereoRectify gave, and sizes as matrices.
 TEST(CameraFile, MatricesOfOpencvBesideRAndPAreNoMessageOfRos) {
   const auto matrix = [](const char* size, const char* data) {
