@@ -112,9 +112,47 @@ Path path_near_paint(const PlanProblem& strict, const PlanProblem& free) {
   return search_via_regions(free, hand, route, joint_weights(free.space, 0.0), {}).waypoints;
 }
 
+/// Of the places from `first` to `last` those where a stroke has to turn: straight from one to the next it is
+/// no farther than this from those between (Douglas and Peucker 1973). Without the first, with the last one.
+void turns_between(const std::vector<PaintHint>& hints, std::size_t first, std::size_t last, double farthest,
+                   std::vector<std::size_t>& turns) {
+  const Eigen::Vector3d from = hints[first].sphere.center, way = hints[last].sphere.center - from;
+  std::size_t worst = last;
+  double most = farthest;
+  for (std::size_t i = first + 1; i < last; ++i) {
+    const Eigen::Vector3d beside = hints[i].sphere.center - from;
+    const double share = way.isZero(0.0) ? 0.0 : std::clamp(beside.dot(way) / way.squaredNorm(), 0.0, 1.0);
+    if (const double distance = (beside - share * way).norm(); distance > most) most = distance, worst = i;
+  }
+  if (worst != last) {
+    turns_between(hints, first, worst, farthest, turns);
+    turns_between(hints, worst, last, farthest, turns);
+  } else {
+    turns.push_back(last);
+  }
+}
+
+/// The same, no more than a sentence takes.
+std::vector<std::size_t> turns_of_stroke(const std::vector<PaintHint>& hints, std::size_t first,
+                                         std::size_t last) {
+  constexpr std::size_t most = 6;
+  std::vector<std::size_t> turns;
+  double farthest = 0.25 * hints[first].sphere.radius;
+  do {
+    turns.clear();
+    turns_between(hints, first, last, farthest, turns);
+    farthest *= 1.5;
+  } while (turns.size() > most);
+  return turns;
+}
+
+void write_place(std::ostream& text, const Eigen::Vector3d& place) {
+  text << '(' << place.x() << ", " << place.y() << ", " << place.z() << ')';
+}
+
 void write_sphere(std::ostream& text, const Sphere& sphere) {
-  text << std::lround(1000.0 * sphere.radius) << " mm around (" << std::setprecision(3) << sphere.center.x()
-       << ", " << sphere.center.y() << ", " << sphere.center.z() << ')';
+  text << std::lround(1000.0 * sphere.radius) << " mm around " << std::setprecision(3);
+  write_place(text, sphere.center);
 }
 
 }  // namespace
@@ -137,9 +175,14 @@ std::string PaintAdvice::sentence() const {
     }
     if (strokes++ > 0) text << "; ";
     write_sphere(text, spheres[i].sphere);
-    if (last > i)
-      text << " and on to (" << spheres[last].sphere.center.x() << ", " << spheres[last].sphere.center.y()
-           << ", " << spheres[last].sphere.center.z() << ')';
+    if (last > i) {
+      const std::vector<std::size_t> turns = turns_of_stroke(spheres, i, last);
+      for (std::size_t turn = 0; turn < turns.size(); ++turn) {
+        text << (turn + 1 < turns.size() ? (turn == 0 ? ", on through " : ", ")
+                                         : (turns.size() > 1 ? " and to " : " and on to "));
+        write_place(text, spheres[turns[turn]].sphere.center);
+      }
+    }
     text << " for " << shortened(spheres[i].part);
     i = last + 1;
     if (strokes == 4 && i < spheres.size()) {

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
+#include <regex>
 
 #include "planning/planner_table.hpp"
 #include "planning/robot_files/load_robot.hpp"
@@ -78,6 +81,47 @@ TEST(PaintAdvice, SaysWhetherPaintIsNeededByAllOrByThisPlanner) {
       << advice.sentence();
   advice.way_exists = false;
   EXPECT_TRUE(advice.sentence().starts_with("Painting would connect start and goal: ")) << advice.sentence();
+}
+
+/// The places in brackets.
+std::vector<Eigen::Vector3d> places_in(const std::string& sentence) {
+  std::vector<Eigen::Vector3d> places;
+  const std::regex place("\\((-?[0-9.]+), (-?[0-9.]+), (-?[0-9.]+)\\)");
+  for (std::sregex_iterator it(sentence.begin(), sentence.end(), place), end; it != end; ++it)
+    places.emplace_back(std::stod((*it)[1]), std::stod((*it)[2]), std::stod((*it)[3]));
+  return places;
+}
+
+double distance_to_line(const std::vector<Eigen::Vector3d>& line, const Eigen::Vector3d& point) {
+  double least = HUGE_VAL;
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    const Eigen::Vector3d way = line[i] - line[i - 1];
+    const double share = std::clamp((point - line[i - 1]).dot(way) / way.squaredNorm(), 0.0, 1.0);
+    least = std::min(least, (line[i - 1] + share * way - point).norm());
+  }
+  return least;
+}
+
+TEST(PaintAdvice, AStrokeThatBendsIsNamedByThePlacesWhereItTurns) {
+  for (const double turn : {0.0, 1.6, 3.1}) {  // of the whole stroke, rad
+    PaintAdvice advice;
+    for (int i = 0; i <= 40; ++i) {
+      const double along = turn == 0.0 ? i / 40.0 : 0.0, angle = turn * i / 40.0;
+      advice.spheres.push_back(
+          {{Eigen::Vector3d(0.3 * std::cos(angle) + along, 0.3 * std::sin(angle), 0.5), 0.05}, "tool"});
+    }
+    const std::string sentence = advice.sentence();
+    const std::vector<Eigen::Vector3d> places = places_in(sentence);
+    if (turn == 0.0) {
+      EXPECT_EQ(sentence,
+                "Painting would connect start and goal: 50 mm around (0.300, 0.000, 0.500) and on to "
+                "(1.300, 0.000, 0.500) for tool.");
+    }
+    ASSERT_GE(places.size(), turn == 0.0 ? 2U : 4U) << sentence;
+    EXPECT_LE(places.size(), 7U) << sentence;
+    for (const PaintHint& hint : advice.spheres)
+      EXPECT_LT(distance_to_line(places, hint.sphere.center), 0.5 * hint.sphere.radius) << sentence;
+  }
 }
 
 TEST(PaintAdvice, JoinsTwoVolumesAndNamesThePlaceBetweenThem) {
