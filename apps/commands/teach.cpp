@@ -76,7 +76,7 @@ RecordedSession session_of(const TeachCommand& command) {
   session.seed = command.seed;
   session.time_limit = command.time_limit;
   if (command.setup.empty()) return session;
-  session.setup_file = shipped_file("setups", command.setup);
+  session.setup_file = fs::absolute(shipped_file("setups", command.setup));  // as a replay names it
   session.setup_text = read_text(session.setup_file, "setup");
   return session;
 }

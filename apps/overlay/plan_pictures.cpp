@@ -161,7 +161,10 @@ cv::Mat PlanPictures::failed(const ReplayPlan& entry) {
   scene.strip = Strip{entry.query + ", " + entry.plan.planner + ": " +
                           (is_refused ? "refused by the check" : std::string(to_string(entry.plan.status()))),
                       is_refused ? entry.plan.validation.first_contact : entry.plan.explanation(),
-                      PaintAdvice{entry.plan.paint}.sentence(), "", 0.0};
+                      PaintAdvice{entry.plan.paint}.sentence(),
+                      "",
+                      0.0,
+                      5};  // nobody waits for this picture
   return draw(scene);
 }
 

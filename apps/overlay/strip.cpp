@@ -137,7 +137,7 @@ void draw_strip(cv::Mat& picture, const Strip& strip) {
   std::vector<TextLine> lines;
   const auto add = [&](const std::string& text, Colour colour, int room) {
     if (text.empty()) return;
-    for (const std::string& line : fitting_lines(text, scale, width - room, 2))
+    for (const std::string& line : fitting_lines(text, scale, width - room, strip.most_lines))
       lines.push_back({line, colour});
   };
   add(strip.state, white, colours.room);  // which is beside it

@@ -13,13 +13,14 @@ class Mat;
 namespace clearway {
 
 /// The lines at the lower edge of a picture. Empty ones take no room; one that is too long for the picture
-/// takes two, and is cut and ends in "..." if these do not do.
+/// takes more, and is cut and ends in "..." if these do not do.
 struct Strip {
-  std::string state;         ///< what goes on
-  std::string refusal;       ///< the last thing refused, and why
-  std::string cure;          ///< what helps against it
-  std::string keys;          ///< what may be pressed
-  double clearance_m = 0.0;  ///< > 0: a scale of clearances up to this, right of the state
+  std::string state;           ///< what goes on
+  std::string refusal;         ///< the last thing refused, and why
+  std::string cure;            ///< what helps against it
+  std::string keys;            ///< what may be pressed
+  double clearance_m = 0.0;    ///< > 0: a scale of clearances up to this, right of the state
+  std::size_t most_lines = 2;  ///< of each
 };
 
 /// What a person can do when an image painted nothing, one sentence; empty where nothing helps.

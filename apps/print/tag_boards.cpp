@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "mapping/system/number_text.hpp"
+
 namespace clearway {
 namespace {
 
@@ -242,6 +244,10 @@ void write_board(const Board& board, std::ostringstream& text) {
 }  // namespace
 
 TagBoards lay_out_boards(const TagBoardsOptions& options) {
+  if (!(options.stem > options.ball_radius))
+    throw std::invalid_argument("--stem: expected more than the ball's radius of " +
+                                short_text(options.ball_radius) +
+                                " mm, because it is measured to the ball's middle");
   TagBoards boards;
   boards.sheets.resize(4);
   const Board parts[] = {base_board(options, boards.sheets[0]), probe_board(options, boards.sheets[1]),

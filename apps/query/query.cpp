@@ -153,6 +153,22 @@ double choose_padding(const RobotChoice& choice, const Robot& robot) {
   return choice.padding.value_or(robot.position_accuracy);
 }
 
+std::vector<std::string> volume_notes(const Robot& robot, const Snapshot& map) {
+  std::set<std::string> known;
+  for (const Body& body : robot.bodies) known.insert(body.part);
+  for (const Load& load : robot.loads) known.insert(load.name);
+  std::vector<std::string> notes;
+  for (const PaintedVolume& volume : map.volumes()) {
+    const auto& parts = volume.critical_parts;
+    const auto is_known = [&](const std::string& part) { return known.contains(part); };
+    if (!parts.empty() && std::none_of(parts.begin(), parts.end(), is_known))
+      notes.push_back("volume " + quote(volume.label) + " is for " + listed(parts) + ", and robot " +
+                      quote(robot.name) + " has no such part: expected some of " +
+                      shortened(listed({known.begin(), known.end()})));
+  }
+  return notes;
+}
+
 std::vector<bool> prismatic_joints(const Robot& robot) {
   std::vector<bool> flags;
   for (const Joint& joint : robot.joints) flags.push_back(joint.kind == JointKind::prismatic);

@@ -65,7 +65,7 @@ void VirtualRobot::lead(const Eigen::Isometry3d& map_from_tip, double time) {
 }
 
 std::string VirtualRobot::not_there(double time) const {
-  if (!led_at_) return "the gripper probe was not seen yet";
+  if (!led_at_) return "the gripper probe was not seen yet, since this robot was chosen";
   if (time - *led_at_ > longest_gap)
     return "the gripper probe was not seen for " + short_text(time - *led_at_, 2) + " s";
   return reason_;

@@ -51,9 +51,11 @@ std::string judge_coverage(const CameraCalibration& c, const CameraCalibrationOp
 
 std::string judge_focus(const CameraCalibration& c, const CameraCalibrationOptions& options) {
   if (!c.focal_scatter.is_certain || c.focal_scatter.sigma <= options.most_focal_scatter) return "";
-  return words("the focal length changes from image to image by ", 100.0 * c.focal_scatter.sigma,
-               " %, expected ", 100.0 * options.most_focal_scatter,
-               " % or less: does the camera focus or zoom by itself? Switch that off");
+  return words(
+      "the focal length changes from image to image by ", 100.0 * c.focal_scatter.sigma, " %, expected ",
+      100.0 * options.most_focal_scatter,
+      " % or less: does the camera focus, zoom or steady its pictures by itself? Switch that off; or was it "
+      "moved while it took them?");
 }
 
 std::string judge(const CameraCalibration& c, const CameraCalibrationOptions& options) {

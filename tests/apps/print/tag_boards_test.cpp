@@ -323,6 +323,9 @@ TEST(TagBoards, that_do_not_fit_the_page_are_refused_by_the_flags_name) {
   EXPECT_NE(refusal({.probe_tag = 60.0}).find("--probe-tag"), std::string::npos);
   EXPECT_NE(refusal({.gripper_tag = 120.0}).find("--gripper-tag"), std::string::npos);
   EXPECT_NE(refusal({.square = 40.0}).find("--square"), std::string::npos);
+  EXPECT_NE(refusal({.ball_radius = 20.0, .stem = 20.0})
+                .find("--stem: expected more than the ball's radius of 20 mm"),
+            std::string::npos);
 }
 
 TEST(TagsPrint, writes_sheets_and_a_setup_and_refuses_what_it_does_not_know) {

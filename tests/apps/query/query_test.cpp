@@ -44,6 +44,20 @@ TEST(Query, AWrongPolicyIsRefusedWithItsFlagItsPartAndThoseThatThereAre) {
             "--policy free: unknown policy 'free': expected painted, known_free or not_occupied");
 }
 
+TEST(Query, AVolumeForPartsThatTheRobotHasNotIsTold) {
+  const Robot robot = load_robot("puma560");
+  FreeSpaceMap map({.resolution = 0.05});
+  map.add_volume("slip", {"tol"});
+  map.add_volume("right", {"tool"});
+  map.add_volume("several", {"other", "tool"});
+  map.add_volume("any", {});
+  const std::vector<std::string> notes = volume_notes(robot, map.snapshot());
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_NE(notes[0].find("volume 'slip' is for 'tol', and robot 'puma560' has no such part"),
+            std::string::npos)
+      << notes[0];
+}
+
 TEST(Query, AGoalThatABeamComesNearAndDoesNotReachIsReportedBesideTheVerdict) {
   Policies policies;
   policies.critical_by_default = false;
