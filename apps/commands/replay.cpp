@@ -99,6 +99,7 @@ int run_replay(const ReplayOptions& options, Console& console) {
                 {{"RECORDING", options.recording}, {"--setup", setup}});
   const PictureOptions pictures{options.overlay, options.video};
   require_pictures(pictures, options.recording, options.out);
+  require_no_session(options.out);
   AtomicFolder folder(options.out, is_in_map_folder);  // refuses before the work what cannot be written
   std::filesystem::create_directory(folder.path() / "plans");
   ReplayReport report;

@@ -192,6 +192,7 @@ int run_teach(const TeachCommand& command, Console& console) {
   if (!screen && file.empty())
     throw std::invalid_argument(
         "teach: without a window nobody acts; expected --events FILE (see datasets/FORMATS.md)");
+  require_no_session(command.out);
   AtomicFolder folder(command.out,
                       written_into(command.out));  // refuses before the work what cannot be written
   for (const char* part : {"plans", "session/source"}) fs::create_directories(folder.path() / part);

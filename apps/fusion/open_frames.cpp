@@ -184,7 +184,11 @@ std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOpt
     throw std::invalid_argument("recording " + quote_path(folder.string()) +
                                 " cannot be read: " + failure.code().message());
   }
-  if (depth) {
+  // Arrays beside pictures that nothing places are what somebody made of these.
+  const bool is_derived = depth && !pictures.empty() && depth->poses.empty() && depth->pose_folder.empty() &&
+                          options.depth.poses.empty() && !options.places_depth &&
+                          is_depth_alone(depth->depth.front());
+  if (depth && !is_derived) {
     const SourceOptions whole = with_scale_of_file(*depth, with_camera_beside(*depth, options));
     const std::vector<std::string> notes(
         whole.notes.begin() + static_cast<std::ptrdiff_t>(options.notes.size()), whole.notes.end());
@@ -210,6 +214,10 @@ std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOpt
       return std::make_unique<NotedSource>(
           open_pictures(colour, name, options),
           std::vector<std::string>{"the pictures are those in " + quote_path(rgb.string()) + "."});
+  if (const fs::path session = folder / "session"; fs::exists(session / "session.json", error))
+    throw std::invalid_argument("recording " + quote_path(folder.string()) +
+                                " is what `teach` wrote: expected its session, " +
+                                quote_path(session.string()));
   throw std::invalid_argument("recording " + quote_path(folder.string()) +
                               " is a folder without pictures and clouds; expected " + kinds_of_recordings);
 }

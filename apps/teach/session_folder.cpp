@@ -109,6 +109,12 @@ bool is_session_folder(const fs::path& folder) {
   return fs::is_regular_file(folder / "session.json", error);
 }
 
+void require_no_session(const fs::path& out) {
+  if (is_session_folder(out))
+    throw std::invalid_argument("--out: " + quote_path(out.string()) +
+                                " is a recorded session, which stays as it is: expected another folder");
+}
+
 void save_session(const RecordedSession& session, const std::map<std::string, std::string>& inputs,
                   const fs::path& folder) {
   const fs::path source =

@@ -29,6 +29,9 @@ struct RecordedSession {
 /// Whether a folder holds a recorded session.
 bool is_session_folder(const std::filesystem::path& folder);
 
+/// @throws std::invalid_argument when a session is to be written over, by the name of the flag --out
+void require_no_session(const std::filesystem::path& out);
+
 /// Writes session.json, setup.yaml and `inputs`, what was read besides (InputKeeper::kept), and takes the
 /// source into the folder: as a hard link where the disk allows it, else as a copy. A camera's frames have to
 /// be there already.

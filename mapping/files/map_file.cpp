@@ -152,10 +152,13 @@ Snapshot load_map(const fs::path& path, std::optional<double> cloud_resolution) 
     return {tree_of_cloud(points, voxels_of_cloud(file, points, cloud_resolution), file), {}};
   }
   static const std::set<std::string> converted = {".las", ".laz", ".e57", ".ptx", ".obj", ".stl", ".npy"};
+  static const std::set<std::string> recorded = {".rawlog", ".log", ".clf", ".gz", ".mp4", ".avi", ".mkv"};
   throw std::invalid_argument("map '" + path.string() +
                               "' is of an unknown kind: expected a directory or a .ot, " +
                               ".bt, .pcd, .ply, .bin, .xyz, .asc or .pts file" +
-                              (converted.contains(kind) ? "; CloudCompare makes a .ply of it" : ""));
+                              (converted.contains(kind)  ? "; CloudCompare makes a .ply of it"
+                               : recorded.contains(kind) ? "; `clearway replay` makes a map of a recording"
+                                                         : ""));
 }
 
 MapLeaves MapLeaves::in_file(const fs::path& path, std::optional<double> cloud_resolution) {

@@ -36,6 +36,9 @@ TEST(SessionFolder, AFolderOfWhichAFileIsGoneOrAnotherOrMoreIsNotTheOneItWasMade
   save_session(session, {}, folder / "session");
   const auto load = [&] { return complaint([&] { load_session(folder / "session"); }); };
   EXPECT_EQ(load(), "");
+  EXPECT_NE(complaint([&] { require_no_session(folder / "session"); }).find("stays as it is"),
+            std::string::npos);
+  EXPECT_EQ(complaint([&] { require_no_session(folder / "scans"); }), "");
   const std::filesystem::path kept = folder / "session/source/scans";
   std::filesystem::rename(kept / "1.pcd", kept / "3.pcd");
   EXPECT_NE(load().find("its recording 'source/scans' is not the one that it was made from"),
