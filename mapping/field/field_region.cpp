@@ -4,6 +4,7 @@
 #include <string>
 
 #include "mapping/field/blocked_field.hpp"
+#include "mapping/system/number_text.hpp"
 
 namespace clearway {
 namespace {
@@ -53,7 +54,7 @@ FieldRegion field_region(const Eigen::AlignedBox3d& region, double resolution, d
   const Eigen::Array3d high = (region.max().array() / resolution).ceil().max(low + 1.0);
   if (low.minCoeff() < -farthest_cell || high.maxCoeff() > farthest_cell) {
     throw std::invalid_argument("distance field: the region reaches beyond " +
-                                std::to_string(farthest_cell * resolution) + " m from the origin");
+                                short_text(farthest_cell * resolution) + " m from the origin");
   }
   const Eigen::Array3d size = high - low;
   const double bytes = tiles_of(size) * bytes_of_a_tile;

@@ -250,7 +250,7 @@ std::shared_ptr<const FusedTree> tree_of_cloud(const std::vector<Eigen::Vector3f
                                                const CloudVoxels& voxels, const std::filesystem::path& file) {
   const double resolution = voxels.edge;
   if (!(resolution >= finest_voxel && resolution <= coarsest_voxel)) {
-    throw std::invalid_argument("cloud resolution is " + std::to_string(resolution) +
+    throw std::invalid_argument("cloud resolution is " + short_text(resolution) +
                                 ", expected metres in [0.0001, 100]");
   }
   auto tree = std::make_shared<FusedTree>(resolution);

@@ -253,8 +253,8 @@ Snapshot coarsen(const Snapshot& map, double resolution) {
   int factor = 2;
   while (factor < 32768 && factor < ratio * (1 - 1e-9)) factor *= 2;
   require(std::abs(ratio / factor - 1.0) <= 1e-9 && resolution <= 100.0,
-          "coarsen: the map has voxels of " + std::to_string(map.resolution()) +
-              " m, expected 2, 4, 8 ... times that (at most 100 m), got " + std::to_string(resolution));
+          "coarsen: the map has voxels of " + short_text(map.resolution()) +
+              " m, expected 2, 4, 8 ... times that (at most 100 m), got " + short_text(resolution));
   const auto tree = empty_like(map.tree(), map.resolution() * factor);
   if (map.tree().getRoot() != nullptr) coarsen_below(*map.tree().getRoot(), CellCube{}, factor, *tree);
   tree->finish();
