@@ -106,7 +106,7 @@ class Arm(unittest.TestCase):
         said["robot_scale"] = plan.robot_scale
         said["joints"] = ["other", *plan.joints[1:]]
         for use in (cw.check_plan, cw.plan_motion):
-            with self.assertRaisesRegex(ValueError, "'other'"):
+            with self.assertRaisesRegex(ValueError, "its joints other"):
                 use(self.space, cw.parse_plan(json.dumps(said)))
 
     def test_goals_may_be_poses(self):

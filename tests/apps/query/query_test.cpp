@@ -53,7 +53,7 @@ TEST(Query, AVolumeForPartsThatTheRobotHasNotIsTold) {
   map.add_volume("any", {});
   const std::vector<std::string> notes = volume_notes(robot, map.snapshot());
   ASSERT_EQ(notes.size(), 1U);
-  EXPECT_NE(notes[0].find("volume 'slip' is for 'tol', and robot 'puma560' has no such part"),
+  EXPECT_NE(notes[0].find("volume 'slip' is for tol, and robot 'puma560' has no such part"),
             std::string::npos)
       << notes[0];
 }
