@@ -92,6 +92,7 @@ SourceOptions with_camera_beside(const DepthLayout& layout, SourceOptions option
   DepthOptions& depth = options.depth;
   if (depth.camera || options.camera) return options;
   if (layout.camera.empty()) return with_camera_of_tum(layout, options);
+  if (layout.camera.filename() == "camera_matrix.csv") return options;  // open_depth_folder knows its size
   std::optional<ImageSize> size;
   for (auto file = layout.depth.begin(); !size && file != layout.depth.end(); ++file)
     if (const auto head = depth_picture_head(*file)) size = head->size;

@@ -14,6 +14,7 @@
 #include "datasets/pictures/picture_file.hpp"
 #include "datasets/pictures/picture_poses.hpp"
 #include "datasets/pictures/picture_times.hpp"
+#include "datasets/pictures/stray_folder.hpp"
 #include "datasets/sources/folder_damage.hpp"
 #include "datasets/sources/lens.hpp"
 #include "mapping/system/input_file.hpp"
@@ -65,10 +66,21 @@ struct DepthCameras {
   bool may_be_resized = false;  ///< depth may be smaller than the pictures that the cameras are of
 };
 
-/// In the child.
+/// In the child: what the sensor itself had no confidence in (0 of 0, 1 and 2) is none.
+void leave_out_doubtful(const fs::path& confidence, DepthPicture& depth) {
+  const GrayImage levels = decode_picture(read_input(confidence, "confidence picture", 64U << 20U));
+  if (levels.width != depth.size.width || levels.height != depth.size.height)
+    throw std::runtime_error("its confidence picture has another size");
+  for (std::size_t i = 0; i < depth.values.size(); ++i)
+    if (levels.pixels[i] == 0) depth.values[i] = 0.0F;
+}
+
+/// In the child. @param confidence the picture of it; empty: there is none
 CloudFrame decode_depth(const std::string& bytes, const CameraIntrinsics& stated, bool may_be_resized,
-                        CastCamera& cast, const DepthOptions& options, const DepthNumbers& numbers) {
-  const DepthPicture depth = decode_depth_picture(bytes);
+                        CastCamera& cast, const DepthOptions& options, const DepthNumbers& numbers,
+                        const fs::path& confidence) {
+  DepthPicture depth = decode_depth_picture(bytes);
+  if (!confidence.empty()) leave_out_doubtful(confidence, depth);
   if (depth.is_real != numbers.is_real)
     throw std::runtime_error(std::string("it holds ") + (numbers.is_real ? "whole" : "real") +
                              " numbers, and the first depth picture " + (numbers.is_real ? "real" : "whole") +
@@ -108,13 +120,23 @@ std::vector<fs::path> names_of(const TimedFiles& timed) {
   return files;
 }
 
+/// The pictures of confidence that are called as those of depth are; empty where there is none.
+std::vector<fs::path> confidence_of(const std::vector<fs::path>& pictures, const fs::path& folder) {
+  std::vector<fs::path> files(pictures.size());
+  std::error_code error;
+  for (std::size_t i = 0; i < pictures.size() && !folder.empty(); ++i)
+    if (const fs::path file = folder / (pictures[i].stem().string() + ".png"); fs::exists(file, error))
+      files[i] = file;
+  return files;
+}
+
 FilesInChild::Decode depth_decoder(const DepthCameras& cameras, const DepthOptions& options,
-                                   const DepthNumbers& numbers) {
+                                   const DepthNumbers& numbers, const std::vector<fs::path>& confidence) {
   const auto cast = std::make_shared<CastCamera>();
   if (!cameras.may_be_resized) cast->become(cameras.of_picture.front());
-  return [cameras, cast, options, numbers](const std::string& bytes, std::size_t number) {
+  return [cameras, cast, options, numbers, confidence](const std::string& bytes, std::size_t number) {
     const CameraIntrinsics& camera = cameras.of_picture[std::min(number, cameras.of_picture.size() - 1)];
-    return decode_depth(bytes, camera, cameras.may_be_resized, *cast, options, numbers);
+    return decode_depth(bytes, camera, cameras.may_be_resized, *cast, options, numbers, confidence[number]);
   };
 }
 
@@ -133,12 +155,15 @@ class DepthFolder final : public FrameSource {
                in_order_of_names(layout.depth), options.depth.tolerance, timed_.time_caveat.empty()),
         depth_(names_of(timed_), "depth picture",
                depth_decoder(camera ? DepthCameras{{*camera}} : cameras_of(path, layout), options_.depth,
-                             numbers)),
+                             numbers, confidence_of(names_of(timed_), layout.confidence))),
         unnamed_(layout.unnamed) {
     if (!options.depth.camera_file.empty())
       camera_note_ = "the depth pictures' camera is that of " +
                      quote_path(options.depth.camera_file.string()) +
                      ", which lies beside them; `source: {depth: {camera: …}}` states another.";
+    if (!layout.confidence.empty())
+      confidence_note_ =
+          "depth of no confidence (0 in " + quote_path(layout.confidence.string()) + ") was left out.";
     if (!camera)
       camera_note_ = "the depth pictures' cameras are those of " +
                      quote_path((path.shots.empty() ? layout.camera_folder : layout.poses).string()) +
@@ -167,7 +192,8 @@ class DepthFolder final : public FrameSource {
     std::vector<std::string> sentences = timed_.warnings;
     if (!options_.depth.scale_note.empty()) sentences.push_back(options_.depth.scale_note);
     if (!camera_note_.empty()) sentences.push_back(camera_note_);
-    if (!icl_note_.empty()) sentences.push_back(icl_note_);
+    for (const std::string* note : {&icl_note_, &confidence_note_})
+      if (!note->empty()) sentences.push_back(*note);
     if (!is_scale_stated_ && !why_of_tum_.empty())
       sentences.push_back("steps of depth are 0.0002 m, as " + why_of_tum_ +
                           "; `source: {depth: {scale: …}}` states others.");
@@ -269,7 +295,7 @@ class DepthFolder final : public FrameSource {
   std::unique_ptr<FrameSource> colour_;
   std::optional<Frame> next_depth_, next_colour_;
   std::size_t at_ = 0, unposed_ = 0, unnamed_ = 0;
-  std::string camera_note_, icl_note_;
+  std::string camera_note_, icl_note_, confidence_note_;
   FolderDamage damage_;
 };
 
@@ -316,7 +342,12 @@ std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const Dep
     whole.depth.scale = whole.depth.scale_of_file;
   if (!whole.depth.scale && !whole.depth.scale_note.empty())  // the file says what no camera has
     throw std::invalid_argument(whole.depth.scale_note);
-  const auto& stated = options.depth.camera ? options.depth.camera : options.camera;
+  if (layout.camera.filename() == "camera_matrix.csv" && !options.depth.camera && !options.camera &&
+      depth_size) {
+    whole.depth.camera = stray_camera(layout.camera, *depth_size);
+    whole.depth.camera_file = layout.camera;
+  }
+  const auto& stated = whole.depth.camera ? whole.depth.camera : options.camera;
   if (!stated && !(path && path->has_cameras()) && layout.camera_folder.empty())
     throw std::invalid_argument(name +
                                 " has depth pictures, which do not hold their camera: expected `camera`, or "

@@ -88,6 +88,7 @@ DepthLayout layout_by_names(const fs::path& folder) {
     if (!colour.empty()) layout.colour = pictures_in(colour);
     layout.pose_folder = first_there(folder, {"pose", "poses"});
     layout.camera_folder = first_there(folder, {"lowres_wide_intrinsics"});
+    layout.confidence = first_there(folder, {"confidence"});
     layout.tum_table = first_there(
         folder, {"depth.txt", "associations.txt", "association.txt", "associate.txt", "associated.txt"});
     return layout;
@@ -171,7 +172,8 @@ std::optional<DepthLayout> depth_layout(const fs::path& folder, const fs::path& 
                                        "_info.txt",
                                        "data/info.txt",
                                        "sequence/_info.txt",
-                                       "calibration.txt"});
+                                       "calibration.txt",
+                                       "camera_matrix.csv"});
   std::error_code error;
   const fs::path above = fs::weakly_canonical(folder, error).parent_path();
   if (layout.camera.empty())
@@ -182,6 +184,8 @@ std::optional<DepthLayout> depth_layout(const fs::path& folder, const fs::path& 
     if (layout.poses.empty()) layout.poses = only_file(folder, kind);
   if (layout.poses.empty() && layout.pose_folder.empty())
     layout.poses = only_file(folder / "extrinsics", ".txt");  // SUN3D's
+  if (layout.poses.empty() && layout.pose_folder.empty() && layout.camera.filename() == "camera_matrix.csv")
+    layout.poses = first_there(folder, {"odometry.csv"});  // Stray Scanner's
   if (layout.poses.empty() && layout.pose_folder.empty())
     layout.poses = first_there(folder, {"trajectory.json"});
   if (!path) return layout;

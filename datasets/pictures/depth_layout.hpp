@@ -17,7 +17,8 @@ struct DepthLayout {
   std::filesystem::path pose_folder;    ///< of a matrix for each depth picture; empty: none
   std::filesystem::path camera;         ///< a file of the depth pictures' camera; empty: none
   std::filesystem::path camera_folder;  ///< of a .pincam for each picture (ARKitScenes); empty: none
-  std::filesystem::path tum_table;      ///< that lists the pictures of `depth/` as TUM does; empty: none
+  std::filesystem::path confidence;  ///< folder of pictures of 0, 1 and 2, called as the depth's; empty: none
+  std::filesystem::path tum_table;   ///< that lists the pictures of `depth/` as TUM does; empty: none
   std::size_t unnamed = 0;  ///< depth pictures that transforms.json, which names others, does not name
 };
 

@@ -12,6 +12,7 @@
 #include "datasets/pictures/arkit_folder.hpp"
 #include "datasets/pictures/camera_path.hpp"
 #include "datasets/pictures/picture_numbers.hpp"
+#include "datasets/pictures/stray_folder.hpp"
 #include "datasets/sources/finite_number.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -242,7 +243,9 @@ PicturePoses::PicturePoses(const fs::path& file, fs::path folder, std::string wo
       by_file_[picture] = shot.world_from_camera;
     return;
   }
-  if (auto numbered = parse_numbered_poses(text, name)) {
+  auto numbered = parse_stray_poses(text, name);
+  if (!numbered) numbered = parse_numbered_poses(text, name);
+  if (numbered) {
     number(std::move(*numbered), pictures, name);
     return;
   }
