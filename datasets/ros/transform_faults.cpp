@@ -49,7 +49,7 @@ void refuse_alternation(const TransformTree& tree, const std::string& frame) {
 /// is no place for a map. Empty: it is not so.
 std::string driven_root(const TransformTree& tree, const std::string& root,
                         const std::set<std::string>& sensors) {
-  constexpr double still = 0.02, far = 0.2;  // m
+  constexpr double still = 0.02, far = 0.1;  // m
   for (const std::string& frame : used_frames(tree, root, sensors))
     if (tree.way_of(frame) > still) return "";
   const std::vector<std::string> chain = tree.chain_of(root);

@@ -72,7 +72,7 @@ TEST(TransformFaults, ARootThatDrivesWithItsSensorsIsTold) {
   EXPECT_EQ(told(tree, "map", "camera"), "");
   EXPECT_EQ(told(tree, "base", "hand"),
             "");  // a sensor on an arm looks at what rides along, or the base stands
-  EXPECT_EQ(told(driving(0.1), "base", "camera"), "");
+  EXPECT_EQ(told(driving(0.05), "base", "camera"), "");
 }
 
 }  // namespace transform_tree_test
