@@ -100,10 +100,10 @@ class Arm(unittest.TestCase):
         np.testing.assert_allclose(cw.plan_motion(self.space, turned).motion.positions[-1], plan.waypoints[-1])
         said["joints"] = plan.joints
         self.assertFalse(cw.check_plan(self.space, cw.parse_plan(json.dumps(said))).valid)
-        said["robot_scale"] = 0.1
+        said["scale"] = 0.1
         with self.assertRaisesRegex(ValueError, "scale 1, as the space's is, got 0.1"):
             cw.check_plan(self.space, cw.parse_plan(json.dumps(said)))
-        said["robot_scale"] = plan.robot_scale
+        said["scale"] = plan.robot_scale
         said["joints"] = ["other", *plan.joints[1:]]
         for use in (cw.check_plan, cw.plan_motion):
             with self.assertRaisesRegex(ValueError, "its joints other"):
