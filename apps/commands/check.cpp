@@ -161,7 +161,8 @@ int run_check(const CheckOptions& options, Console& console) {
   const Snapshot map = load_map(options.map, options.cloud_resolution);
   for (const std::string& note : robot_notes(robot, robot_request(options.robot).packages))
     console.warn("note: " + note);
-  for (const std::string& note : volume_notes(robot, map)) console.warn("note: " + note);
+  const std::vector<LegLoad> riding = plan.pick ? std::vector<LegLoad>{{plan.pick->object, {}}} : plan.loads;
+  for (const std::string& note : volume_notes(robot, riding, map)) console.warn("note: " + note);
   if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
     console.warn("note: " + remark);
   const std::string cloud = cloud_remark(options.map, map, options.cloud_resolution.has_value());

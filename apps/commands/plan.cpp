@@ -278,7 +278,7 @@ int run_plan(const PlanOptions& options, Console& console) {
   for (const std::string& note : chosen.notes) console.warn("note: " + note);
   for (const std::string& note : robot_notes(robot, robot_request(options.robot).packages))
     console.warn("note: " + note);
-  for (const std::string& note : volume_notes(robot, map)) console.warn("note: " + note);
+  for (const std::string& note : volume_notes(robot, riding, map)) console.warn("note: " + note);
   if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
     console.warn("note: " + remark);
   const std::string cloud = cloud_remark(options.map, map, options.cloud_resolution.has_value());

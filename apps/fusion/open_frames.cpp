@@ -12,6 +12,7 @@
 #include "datasets/pictures/depth_picture.hpp"
 #include "datasets/pictures/image_folder.hpp"
 #include "datasets/pictures/picture_file.hpp"
+#include "datasets/pictures/picture_times.hpp"
 #include "datasets/pictures/video.hpp"
 #include "mapping/files/cloud_file.hpp"
 #include "mapping/files/velodyne_scan.hpp"
@@ -94,8 +95,7 @@ SourceOptions with_camera_beside(const DepthLayout& layout, SourceOptions option
   if (layout.camera.empty()) return with_camera_of_tum(layout, options);
   if (layout.camera.filename() == "camera_matrix.csv") return options;  // open_depth_folder knows its size
   std::optional<ImageSize> size;
-  for (auto file = layout.depth.begin(); !size && file != layout.depth.end(); ++file)
-    if (const auto head = depth_picture_head(*file)) size = head->size;
+  if (const auto head = depth_picture_head(in_order_of_names(layout.depth))) size = head->size;
   std::string note;
   depth.camera = load_camera_file(layout.camera, "", depth.rectified, size, {}, &note);
   depth.camera_file = layout.camera;
@@ -165,6 +165,49 @@ fs::path euroc_pictures(const fs::path& folder) {
   return {};
 }
 
+std::unique_ptr<FrameSource> open_noted_depth(const fs::path& folder, const DepthLayout& depth,
+                                              const SourceOptions& options) {
+  const SourceOptions whole = with_scale_of_file(depth, with_camera_beside(depth, options));
+  const std::vector<std::string> notes(
+      whole.notes.begin() + static_cast<std::ptrdiff_t>(options.notes.size()), whole.notes.end());
+  auto source = open_depth_folder(folder, depth, whole);
+  if (notes.empty()) return source;
+  return std::make_unique<NotedSource>(std::move(source), notes);
+}
+
+/// What a folder holds beside depth.
+struct FolderContent {
+  std::string name;
+  std::vector<fs::path> pictures, clouds;
+  std::optional<VelodyneLayout> velodyne;
+};
+
+/// Null where there is nothing of these.
+std::unique_ptr<FrameSource> open_other(const fs::path& folder, const FolderContent& content,
+                                        const SourceOptions& options) {
+  std::error_code error;
+  const auto& [name, pictures, clouds, velodyne] = content;
+  if (!pictures.empty() && !clouds.empty())
+    throw std::invalid_argument("recording " + quote_path(folder.string()) + " has " +
+                                std::to_string(pictures.size()) + " pictures and " +
+                                std::to_string(clouds.size()) + " clouds; expected a folder of one kind");
+  if (!pictures.empty()) return open_pictures(pictures, name, options);
+  if (!clouds.empty()) return open_clouds(clouds, scan_poses_beside(folder), name, options);
+  if (velodyne) return open_velodyne(*velodyne, name, options);
+  if (const fs::path data = euroc_pictures(folder); !data.empty())
+    return std::make_unique<NotedSource>(
+        open_pictures(files_in(data, is_picture_file), name, options),
+        std::vector<std::string>{"the pictures are those in " + quote_path(data.string()) + "."});
+  if (const std::vector<fs::path> grey = files_in(folder, is_pgm); !grey.empty())
+    return open_pictures(grey, name, options);
+  if (const fs::path rgb = folder / "rgb"; fs::is_directory(rgb, error))
+    if (const std::vector<fs::path> colour = files_in(rgb, is_picture_file); !colour.empty())
+      return std::make_unique<NotedSource>(
+          open_pictures(colour, name, options),
+          std::vector<std::string>{"the pictures are those in " + quote_path(rgb.string()) + "."});
+  return nullptr;
+}
+
 std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOptions& options) {
   std::error_code error;
   const std::string name = fs::weakly_canonical(folder, error).filename().string();
@@ -185,36 +228,19 @@ std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOpt
     throw std::invalid_argument("recording " + quote_path(folder.string()) +
                                 " cannot be read: " + failure.code().message());
   }
-  // Arrays beside pictures that nothing places are what somebody made of these.
-  const bool is_derived = depth && !pictures.empty() && depth->poses.empty() && depth->pose_folder.empty() &&
+  // Arrays that nothing places are what somebody made of what lies beside them.
+  const bool is_derived = depth && depth->poses.empty() && depth->pose_folder.empty() &&
                           options.depth.poses.empty() && !options.places_depth &&
-                          is_depth_alone(depth->depth.front());
-  if (depth && !is_derived) {
-    const SourceOptions whole = with_scale_of_file(*depth, with_camera_beside(*depth, options));
-    const std::vector<std::string> notes(
-        whole.notes.begin() + static_cast<std::ptrdiff_t>(options.notes.size()), whole.notes.end());
-    auto source = open_depth_folder(folder, *depth, whole);
-    if (notes.empty()) return source;
-    return std::make_unique<NotedSource>(std::move(source), notes);
-  }
-  if (!pictures.empty() && !clouds.empty())
-    throw std::invalid_argument("recording " + quote_path(folder.string()) + " has " +
-                                std::to_string(pictures.size()) + " pictures and " +
-                                std::to_string(clouds.size()) + " clouds; expected a folder of one kind");
-  if (!pictures.empty()) return open_pictures(pictures, name, options);
-  if (!clouds.empty()) return open_clouds(clouds, scan_poses_beside(folder), name, options);
-  if (velodyne) return open_velodyne(*velodyne, name, options);
-  if (const fs::path data = euroc_pictures(folder); !data.empty())
+                          is_depth_array(depth->depth.front());
+  if (depth && !is_derived) return open_noted_depth(folder, *depth, options);
+  if (auto source = open_other(folder, {name, pictures, clouds, velodyne}, options)) {
+    if (!depth) return source;
     return std::make_unique<NotedSource>(
-        open_pictures(files_in(data, is_picture_file), name, options),
-        std::vector<std::string>{"the pictures are those in " + quote_path(data.string()) + "."});
-  if (const std::vector<fs::path> grey = files_in(folder, is_pgm); !grey.empty())
-    return open_pictures(grey, name, options);
-  if (const fs::path rgb = folder / "rgb"; fs::is_directory(rgb, error))
-    if (const std::vector<fs::path> colour = files_in(rgb, is_picture_file); !colour.empty())
-      return std::make_unique<NotedSource>(
-          open_pictures(colour, name, options),
-          std::vector<std::string>{"the pictures are those in " + quote_path(rgb.string()) + "."});
+        std::move(source),
+        std::vector<std::string>{"depth in arrays, such as " + quote_path(depth->depth.front().string()) +
+                                 ", is left out: nothing says where it was taken from."});
+  }
+  if (depth) return open_noted_depth(folder, *depth, options);  // says what is missing
   if (const fs::path session = folder / "session"; fs::exists(session / "session.json", error))
     throw std::invalid_argument("recording " + quote_path(folder.string()) +
                                 " is what `teach` wrote: expected its session, " +

@@ -211,7 +211,7 @@ void bind_making(py::module_& module) {
         for (const Configuration& q : plan.waypoints())
           if (static_cast<std::size_t>(q.size()) != robot.robot.dof())
             throw std::invalid_argument("robot: expected that of the plan, '" + plan.robot + "'");
-        return without_lock([&] { return trajectory_of(robot.robot, plan); });
+        return without_lock([&] { return trajectory_of(robot.robot, in_order_of(robot.robot, plan)); });
       },
       py::arg("robot"), py::arg("plan"), doc("trajectory_of#2"));
   module.def("export_trajectory", &export_text, py::arg("robot"), py::arg("plan"), py::arg("trajectory"),

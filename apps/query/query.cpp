@@ -153,10 +153,11 @@ double choose_padding(const RobotChoice& choice, const Robot& robot) {
   return choice.padding.value_or(robot.position_accuracy);
 }
 
-std::vector<std::string> volume_notes(const Robot& robot, const Snapshot& map) {
+std::vector<std::string> volume_notes(const Robot& robot, const std::vector<LegLoad>& loads,
+                                      const Snapshot& map) {
   std::set<std::string> known;
   for (const Body& body : robot.bodies) known.insert(body.part);
-  for (const Load& load : robot.loads) known.insert(load.name);
+  for (const LegLoad& load : loads) known.insert(load.load.name);
   std::vector<std::string> notes;
   for (const PaintedVolume& volume : map.volumes()) {
     const auto& parts = volume.critical_parts;

@@ -51,8 +51,10 @@ double choose_padding(const RobotChoice& choice, const Robot& robot);
 /// degrees; else empty. @param flag "--start"
 std::string degrees_hint(const Robot& robot, const Configuration& q, const std::string& flag);
 
-/// A sentence for each painted volume whose critical parts are none of the robot's, as by a slip of the pen.
-std::vector<std::string> volume_notes(const Robot& robot, const Snapshot& map);
+/// A sentence for each painted volume whose critical parts are none of the robot's and of its loads, as by a
+/// slip of the pen.
+std::vector<std::string> volume_notes(const Robot& robot, const std::vector<LegLoad>& loads,
+                                      const Snapshot& map);
 
 /// Of each joint whether it slides: what parse_configuration asks for beside joint_names.
 std::vector<bool> prismatic_joints(const Robot& robot);

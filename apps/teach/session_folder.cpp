@@ -44,14 +44,22 @@ void take_source(const fs::path& from, const fs::path& to) {
   }
 }
 
-/// Of a file's bytes; of a folder, of the names and digests of all files below it, in the order of the names.
+/// Of a file's bytes; of one that cannot be read, which is damage of the source, "none".
+std::string digest_of_file(const fs::path& file) {
+  try {
+    return fs::is_regular_file(file) ? file_sha256(file) : "none";
+  } catch (const std::runtime_error&) {
+    return "none";
+  }
+}
+
+/// Of a file; of a folder, of the names and digests of all files below it, in the order of the names.
 std::string digest_of(const fs::path& source) {
-  if (!fs::is_directory(source)) return fs::is_regular_file(source) ? map_sha256(source) : "";
+  if (!fs::is_directory(source)) return fs::is_regular_file(source) ? digest_of_file(source) : "";
   std::map<std::string, std::string> files;
   for (const auto& entry : fs::recursive_directory_iterator(source))
     if (!entry.is_directory())
-      files[entry.path().lexically_relative(source).generic_string()] =
-          entry.is_regular_file() ? map_sha256(entry.path()) : "none";
+      files[entry.path().lexically_relative(source).generic_string()] = digest_of_file(entry.path());
   std::string text;
   for (const auto& [name, digest] : files) text += digest + "  " + name + '\n';
   return sha256(text);

@@ -1,6 +1,5 @@
 #include "datasets/descriptions/camera_fields.hpp"
 
-#include <cctype>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -20,11 +19,6 @@ constexpr std::pair<const char*, const char*> size_keys[] = {
     {"w", "h"}};
 
 }  // namespace
-
-std::string lower_case(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
 
 void take_distortion(const YamlFields& fields, const std::string& key, LensModel lens,
                      CameraIntrinsics& camera) {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "datasets/cameras/image_size.hpp"
+#include "datasets/sources/lower_case.hpp"
 #include "datasets/sources/recording.hpp"
 #include "datasets/yaml/yaml_fields.hpp"
 
@@ -18,8 +19,6 @@ struct BesideFile {
   std::optional<LensModel> lens;
   std::string note;
 };
-
-std::string lower_case(std::string text);
 
 /// OpenCV's coefficients, as many as the lens has; OpenCV writes 5, 8, 12 or 14 for one that has fewer.
 void take_distortion(const YamlFields& fields, const std::string& key, LensModel lens,

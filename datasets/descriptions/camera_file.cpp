@@ -205,7 +205,7 @@ CameraIntrinsics read_orb_slam_raw(const YamlFields& fields, const std::string& 
                           {}};
   BesideFile beside;
   take_coefficients(fields, prefix + "D", camera, beside);
-  return is_rectified ? read_rectified(fields, camera, prefix) : camera;
+  return is_rectified ? read_rectified(fields, camera, prefix + "R", prefix + "P") : camera;
 }
 
 /// ORB-SLAM's settings, of the camera that is wanted; else of the one or the left one.
@@ -273,6 +273,7 @@ std::optional<YamlFields> json_camera(const YamlFields& file, const std::string&
   if (found.empty()) return std::nullopt;
   std::vector<std::string> names;
   for (const auto& [name, fields] : found) {
+    if (name.empty()) require_name(fields, wanted);
     if (found.size() == 1 && (wanted.empty() || name.empty())) return fields;
     if (!wanted.empty() && (name == wanted || name.starts_with(wanted + "."))) return fields;
     names.push_back(quote(name));

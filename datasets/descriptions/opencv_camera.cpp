@@ -131,8 +131,8 @@ void take_coefficients(const YamlFields& file, const std::string& key, CameraInt
 
 std::string coefficients_key(const YamlFields& file) { return coefficients_key(file, matrix_keys[0]); }
 
-CameraIntrinsics read_rectified(const YamlFields& file, const CameraIntrinsics& raw,
-                                const std::string& prefix) {
+CameraIntrinsics read_rectified(const YamlFields& file, const CameraIntrinsics& raw, const std::string& r,
+                                const std::string& p) {
   RosCameraInfo info;
   info.width = static_cast<std::uint32_t>(raw.width);
   info.height = static_cast<std::uint32_t>(raw.height);
@@ -145,8 +145,8 @@ CameraIntrinsics read_rectified(const YamlFields& file, const CameraIntrinsics& 
     const std::vector<double> values = file.map(key).numbers("data", within_reach, matrix.size());
     std::copy(values.begin(), values.end(), matrix.begin());
   };
-  take("rectification_matrix", prefix + "R", info.r);
-  take("projection_matrix", prefix + "P", info.p);
+  take("rectification_matrix", r, info.r);
+  take("projection_matrix", p, info.p);
   try {
     return rectified_camera(info).intrinsics;
   } catch (const std::runtime_error& error) {
@@ -161,7 +161,8 @@ CameraIntrinsics read_camera_info(const YamlFields& file, const std::string& wan
   CameraIntrinsics camera{size.width, size.height, k[0], k[4], k[2], k[5], {}};
   const std::string coefficients = coefficients_key(file, matrix);
   if (!coefficients.empty()) take_coefficients(file, coefficients, camera, beside);
-  return beside.is_rectified ? read_rectified(file, camera) : camera;
+  const std::string name = matrix.matrix, number = name.ends_with('1') ? "1" : name.ends_with('2') ? "2" : "";
+  return beside.is_rectified ? read_rectified(file, camera, "R" + number, "P" + number) : camera;
 }
 
 }  // namespace clearway

@@ -22,9 +22,9 @@ void take_coefficients(const YamlFields& file, const std::string& key, CameraInt
 std::string coefficients_key(const YamlFields& file);
 
 /// Of the pictures that are rectified with this file, as ROS does.
-/// @param prefix of OpenCV's names R and P, where ROS's are not there
-CameraIntrinsics read_rectified(const YamlFields& file, const CameraIntrinsics& raw,
-                                const std::string& prefix = "");
+/// @param r, p the names of OpenCV's R and P, where ROS's are not there
+CameraIntrinsics read_rectified(const YamlFields& file, const CameraIntrinsics& raw, const std::string& r,
+                                const std::string& p);
 
 /// ROS's camera_info, and what OpenCV's users write. @param wanted the matrix of several; may be empty
 CameraIntrinsics read_camera_info(const YamlFields& file, const std::string& wanted, BesideFile& beside);

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double most_apart = 0.02;  ///< s; the names of pictures and cameras differ by a rounding
+constexpr double most_apart = 1.0;  ///< s; names differ by a rounding, and a file may be missing
 
 /// The numbers of a line; empty where a word is none.
 std::vector<double> numbers_of_line(const std::string& line) {
@@ -53,7 +53,9 @@ fs::path nearest_to(const std::map<double, fs::path>& files, double time) {
 
 }  // namespace
 
-bool is_arkit_poses(const fs::path& file) { return extension_of(file) == ".traj"; }
+bool is_arkit_poses(const fs::path& file, const std::string& text) {
+  return extension_of(file) == ".traj" && numbers_of_line(text.substr(0, text.find('\n'))).size() == 7;
+}
 
 std::string tum_of_arkit(const std::string& text, const std::string& name) {
   std::istringstream lines(text);

@@ -200,6 +200,7 @@ CameraPath read_transforms(const PathFields& file, const std::optional<PictureSi
     if (!(scale > 0.0)) file.at(key).fail("a number > 0");
     if (path.depth_scale && *path.depth_scale != scale) file.at(key).fail("what integer_depth_scale says");
     path.depth_scale = scale;
+    path.is_scale_of_integers = std::string_view(key) == "integer_depth_scale";
   }
   for (const PathFields& frame : file.at("frames").items()) {
     CameraShot& shot = path.shots.emplace_back();

@@ -26,6 +26,7 @@ struct CameraPath {
   bool is_named = false;              ///< shots name their pictures; else they are in the order of these
 
   /// Whether all of them state their camera.
+  bool is_scale_of_integers = false;  ///< depth_scale is that of whole numbers alone
   bool has_cameras() const;
 };
 

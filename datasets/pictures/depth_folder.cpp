@@ -96,10 +96,12 @@ CloudFrame decode_depth(const std::string& bytes, const CameraIntrinsics& stated
   CloudFrame cloud;
   cloud.kind = "depth";
   cloud.max_range = options.max_range;
+  constexpr double background = 1e4;  // m, of rendered pictures: where there is nothing
   for (std::size_t i = 0; i < depth.values.size(); ++i) {
     const Eigen::Vector3f& ray = cast.rays[i];
-    if (depth.values[i] == 0.0F || ray.x() == 0.0F) continue;
-    cloud.points.push_back(static_cast<float>(*options.scale * numbers.value_of(depth.values[i])) * ray);
+    const double distance = *options.scale * numbers.value_of(depth.values[i]);
+    if (distance == 0.0 || distance >= background || ray.x() == 0.0F) continue;
+    cloud.points.push_back(static_cast<float>(distance) * ray);
   }
   return cloud;
 }
@@ -140,6 +142,12 @@ FilesInChild::Decode depth_decoder(const DepthCameras& cameras, const DepthOptio
   };
 }
 
+/// None where the setup places the pictures.
+fs::path poses_file(const DepthLayout& layout, const SourceOptions& options) {
+  if (options.places_depth) return {};
+  return options.depth.poses.empty() ? layout.poses : options.depth.poses;
+}
+
 class DepthFolder final : public FrameSource {
  public:
   /// @param path of the camera, where the poses are one @param camera of all pictures; empty: the path's
@@ -151,8 +159,9 @@ class DepthFolder final : public FrameSource {
         options_(with_scale(options, why_of_tum_, numbers.is_real)),
         is_scale_stated_(options.depth.scale.has_value()),
         timed_(times_of_files(layout.depth, options.rate)),
-        poses_(options.depth.poses.empty() ? layout.poses : options.depth.poses, layout.pose_folder, "depth",
-               in_order_of_names(layout.depth), options.depth.tolerance, timed_.time_caveat.empty()),
+        poses_(poses_file(layout, options), options.places_depth ? fs::path() : layout.pose_folder, "depth",
+               options.depth.poses.empty() ? pictures_of_poses(layout) : in_order_of_names(layout.depth),
+               options.depth.tolerance, timed_.time_caveat.empty()),
         depth_(names_of(timed_), "depth picture",
                depth_decoder(camera ? DepthCameras{{*camera}} : cameras_of(path, layout), options_.depth,
                              numbers, confidence_of(names_of(timed_), layout.confidence))),
@@ -310,8 +319,8 @@ std::optional<CameraPath> path_of(const fs::path& poses, const PictureSizes& siz
 
 /// What a path says where the setup says nothing: how far a step of depth is, and the camera of the colour
 /// pictures, if it is one.
-SourceOptions with_path(SourceOptions options, const CameraPath& path) {
-  if (!options.depth.scale) options.depth.scale = path.depth_scale;
+SourceOptions with_path(SourceOptions options, const CameraPath& path, bool is_real) {
+  if (!options.depth.scale && !(is_real && path.is_scale_of_integers)) options.depth.scale = path.depth_scale;
   const auto& first = path.shots.front().camera;
   const bool is_one = std::all_of(path.shots.begin(), path.shots.end(),
                                   [&](const CameraShot& shot) { return shot.camera == first; });
@@ -330,12 +339,12 @@ std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const Dep
     throw std::invalid_argument(name + " has poses in " + quote(found.poses.filename().string()) +
                                 " and in " + quote(found.other_poses.filename().string()) +
                                 ": expected `poses` of `source: {depth: …}` in the setup to name one");
-  const auto head = depth_picture_head(in_order_of_names(layout.depth).front());
+  const auto head = depth_picture_head(in_order_of_names(layout.depth));
   DepthNumbers numbers{head && head->is_real};
   const auto depth_size = head ? std::optional(head->size) : std::nullopt;
   const auto path = path_of(
       layout.poses, {depth_size, layout.colour.empty() ? depth_size : picture_size(layout.colour.front())});
-  SourceOptions whole = path ? with_path(options, *path) : options;
+  SourceOptions whole = path ? with_path(options, *path, numbers.is_real) : options;
   if (whole.depth.scale || numbers.is_real)
     whole.depth.scale_note.clear();  // nobody asks the camera's file, which speaks of steps
   else

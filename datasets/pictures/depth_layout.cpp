@@ -1,15 +1,19 @@
 #include "datasets/pictures/depth_layout.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <set>
 #include <sstream>
 
 #include "datasets/pictures/camera_path.hpp"
 #include "datasets/pictures/depth_picture.hpp"
+#include "datasets/pictures/name_time.hpp"
 #include "datasets/pictures/picture_file.hpp"
 #include "datasets/pictures/picture_poses.hpp"
+#include "datasets/pictures/picture_times.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -61,6 +65,15 @@ fs::path only_file(const fs::path& folder, const std::string& kind) {
   return found;
 }
 
+/// The last file of the folder, by name, with this end; empty: there is none.
+fs::path last_file(const fs::path& folder, const std::string& kind) {
+  fs::path last;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (extension_of(entry.path()) == kind) last = std::max(last, entry.path());
+  return last;
+}
+
 /// The first of these names that is there.
 fs::path first_there(const fs::path& folder, std::initializer_list<const char*> names) {
   std::error_code error;
@@ -109,6 +122,23 @@ DepthLayout layout_by_names(const fs::path& folder) {
   return layout;
 }
 
+std::map<double, fs::path> by_time(const std::vector<fs::path>& pictures) {
+  std::map<double, fs::path> times;
+  for (const fs::path& picture : pictures)
+    if (const auto time = time_in_name(picture.stem().string())) times[*time] = picture;
+  return times;
+}
+
+/// The picture of the nearest time; null: none is within 40 ms.
+const std::pair<const double, fs::path>* nearest(const std::map<double, fs::path>& pictures, double time) {
+  constexpr double most_apart = 0.04;
+  auto next = pictures.lower_bound(time);
+  if (next != pictures.begin() &&
+      (next == pictures.end() || time - std::prev(next)->first < next->first - time))
+    --next;
+  return next == pictures.end() || std::abs(next->first - time) > most_apart ? nullptr : &*next;
+}
+
 /// A transforms.json of colour pictures alone is none of ours.
 std::optional<CameraPath> path_with_depth(const fs::path& transforms, const DepthLayout& layout) {
   const std::string text = read_input(transforms, "poses", largest_poses);
@@ -143,6 +173,21 @@ bool is_of_tum(const fs::path& poses) {
   for (int i = 0; i < 3 && std::getline(stream, line); ++i)
     if (line.starts_with("#") && line.find("rgbd_dataset_") != std::string::npos) return true;
   return false;
+}
+
+std::vector<fs::path> pictures_of_poses(const DepthLayout& layout) {
+  const std::vector<fs::path> depth = in_order_of_names(layout.depth);
+  if (!layout.poses_of_colour) return depth;
+  const std::vector<fs::path> colour = in_order_of_names(layout.colour);
+  const std::map<double, fs::path> depth_at = by_time(depth), colour_at = by_time(colour);
+  std::vector<fs::path> paired;
+  for (const fs::path& picture : colour) {
+    const auto time = time_in_name(picture.stem().string());
+    const auto* const near = time ? nearest(depth_at, *time) : nullptr;
+    const auto* const back = near != nullptr ? nearest(colour_at, near->first) : nullptr;
+    paired.push_back(back != nullptr && back->second == picture ? near->second : fs::path());
+  }
+  return paired;
 }
 
 std::optional<DepthLayout> depth_layout(const fs::path& folder, const fs::path& stated_poses) {
@@ -180,10 +225,13 @@ std::optional<DepthLayout> depth_layout(const fs::path& folder, const fs::path& 
     layout.camera = first_there(above, {"cam_params.json"});  // Replica's, of all its rooms
   layout.poses = first_there(folder, {"groundtruth.txt", "poses.txt", "trajectory.txt", "trajectory.log",
                                       "traj.txt", "scene/trajectory.log"});
-  for (const char* kind : {".log", ".freiburg", ".traj"})
+  for (const char* kind : {".log", ".freiburg"})
     if (layout.poses.empty()) layout.poses = only_file(folder, kind);
-  if (layout.poses.empty() && layout.pose_folder.empty())
-    layout.poses = only_file(folder / "extrinsics", ".txt");  // SUN3D's
+  if (layout.poses.empty() && layout.pose_folder.empty()) layout.poses = only_file(folder, ".traj");
+  if (layout.poses.empty() && layout.pose_folder.empty() && !layout.colour.empty()) {
+    layout.poses = last_file(folder / "extrinsics", ".txt");  // SUN3D's, of the colour pictures
+    layout.poses_of_colour = !layout.poses.empty();
+  }
   if (layout.poses.empty() && layout.pose_folder.empty() && layout.camera.filename() == "camera_matrix.csv")
     layout.poses = first_there(folder, {"odometry.csv"});  // Stray Scanner's
   if (layout.poses.empty() && layout.pose_folder.empty())

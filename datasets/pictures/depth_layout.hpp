@@ -13,6 +13,7 @@ constexpr std::size_t largest_poses = std::size_t{256} << 20U;  ///< bytes of a 
 struct DepthLayout {
   std::vector<std::filesystem::path> depth, colour;  ///< colour may be empty
   std::filesystem::path poses;          ///< TUM text, numbered poses or a camera's path; empty: none
+  bool poses_of_colour = false;         ///< the poses are those of the colour pictures, in order (SUN3D)
   std::filesystem::path other_poses;    ///< beside transforms.json: which of the two counts is not known
   std::filesystem::path pose_folder;    ///< of a matrix for each depth picture; empty: none
   std::filesystem::path camera;         ///< a file of the depth pictures' camera; empty: none
@@ -32,7 +33,9 @@ bool is_of_tum(const std::filesystem::path& poses);
 /// Replica); with `groundtruth.txt`, `poses.txt`, `trajectory.txt`, `trajectory.log`, `traj.txt`,
 /// `trajectory.json` (Open3D) or the one file
 /// `.log` or `.freiburg`, or a folder `pose/` or `poses/`, or NAME.pose.txt; or the pictures that the
-/// `transforms.json` of nerfstudio or instant-ngp names, or is of; and `intrinsic/intrinsic_depth.txt`
+/// `transforms.json` of nerfstudio or instant-ngp names, or is of; or as SUN3D's with `extrinsics/`,
+/// ARKitScenes' (`lowres_depth/` and a `.traj`) or Stray Scanner's
+/// (`odometry.csv` beside `camera_matrix.csv`); and `intrinsic/intrinsic_depth.txt`
 /// (ScanNet), `camera_intrinsic.json` (Open3D) or another file that is called like a camera's. None when it
 /// holds no depth pictures.
 /// @param stated_poses the file that a setup names: no other transforms.json counts then; empty: none
@@ -40,5 +43,9 @@ bool is_of_tum(const std::filesystem::path& poses);
 /// @throws std::invalid_argument for a transforms.json that is none (parse_camera_path)
 std::optional<DepthLayout> depth_layout(const std::filesystem::path& folder,
                                         const std::filesystem::path& stated_poses = {});
+
+/// The depth pictures that poses belong to, in order: of poses of colour pictures those of the nearest time
+/// in their names, if it is within 40 ms, else an empty path (SUN3D, whose own reader pairs them so).
+std::vector<std::filesystem::path> pictures_of_poses(const DepthLayout& layout);
 
 }  // namespace clearway

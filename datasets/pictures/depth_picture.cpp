@@ -19,14 +19,20 @@
 namespace clearway {
 namespace {
 
-constexpr float no_depth = 65535.0F;
+/// Bit by bit, as NaN is no number to compare.
+bool is_same(const cv::Mat& a, const cv::Mat& b) {
+  const std::size_t bytes = a.elemSize() * static_cast<std::size_t>(a.cols);
+  for (int row = 0; row < a.rows; ++row)
+    if (std::memcmp(a.ptr(row), b.ptr(row), bytes) != 0) return false;
+  return true;
+}
 
 /// All channels of a picture that hold the same are one: who writes depth as a picture of colours repeats it.
 cv::Mat only_channel(const cv::Mat& picture) {
   std::vector<cv::Mat> channels;
   cv::split(picture, channels);
   for (std::size_t i = 1; i < channels.size(); ++i)
-    if (i < 3 && cv::norm(channels[0], channels[i], cv::NORM_INF) != 0.0)
+    if (i < 3 && !is_same(channels[0], channels[i]))
       throw std::runtime_error("it holds colours: expected one number of depth in each pixel");
   return channels.front();
 }
@@ -39,12 +45,16 @@ DepthPicture decode_pfm(const std::string& bytes) {
   std::string magic;
   std::int64_t width = 0, height = 0;
   double sign = 0.0;
-  if (!(head >> magic >> width >> height >> sign) || sign == 0.0 || head.get() == EOF)
+  if (!(head >> magic >> width >> height >> sign) || sign == 0.0)
     throw std::runtime_error("its head cannot be read");
+  if (head.peek() == '\r') head.get();
+  if (head.get() == EOF) throw std::runtime_error("it is cut off");
   const ImageSize size = require_picture_size(width, height);
   const auto at = static_cast<std::size_t>(head.tellg());
   const auto pixels = static_cast<std::size_t>(width * height);
-  if (bytes.size() - at < pixels * sizeof(float)) throw std::runtime_error("it is cut off");
+  if (bytes.size() - at != pixels * sizeof(float))
+    throw std::runtime_error("it has " + std::to_string(bytes.size() - at) + " bytes of numbers, expected " +
+                             std::to_string(pixels * sizeof(float)));
   DepthPicture picture{size, std::vector<float>(pixels), true};
   const bool is_swapped = (sign > 0.0) == (std::endian::native == std::endian::little);
   for (std::size_t i = 0; i < pixels; ++i) {
@@ -75,16 +85,22 @@ DepthPicture decode_by_opencv(const std::string& bytes) {
   cv::Mat_<float> values;
   depth.convertTo(values, CV_32F);
   picture.values.assign(values.begin(), values.end());
-  if (!is_real) std::replace(picture.values.begin(), picture.values.end(), no_depth, 0.0F);
+  if (!is_real) leave_out_none(picture.values);
   return picture;
 }
 
 }  // namespace
 
-bool is_depth_alone(const std::filesystem::path& file) {
-  const auto all = {".pgm", ".npy", ".pfm", ".exr"};
+bool is_depth_array(const std::filesystem::path& file) {
+  const auto all = {".npy", ".pfm", ".exr"};
   return std::find(all.begin(), all.end(), extension_of(file)) != all.end();
 }
+
+bool is_depth_alone(const std::filesystem::path& file) {
+  return extension_of(file) == ".pgm" || is_depth_array(file);
+}
+
+void leave_out_none(std::vector<float>& steps) { std::replace(steps.begin(), steps.end(), 65535.0F, 0.0F); }
 
 DepthPicture decode_depth_picture(const std::string& bytes) {
   DepthPicture picture = is_npy(bytes)             ? decode_npy(bytes)
@@ -96,18 +112,22 @@ DepthPicture decode_depth_picture(const std::string& bytes) {
   return picture;
 }
 
-std::optional<DepthPictureHead> depth_picture_head(const std::filesystem::path& file) {
-  if (const auto size = picture_size(file)) return DepthPictureHead{*size, false};
-  FilesInChild one({file}, "depth picture", [](const std::string& bytes, std::size_t) {
-    const DepthPicture picture = decode_depth_picture(bytes);
-    CloudFrame head;
-    head.points.emplace_back(picture.size.width, picture.size.height, picture.is_real ? 1.0F : 0.0F);
-    return head;
-  });
-  const auto outcome = one.next();
-  if (!outcome || !outcome->content) return std::nullopt;
-  const Eigen::Vector3f& head = std::get<CloudFrame>(*outcome->content).points.front();
-  return DepthPictureHead{{static_cast<int>(head.x()), static_cast<int>(head.y())}, head.z() != 0.0F};
+std::optional<DepthPictureHead> depth_picture_head(const std::vector<std::filesystem::path>& files) {
+  constexpr std::size_t most = 20;
+  for (std::size_t i = 0; i < std::min(files.size(), most); ++i) {
+    if (const auto size = picture_size(files[i])) return DepthPictureHead{*size, false};
+    FilesInChild picture({files[i]}, "depth picture", [](const std::string& bytes, std::size_t) {
+      const DepthPicture decoded = decode_depth_picture(bytes);
+      CloudFrame head;
+      head.points.emplace_back(decoded.size.width, decoded.size.height, decoded.is_real ? 1.0F : 0.0F);
+      return head;
+    });
+    const auto outcome = picture.next();
+    if (!outcome || !outcome->content) continue;  // told when it is read
+    const Eigen::Vector3f& head = std::get<CloudFrame>(*outcome->content).points.front();
+    return DepthPictureHead{{static_cast<int>(head.x()), static_cast<int>(head.y())}, head.z() != 0.0F};
+  }
+  return std::nullopt;
 }
 
 }  // namespace clearway

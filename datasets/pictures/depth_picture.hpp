@@ -22,8 +22,14 @@ struct DepthPictureHead {
   bool is_real = false;
 };
 
+/// True for a name that ends in .npy, .pfm or .exr.
+bool is_depth_array(const std::filesystem::path& file);
+
 /// True for a name that ends in .pgm (3RScan's), .npy, .pfm or .exr: depth, where a folder holds depth.
 bool is_depth_alone(const std::filesystem::path& file);
+
+/// Of numbers of 16 bits: 65535 is none.
+void leave_out_none(std::vector<float>& steps);
 
 /// The depth in a grey picture of 16 bits (PNG, PGM, TIFF; 65535 is none, too), one of real numbers (TIFF,
 /// OpenEXR, PFM) or a NumPy array (.npy: two axes, or a third of one entry; whole numbers or real ones of up
@@ -31,8 +37,8 @@ bool is_depth_alone(const std::filesystem::path& file);
 /// this is called in a child process alone. @throws std::runtime_error a clause that says why there is none
 DepthPicture decode_depth_picture(const std::string& bytes);
 
-/// Of a PNG or binary PGM file from its first bytes, of others by decoding it in a child process; nothing for
-/// one that cannot be read.
-std::optional<DepthPictureHead> depth_picture_head(const std::filesystem::path& file);
+/// Of the first of these files, of twenty at most, that can be read: of a PNG or binary PGM by its first
+/// bytes, of others by decoding it in a child process; nothing where there is none.
+std::optional<DepthPictureHead> depth_picture_head(const std::vector<std::filesystem::path>& files);
 
 }  // namespace clearway

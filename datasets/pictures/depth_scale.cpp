@@ -56,11 +56,12 @@ float DepthNumbers::value_of(float stored) const {
 }
 
 bool are_steps_rotated(const DepthLayout& layout) {
+  if (std::any_of(layout.depth.begin(), layout.depth.end(), is_depth_array)) return false;
   const DepthSample sample = sample_of(layout);
   std::size_t of_8 = 0, of_16 = 0;
   for (const float value : sample.values) {
-    of_8 += std::fmod(value, 8.0F) == 0.0F;
-    of_16 += std::fmod(value, 16.0F) == 0.0F;
+    of_8 += std::fmod(value, 8.0F) <= 1.0F;  // beyond 8191 mm the last bit is set
+    of_16 += std::fmod(value, 16.0F) <= 1.0F;
   }
   constexpr std::size_t least_kinds = 16;  // a wall straight ahead says nothing
   const std::size_t count = sample.values.size(),
@@ -96,17 +97,18 @@ void require_steps_of_tum(const std::string& name, const DepthLayout& layout) {
 }
 
 void require_metres(const std::string& name, const DepthLayout& layout) {
-  constexpr float far = 100.0F;
-  DepthSample sample = sample_of(layout);
-  if (sample.values.empty()) return;
-  const auto middle = sample.values.begin() + static_cast<std::ptrdiff_t>(sample.values.size() / 2);
-  std::nth_element(sample.values.begin(), middle, sample.values.end());
+  constexpr float far = 100.0F, background = 1e6F;
+  std::vector<float> values = sample_of(layout).values;
+  std::erase_if(values, [](float value) { return value >= background; });
+  if (values.empty()) return;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
   if (*middle <= far) return;
   throw std::invalid_argument(
       name + " has depth pictures of real numbers, half of them beyond " +
       std::to_string(std::lround(*middle)) +
-      ", which cannot be metres: expected `source: {depth: {scale: …}}` in the setup, "
-      "0.001 for millimetres");
+      ", which are hardly metres: expected `source: {depth: {scale: …}}` in the setup, "
+      "0.001 for millimetres, 1 for metres");
 }
 
 }  // namespace clearway

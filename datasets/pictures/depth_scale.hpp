@@ -19,8 +19,8 @@ struct DepthNumbers {
   float value_of(float stored) const;
 };
 
-/// Whether nearly all steps in some pictures, spread over all, are multiples of 8, and many not of 16: what
-/// rotated bits of millimetres below 8.2 m give, and no sensor else.
+/// Whether nearly all steps in some pictures, spread over all, are multiples of 8, or one more, and many not
+/// of 16: what rotated bits of millimetres give, and no sensor else. Arrays have no such bits.
 bool are_steps_rotated(const DepthLayout& layout);
 
 /// Why the pictures' steps are taken for TUM's, after "… are 0.0002 m, as"; empty: they are not. Who lists
@@ -37,7 +37,8 @@ SourceOptions with_scale(SourceOptions options, const std::string& why_of_tum, b
 void require_steps_of_tum(const std::string& name, const DepthLayout& layout);
 
 /// Real numbers are metres in most files, and millimetres in others. @throws std::invalid_argument where half
-/// of the depth in some pictures, spread over all, lies beyond 100 m
+/// of the depth in some pictures, spread over all, lies beyond 100 m, without what is background (1e6 and
+/// more)
 void require_metres(const std::string& name, const DepthLayout& layout);
 
 }  // namespace clearway

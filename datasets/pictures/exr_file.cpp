@@ -7,13 +7,13 @@
 #include <ImfInputFile.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstring>
 #include <stdexcept>
 #include <string_view>
 #include <vector>
 
 #include "datasets/pictures/picture_file.hpp"
+#include "datasets/sources/lower_case.hpp"
 
 namespace clearway {
 namespace {
@@ -40,16 +40,13 @@ class ByteStream final : public Imf::IStream {
 /// What stands behind the last point of a channel's name, in small letters: "z" of "ViewLayer.Depth.Z".
 std::string last_word(std::string_view channel) {
   const std::size_t point = channel.rfind('.');
-  std::string word(point == std::string_view::npos ? channel : channel.substr(point + 1));
-  for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return word;
+  return lower_case(std::string(point == std::string_view::npos ? channel : channel.substr(point + 1)));
 }
 
 bool is_of_depth(std::string_view channel) {
-  std::string name(channel);
-  for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   const std::string word = last_word(channel);
-  return word == "z" || word == "depth" || (word == "v" && name.find("depth") != std::string::npos);
+  const bool is_of_layer = lower_case(std::string(channel)).find("depth") != std::string::npos;
+  return word == "z" || word == "depth" || (word == "v" && is_of_layer);
 }
 
 /// The channels that have to hold the same: one, or R, G and B.
@@ -101,6 +98,9 @@ DepthPicture depth_in(Imf::InputFile& file) {
 bool is_exr(const std::string& bytes) { return bytes.starts_with("\x76\x2f\x31\x01"); }
 
 DepthPicture decode_exr(const std::string& bytes) {
+  constexpr unsigned deep = 0x08, multipart = 0x10;  // of the second byte behind the magic number
+  if (bytes.size() > 5 && (static_cast<unsigned char>(bytes[5]) & (deep | multipart)) != 0)
+    throw std::runtime_error("it has several parts, or several depths in a pixel: expected one picture");
   try {
     ByteStream stream(bytes);
     Imf::InputFile file(stream, 0);

@@ -14,6 +14,7 @@
 #include "datasets/pictures/picture_numbers.hpp"
 #include "datasets/pictures/stray_folder.hpp"
 #include "datasets/sources/finite_number.hpp"
+#include "datasets/sources/lower_case.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -36,11 +37,6 @@ std::vector<std::string> words_of(const std::string& line) {
   std::vector<std::string> words;
   for (std::string word; stream >> word;) words.push_back(word);
   return words;
-}
-
-std::string lower_case(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
 }
 
 /// True for "nan", "-inf" and "Infinity".
@@ -176,8 +172,8 @@ void require_columns(const std::string& text, const std::string& name) {
     const bool are_numbers = std::all_of(line.words.begin(), line.words.end(), [](const std::string& word) {
       return finite_number(word).has_value();
     });
-    if (!are_numbers) continue;  // a head, or a table with commas
-    if (line.words.size() == 8) return;
+    if (!are_numbers) continue;          // a head, or a table with commas
+    if (line.words.size() >= 8) return;  // parse_tum_poses knows more columns by their head
     throw std::invalid_argument(
         name + ", line " + std::to_string(line.number) + ": it has " + std::to_string(line.words.size()) +
         " numbers, expected 'time x y z qx qy qz qw', the 12 or 16 of a picture's matrix, "
@@ -237,7 +233,7 @@ PicturePoses::PicturePoses(const fs::path& file, fs::path folder, std::string wo
   folder_.clear();
   const std::string name = "poses " + quote_path(file.string());
   std::string text = read_input(file, "poses", largest_pose_file);
-  if (is_arkit_poses(file)) text = tum_of_arkit(text, name);
+  if (is_arkit_poses(file, text)) text = tum_of_arkit(text, name);
   if (is_camera_path(text)) {
     for (const auto& [picture, shot] : shots_of_pictures(parse_camera_path(text, name), file, pictures))
       by_file_[picture] = shot.world_from_camera;

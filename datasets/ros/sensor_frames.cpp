@@ -273,19 +273,24 @@ bool has_other_order(RosPointCloud cloud) {
   constexpr std::size_t most = 1000;
   const std::size_t count = std::size_t{cloud.height} * cloud.width,
                     stride = std::max<std::size_t>(count / most, 1);
+  std::size_t numbers = 0;  // but those that are 0 or NaN, as of what did not come back
   const auto sound_ones = [&](bool is_bigendian) {
     cloud.is_bigendian = is_bigendian;
     const PlaceReader places(cloud);
     std::size_t at = 0, sound = 0;
+    numbers = 0;
     for_each_point(cloud, [&](std::size_t begin) {
       if (at++ % stride != 0) return;
-      for (const float number : places.at(begin))  // 0, as of what did not come back, is 0 in both
+      for (const float number : places.at(begin)) {
+        numbers += number != 0.0F && !std::isnan(number);
         sound += std::abs(number) >= 1e-4F && std::abs(number) <= 1e4F;
+      }
     });
     return sound;
   };
   const bool stated = cloud.is_bigendian;
-  return 2 * sound_ones(stated) < sound_ones(!stated);
+  const std::size_t as_stated = sound_ones(stated), otherwise = sound_ones(!stated);
+  return 2 * as_stated < otherwise && 2 * otherwise > numbers;
 }
 
 CloudFrame points_cloud(const RosPointCloud& cloud) {

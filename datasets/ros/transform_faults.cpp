@@ -53,9 +53,12 @@ std::string driven_root(const TransformTree& tree, const std::string& root,
   for (const std::string& frame : used_frames(tree, root, sensors))
     if (tree.way_of(frame) > still) return "";
   const std::vector<std::string> chain = tree.chain_of(root);
-  double way = 0.0;
-  for (const std::string& frame : chain) way = std::max(way, tree.way_of(frame));
-  if (way <= far || sensors.empty()) return "";
+  // The first one above that moves; a robot that finds out where it is lets its odometry's frame jump.
+  const auto moving = std::find_if(chain.begin(), chain.end(),
+                                   [&](const std::string& frame) { return tree.way_of(frame) > still; });
+  if (moving == chain.end() || sensors.empty()) return "";
+  const double way = tree.way_of(*moving);
+  if (way <= far || tree.longest_step_of(*moving) > 0.5 * way) return "";
   return "has frame " + quote(root) + ", in which all is placed, move by " + short_text(way, 3) + " m in " +
          quote(chain.back()) +
          ", and its sensors stand still in it: what they saw from different places lies " +

@@ -217,6 +217,16 @@ double TransformTree::way_of(const std::string& frame) const {
   return box.diagonal().norm();
 }
 
+double TransformTree::longest_step_of(const std::string& frame) const {
+  const Edge* const edge = edge_of(frame);
+  if (edge == nullptr || edge->is_fixed) return 0.0;
+  double longest = 0.0;
+  for (auto pose = edge->poses.begin(); pose != edge->poses.end(); ++pose)
+    if (const auto next = std::next(pose); next != edge->poses.end())
+      longest = std::max(longest, (next->second.translation - pose->second.translation).norm());
+  return longest;
+}
+
 std::size_t TransformTree::changes_of(const std::string& frame) const {
   const Edge* const found = edge_of(frame);
   if (found == nullptr || !found->is_fixed) return 0;

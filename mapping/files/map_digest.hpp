@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
@@ -16,5 +17,8 @@ std::string sha256(std::string_view bytes);
 
 /// SHA-256 of the map.ot that save_map would write, without writing it.
 std::string map_sha256(const Snapshot& map);
+
+/// Of a file's bytes, which are read piece by piece. @throws std::runtime_error when it cannot be read
+std::string file_sha256(const std::filesystem::path& file);
 
 }  // namespace clearway

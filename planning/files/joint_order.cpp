@@ -20,7 +20,10 @@ Plan in_order_of(const Robot& robot, Plan plan) {
   };
   if (plan.start.size() > 0) plan.start = Configuration(plan.start(places));
   reorder(plan.goals);
-  for (PlanResult& leg : plan.legs) reorder(leg.waypoints);
+  for (PlanResult& leg : plan.legs) {
+    reorder(leg.waypoints);
+    reorder(leg.explored);
+  }
   if (plan.motion)
     for (auto* list : {&plan.motion->motion.positions, &plan.motion->motion.velocities,
                        &plan.motion->motion.accelerations})

@@ -283,6 +283,18 @@ TEST(DepthFolderArrays, BesidePicturesCountWherePosesAre) {
   auto frame = open_frames(folder.path(), options)->next();
   ASSERT_TRUE(frame);
   EXPECT_TRUE(std::holds_alternative<ImageFrame>(frame->content));
+  std::filesystem::create_directory(folder / "rgb");
+  std::filesystem::rename(folder / "0.png", folder / "rgb/0.png");
+  const auto beside = open_frames(folder.path(), options);
+  frame = beside->next();
+  ASSERT_TRUE(frame);
+  EXPECT_TRUE(std::holds_alternative<ImageFrame>(frame->content));
+  std::string told;
+  for (const std::string& warning : beside->warnings()) told += warning;
+  EXPECT_NE(told.find("0.pfm', is left out"), std::string::npos) << told;
+  std::filesystem::remove(folder / "rgb/0.png");
+  EXPECT_NE(refusal(folder.path()).find("has no poses of its depth pictures"), std::string::npos)
+      << refusal(folder.path());
   folder.write("poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n");
   frame = open_frames(folder.path(), options)->next();
   ASSERT_TRUE(frame);

@@ -51,7 +51,10 @@ TEST(Query, AVolumeForPartsThatTheRobotHasNotIsTold) {
   map.add_volume("right", {"tool"});
   map.add_volume("several", {"other", "tool"});
   map.add_volume("any", {});
-  const std::vector<std::string> notes = volume_notes(robot, map.snapshot());
+  map.add_volume("held", {"mug"});
+  LegLoad mug;
+  mug.load.name = "mug";
+  const std::vector<std::string> notes = volume_notes(robot, {mug}, map.snapshot());
   ASSERT_EQ(notes.size(), 1U);
   EXPECT_NE(notes[0].find("volume 'slip' is for tol, and robot 'puma560' has no such part"),
             std::string::npos)

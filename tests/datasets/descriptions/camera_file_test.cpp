@@ -247,6 +247,9 @@ TEST(CameraFile, ANameIsThatOfACameraInTheFileOrRefused) {
   const std::string ros =
       "image_width: 640\nimage_height: 480\ncamera_name: narrow\ncamera_matrix: " + matrix;
   EXPECT_EQ(parse_camera_file(ros, "f", "narrow").fx, 600.0);
+  const std::string json = R"({"fx": 600, "fy": 600, "cx": 320, "cy": 240, "width": 640, "height": 480})";
+  EXPECT_NE(complaint([&] { parse_camera_file(json, "f", "wide"); }).find("not called 'wide'"),
+            std::string::npos);
   EXPECT_NE(complaint([&] { parse_camera_file(ros, "f", "wide"); }).find("not called 'wide'"),
             std::string::npos);
   EXPECT_NE(complaint([&] {
@@ -294,6 +297,23 @@ TEST(CameraFile, MatricesOfOpencvBesideRAndPAreNoMessageOfRos) {
   EXPECT_EQ(rectified.fx, 560.0);
   EXPECT_EQ(rectified.cy, 236.0);
   EXPECT_EQ(rectified.distortion[0], 0.0);
+}
+
+/// cv::stereoCalibrate's R leads from one camera to the other; R1 and P1 are of the first one's pictures.
+TEST(CameraFile, OfTwoCamerasEachHasItsOwnRectification) {
+  const std::string k = "{rows: 3, cols: 3, dt: d, data: [500, 0, 320, 0, 500, 240, 0, 0, 1]}\n",
+                    turn = "{rows: 3, cols: 3, dt: d, data: [0, -1, 0, 1, 0, 0, 0, 0, 1]}\n",
+                    none = "{rows: 3, cols: 3, dt: d, data: [1, 0, 0, 0, 1, 0, 0, 0, 1]}\n";
+  const auto p = [](const char* fx) {
+    return "{rows: 3, cols: 4, dt: d, data: [" + std::string(fx) +
+           ", 0, 322, 0, 0, 450, 240, 0, 0, 0, 1, 0]}\n";
+  };
+  const std::string text = "image_width: 640\nimage_height: 480\nK1: " + k + "K2: " + k +
+                           "D1: [0, 0, 0, 0]\nD2: [0, 0, 0, 0]\nR: " + turn + "R1: " + none + "R2: " + none +
+                           "P1: " + p("450") + "P2: " + p("460");
+  EXPECT_EQ(parse_camera_file(text, "f", "K1", true).fx, 450.0);
+  EXPECT_EQ(parse_camera_file(text, "f", "K2", true).fx, 460.0);
+  EXPECT_EQ(parse_camera_file(text, "f", "K2").fx, 500.0);
 }
 
 TEST(CameraFile, WhatBelongsToNerfstudiosPicturesIsRefusedInASentence) {

@@ -53,9 +53,18 @@ TEST_F(ArkitFolders, EachPictureHasThePoseAndTheCameraOfItsTime) {
   EXPECT_NE(source->warnings()[0].find("lowres_wide_intrinsics"), std::string::npos);
   EXPECT_NE(source->warnings()[1].find("0.001 m"), std::string::npos);
   std::filesystem::remove(folder_ / "lowres_wide_intrinsics/40753679_3000.100.pincam");
-  EXPECT_NE(complaint([&] { open(none); }).find("3000.100.png' has no camera"), std::string::npos);
+  EXPECT_EQ(complaint([&] { open(none); }), "");  // the nearest one
+  folder_.write("lowres_depth/40753679_3001.200.png", depth_png(2000));
+  EXPECT_NE(complaint([&] { open(none); }).find("3001.200.png' has no camera"), std::string::npos);
+  std::filesystem::remove(folder_ / "lowres_depth/40753679_3001.200.png");
   folder_.write("lowres_wide_intrinsics/40753679_3000.100.pincam", "48 36 100 104 24");
   EXPECT_NE(complaint([&] { open(none); }).find("expected six numbers"), std::string::npos);
+}
+
+TEST(ArkitPoses, AreLinesOfSevenNumbersInATraj) {
+  EXPECT_TRUE(is_arkit_poses("a/lowres_wide.traj", "1 2 3 4 5 6 7\n"));
+  EXPECT_FALSE(is_arkit_poses("a/lowres_wide.traj", "1 2 3 4 5 6 7 8\n"));  // TUM's
+  EXPECT_FALSE(is_arkit_poses("a/poses.txt", "1 2 3 4 5 6 7\n"));
 }
 
 TEST(ArkitPoses, LinesOfOtherNumbersAreRefused) {

@@ -272,6 +272,26 @@ TEST_F(DepthFolders, RectifiedPicturesHaveACameraWithoutDistortion) {
   }
 }
 
+/// SUN3D: poses are of the colour pictures, of which there may be more than of depth; the last file counts.
+TEST_F(DepthFolders, PosesOfColourPicturesBelongToTheDepthOfTheirTime) {
+  for (const char* name : {"depth", "image", "extrinsics"}) make(name);
+  const std::string grey = picture_bytes(cv::Mat(36, 48, CV_8UC1, cv::Scalar(90)), ".png");
+  for (const char* name : {"0000001-000000000000", "0000002-000000033369", "0000003-000000066738"})
+    folder_.write("image/" + std::string(name) + ".png", grey);
+  for (const char* name : {"0000001-000000001000", "0000002-000000066000"})  // of the first and the third
+    folder_.write("depth/" + std::string(name) + ".png", depth_png(1000));
+  std::string poses;
+  for (const char* x : {"1", "2", "3"}) poses += "1 0 0 " + std::string(x) + "\n0 1 0 0\n0 0 1 0\n";
+  folder_.write("extrinsics/20130101000000.txt", "1 0 0 9\n0 1 0 0\n0 0 1 0\n");
+  folder_.write("extrinsics/20140101000000.txt", poses);
+  const auto source = open(options(0.001));
+  std::vector<double> places;
+  while (const auto frame = source->next())
+    if (frame->sensor == "depth")
+      places.push_back(std::get<CloudFrame>(frame->content).world_from_sensor.translation().x());
+  EXPECT_EQ(places, (std::vector<double>{1.0, 3.0}));
+}
+
 TEST_F(DepthFolders, LayoutsOfPublishedDataAreFound) {
   const auto colour = picture_bytes(cv::Mat(36, 48, CV_8UC3, cv::Scalar(9, 9, 9)), ".png");
   const std::string log = "0 0 1\n1 0 0 0.5\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";

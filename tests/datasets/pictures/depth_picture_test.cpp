@@ -62,6 +62,13 @@ TEST(DepthPictureFile, WhatHoldsNoDepthIsRefusedInAClause) {
   EXPECT_NE(said("Pf\n-3 2\n-1.0\n").find("-3 x 2 pixels"), std::string::npos);
   EXPECT_NE(said("Pf\n3000000 2000000\n-1.0\n").find("pixels, expected"), std::string::npos);
   EXPECT_NE(said("Pf\n3 2\n0\n").find("head"), std::string::npos);
+  EXPECT_NE(said(whole + "1").find("25 bytes of numbers, expected 24"), std::string::npos);
+}
+
+TEST(DepthPictureFile, LinesOfAPfmsHeadMayEndAsWindowsEndsThem) {
+  std::string bytes = pfm(false);
+  bytes.replace(bytes.find("-1.0\n"), 5, "-1.0\r\n");
+  EXPECT_EQ(decode_depth_picture(bytes).values, expected_reals);
 }
 
 TEST(DepthPictureFile, TheHeadOfEachKindIsFound) {
@@ -72,13 +79,17 @@ TEST(DepthPictureFile, TheHeadOfEachKindIsFound) {
   folder.write("c.pfm", pfm(false));
   folder.write("d.npy", "\x93NUMPY");
   for (const char* name : {"a.png", "b.tiff", "c.pfm"}) {
-    const auto head = depth_picture_head(folder / name);
+    const auto head = depth_picture_head({folder / name});
     ASSERT_TRUE(head) << name;
     EXPECT_EQ(head->size, (ImageSize{3, 2})) << name;
     EXPECT_EQ(head->is_real, name[0] == 'c') << name;
   }
-  EXPECT_FALSE(depth_picture_head(folder / "d.npy"));
-  EXPECT_FALSE(depth_picture_head(folder / "none.npy"));
+  EXPECT_FALSE(depth_picture_head({folder / "d.npy"}));
+  EXPECT_FALSE(depth_picture_head({folder / "none.npy"}));
+  EXPECT_FALSE(depth_picture_head({}));
+  const auto second = depth_picture_head({folder / "d.npy", folder / "none.npy", folder / "c.pfm"});
+  ASSERT_TRUE(second);
+  EXPECT_TRUE(second->is_real);
 }
 
 }  // namespace depth_picture_test

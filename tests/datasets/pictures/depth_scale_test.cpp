@@ -88,6 +88,7 @@ TEST_F(DepthScales, BitsThatSun3dRotatesAreRotatedBackUnlessAScaleIsStated) {
   };
   EXPECT_NEAR(last_depth(ramp_png(500, 3001, rotated), {}, "bits are rotated"), 3.0, 0.002);
   EXPECT_NEAR(last_depth(ramp_png(1000, 8301, rotated), {}, "bits are rotated"), 8.3, 0.006);
+  EXPECT_NEAR(last_depth(ramp_png(500, 10001, rotated), {}, "bits are rotated"), 10.0, 0.006);
   EXPECT_NEAR(last_depth(ramp_png(500, 3001, rotated), 0.000125, ""), 3.0, 0.002);
   EXPECT_NEAR(last_depth(ramp_png(500, 3001, rotated), 0.001, "eight times too far"), 24.0, 0.02);
   // millimetres as they are, of a sensor of 10 bits, and a wall straight ahead
@@ -116,11 +117,13 @@ TEST_F(DepthScales, RealNumbersAreMetresUnlessStatedOrBeyondThem) {
   EXPECT_FLOAT_EQ(depth_of(*metres), 2.5F);
   ASSERT_EQ(metres->warnings().size(), 1U);
   EXPECT_NE(metres->warnings()[0].find("taken as metres along the optical axis"), std::string::npos);
+  const auto background = open_with(1e10F, {});  // as Blender has it
+  EXPECT_TRUE(std::get<CloudFrame>(background->next().value().content).points.empty());
   const auto stated = open_with(2500.0F, 0.001);
   EXPECT_FLOAT_EQ(depth_of(*stated), 2.5F);
   EXPECT_TRUE(stated->warnings().empty());
   EXPECT_NE(
-      complaint([&] { open_with(2500.0F, {}); }).find("half of them beyond 2500, which cannot be metres"),
+      complaint([&] { open_with(2500.0F, {}); }).find("half of them beyond 2500, which are hardly metres"),
       std::string::npos);
   folder_.write("depth/0.1.pfm", depth_png(2000));
   const auto mixed = open(options(1.0));

@@ -68,6 +68,11 @@ TEST(ExrFile, OthersAreRefusedInAClause) {
   EXPECT_NE(said(exr({{"Z", depth}, {"left.Z", other}})).find("2 channels, 2 of them"), std::string::npos);
   const std::string whole = exr({{"Z", depth}});
   EXPECT_FALSE(is_exr("P5"));
+  for (const char flag : {'\x08', '\x10'}) {  // deep, and of several parts
+    std::string flagged = whole;
+    flagged[5] = static_cast<char>(flagged[5] | flag);
+    EXPECT_NE(said(flagged).find("several parts"), std::string::npos);
+  }
   for (std::size_t size = 4; size < whole.size(); ++size) EXPECT_NE(said(whole.substr(0, size)), "") << size;
 }
 

@@ -42,6 +42,17 @@ TEST(NpyFile, FortransOrderAndTheOtherOrderOfBytesAreHeard) {
   EXPECT_EQ(picture.values, (std::vector<float>{1000, 2000, 3000, 4000, 5000, 0}));
 }
 
+/// As the picture that it was made of.
+TEST(NpyFile, TheLargestNumberOf16BitsIsNone) {
+  const std::string data("\xff\xff\xfe\xff", 4);
+  EXPECT_EQ(decode_npy(file("{'descr': '<u2', 'fortran_order': False, 'shape': (1, 2), }", data)).values,
+            (std::vector<float>{0, 65534}));
+  EXPECT_EQ(decode_npy(file("{'descr': '<i4', 'fortran_order': False, 'shape': (1, 1), }",
+                            std::string("\xff\xff\0\0", 4)))
+                .values,
+            std::vector<float>{65535});
+}
+
 TEST(NpyFile, AnAxisOfOneEntryIsNone) {
   const std::string data("\x00>\x00\x34", 4);  // 1.5, 0.25
   for (const char* shape : {"(1, 2, 1)", "(1, 1, 2)", "(1, 2)"}) {

@@ -239,6 +239,12 @@ TEST_F(PosesOfPictures, ThatAreForOthersAreRefused) {
   }
 }
 
+TEST_F(PosesOfPictures, BehindAHeadOfMoreColumnsAreLeftToIt) {
+  std::string text = "#timestamp,p_x,p_y,p_z,q_w,q_x,q_y,q_z,v_x\n";
+  for (int i = 0; i < 2; ++i) text += std::to_string(i) + ",1,2,3,1,0,0,0,9\n";
+  EXPECT_TRUE(open(text).are_there());
+}
+
 TEST_F(PosesOfPictures, LieInFilesCalledLikeTheirPictures) {
   folder_.write("pose_0.txt", rows(truth_[0], 4, "\n"));
   folder_.write("1.txt", rows(truth_[1], 4, "\n"));

@@ -114,6 +114,15 @@ TEST(SensorFrames, AnOrderOfBytesInWhichPointsMakeNoSenseIsNoticed) {
   for (int i = 0; i < 5000; ++i) room.emplace_back(near(random), near(random), near(random));
   std::vector<Eigen::Vector3f> mostly_none(5000, Eigen::Vector3f(0, 0, 0));
   for (std::size_t i = 0; i < sparse.size(); i += 10) mostly_none[i] = sparse[i] = room[i];
+  std::vector<Eigen::Vector3f> earth, flat, tiny;  // of map projections, and of a microscope
+  std::uniform_real_distribution<float> far(3e6F, 6e6F), small(-1e-5F, 1e-5F);
+  for (int i = 0; i < 5000; ++i) {
+    earth.emplace_back(far(random), far(random), far(random));
+    flat.emplace_back(far(random), far(random), 0.0F);
+    tiny.emplace_back(small(random), small(random), small(random));
+  }
+  for (const auto* cloud : {&earth, &flat, &tiny})
+    for (const bool is_big : {false, true}) EXPECT_FALSE(is_other_order(*cloud, is_big, is_big));
   for (const bool is_big : {false, true})
     for (const bool says_big : {false, true}) {
       EXPECT_EQ(is_other_order(room, is_big, says_big), is_big != says_big);

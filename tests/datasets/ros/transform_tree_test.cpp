@@ -73,6 +73,13 @@ TEST(TransformFaults, ARootThatDrivesWithItsSensorsIsTold) {
   EXPECT_EQ(told(tree, "base", "hand"),
             "");  // a sensor on an arm looks at what rides along, or the base stands
   EXPECT_EQ(told(driving(0.05), "base", "camera"), "");
+  TransformTree parked;  // which finds out where it is, in one step
+  for (int time = 0; time <= 10; ++time)
+    parked.add(transform(time, "map", "odom", pose(time < 4 ? 0.0 : 0.35, 0, 0)), false, time);
+  parked.add(transform(0, "odom", "camera", pose(0, 0, 1)), true, 0);
+  EXPECT_EQ(told(parked, "odom", "camera"), "");
+  EXPECT_NEAR(parked.longest_step_of("odom"), 0.35, 1e-12);
+  EXPECT_EQ(parked.longest_step_of("camera"), 0.0);
 }
 
 }  // namespace transform_tree_test

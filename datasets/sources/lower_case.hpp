@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cctype>
+#include <string>
+
+namespace clearway {
+
+/// With small letters in place of ASCII's capital ones.
+inline std::string lower_case(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+}  // namespace clearway
