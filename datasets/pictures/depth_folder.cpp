@@ -213,8 +213,7 @@ class DepthFolder final : public FrameSource {
     else if (numbers_.is_rotated)
       sentences.push_back(
           "depth is read as SUN3D and SUN RGB-D store it, millimetres whose bits are rotated by three: "
-          "nearly "
-          "all steps are multiples of 8; `source: {depth: {scale: …}}` takes them as they are.");
+          "nearly all steps are multiples of 8; `source: {depth: {scale: …}}` takes them as they are.");
     else if (!is_scale_stated_)
       sentences.push_back(
           "steps of depth are taken as 0.001 m, which nothing states; TUM's and ICL-NUIM's are 0.0002 "
@@ -242,7 +241,8 @@ class DepthFolder final : public FrameSource {
  private:
   /// Of the pictures in the order of their times.
   DepthCameras cameras_of(const CameraPath& path, const DepthLayout& layout) const {
-    if (path.shots.empty()) return {cameras_of_arkit(layout.camera_folder, names_of(timed_)), false};
+    if (path.shots.empty() || !path.has_cameras())
+      return {cameras_of_arkit(layout.camera_folder, names_of(timed_)), false};
     DepthCameras cameras{{}, path.is_named};
     const auto shots = shots_of_pictures(path, layout.poses, in_order_of_names(layout.depth));
     for (const TimedFile& picture : timed_.files) {
@@ -382,8 +382,8 @@ std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const Dep
     if (whole.depth.scale)
       whole.depth.scale_note =
           "nearly all steps of depth are multiples of 8, as of SUN3D and SUN RGB-D, whose bits are rotated "
-          "by "
-          "three: at a scale of 0.001 these are eight times too far; without `scale` they are rotated back.";
+          "by three: at a scale of 0.001 these are eight times too far; without `scale` they are rotated "
+          "back.";
   }
   auto source = std::make_unique<DepthFolder>(layout, path.value_or(CameraPath{}), stated, whole, numbers);
   if (!source->has_poses() && !options.places_depth)
