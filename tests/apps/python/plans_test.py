@@ -103,7 +103,7 @@ class Arm(unittest.TestCase):
         said["scale"] = 0.1
         with self.assertRaisesRegex(ValueError, "scale 1, as the space's is, got 0.1"):
             cw.check_plan(self.space, cw.parse_plan(json.dumps(said)))
-        said["scale"] = plan.robot_scale
+        said["scale"] = self.robot.scale
         said["joints"] = ["other", *plan.joints[1:]]
         for use in (cw.check_plan, cw.plan_motion):
             with self.assertRaisesRegex(ValueError, "its joints other"):
