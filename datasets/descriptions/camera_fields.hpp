@@ -4,7 +4,7 @@
 #include <string>
 
 #include "datasets/cameras/image_size.hpp"
-#include "datasets/sources/lower_case.hpp"
+#include "datasets/cameras/lower_case.hpp"
 #include "datasets/sources/recording.hpp"
 #include "datasets/yaml/yaml_fields.hpp"
 

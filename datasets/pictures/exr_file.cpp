@@ -12,8 +12,8 @@
 #include <string_view>
 #include <vector>
 
+#include "datasets/cameras/lower_case.hpp"
 #include "datasets/pictures/picture_file.hpp"
-#include "datasets/sources/lower_case.hpp"
 
 namespace clearway {
 namespace {

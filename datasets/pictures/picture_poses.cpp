@@ -9,12 +9,12 @@
 #include <stdexcept>
 #include <utility>
 
+#include "datasets/cameras/lower_case.hpp"
 #include "datasets/pictures/arkit_folder.hpp"
 #include "datasets/pictures/camera_path.hpp"
 #include "datasets/pictures/picture_numbers.hpp"
 #include "datasets/pictures/stray_folder.hpp"
 #include "datasets/sources/finite_number.hpp"
-#include "datasets/sources/lower_case.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 
