@@ -117,7 +117,8 @@ class Gate {
   GateVerdict judge(const MotionChunk& chunk);
 
   /// The robot was moved by other means: it stands at `start`; none: anywhere.
-  /// @throws std::invalid_argument, and changes nothing, when `start` does not fit the robot of the newest map
+  /// @throws std::invalid_argument, and changes nothing, when `start` does not fit the robot of the newest
+  /// map
   void restart(std::optional<Configuration> start = std::nullopt);
 
  private:

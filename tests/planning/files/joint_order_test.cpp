@@ -38,7 +38,8 @@ TEST(JointOrder, APlanOfTheSameJointsIsTurnedAndAnotherOneRefused) {
   EXPECT_NE(complaint([&] { require_joint_order(robot, plan); }).find("another order"), std::string::npos);
   plan.joints.front() = "other";
   EXPECT_EQ(in_order_of(robot, plan).joints, plan.joints);
-  EXPECT_NE(complaint([&] { require_joint_order(robot, plan); }).find("its joints other, "), std::string::npos);
+  EXPECT_NE(complaint([&] { require_joint_order(robot, plan); }).find("its joints other, "),
+            std::string::npos);
   plan.joints.clear();
   EXPECT_EQ(complaint([&] { require_joint_order(robot, plan); }), "");
 }

@@ -352,7 +352,7 @@ TEST(Gate, RefusesOptionsAndRobotsThatDoNotFitAndKeepsItsMap) {
   EXPECT_EQ(any.judge(along_x({0.0, 0.1})).map, 1U);
   EXPECT_THROW(any.restart(Eigen::VectorXd::Zero(5)), std::invalid_argument);
   EXPECT_EQ(any.judge(along_x({0.0, 0.1})).map, 1U);  // as before
-  Gate early;  // no map says which robot it is
+  Gate early;                                         // no map says which robot it is
   early.restart(Eigen::VectorXd::Zero(5));
   early.publish(before_wall());
   EXPECT_THROW(early.judge(along_x({0.0, 0.1})), std::invalid_argument);
