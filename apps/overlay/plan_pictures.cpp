@@ -158,10 +158,14 @@ cv::Mat PlanPictures::failed(const ReplayPlan& entry) {
   if (!entry.plan.goals.empty()) show_goal(scene, entry, entry.plan.goals.back());
   for (const PaintHint& hint : entry.plan.paint) scene.to_paint.push_back(hint.sphere);
   const bool is_refused = entry.plan.status() == PlanStatus::solved;
+  const std::string cure = PaintAdvice{entry.plan.paint}.sentence();
+  std::string why = is_refused ? entry.plan.validation.first_contact : entry.plan.explanation();
+  if (const std::size_t at = why.find(cure); !cure.empty() && at != std::string::npos)
+    why.erase(at);  // it stands below
   scene.strip = Strip{entry.query + ", " + entry.plan.planner + ": " +
                           (is_refused ? "refused by the check" : std::string(to_string(entry.plan.status()))),
-                      is_refused ? entry.plan.validation.first_contact : entry.plan.explanation(),
-                      PaintAdvice{entry.plan.paint}.sentence(),
+                      why,
+                      cure,
                       "",
                       0.0,
                       5};  // nobody waits for this picture
