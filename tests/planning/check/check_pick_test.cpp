@@ -159,6 +159,18 @@ TEST(CheckPick, RefusesAnObjectOnALinkThatMovesAgainstTheTip) {
   EXPECT_EQ(errand.path(map).first_contact.find("moves link"), std::string::npos);
 }
 
+/// A plan that failed before the object is taken says nothing of how it is held.
+TEST(CheckPick, NotesNothingOfAHoldThatIsNotReached) {
+  Errand errand(-0.1);
+  const Snapshot map = shelf();
+  PickToCheck plan = errand.stated(map);
+  const std::vector<std::string> whole = pick_notes(plan, 0.0);
+  plan.legs.at(1).clear();  // that leads to the object
+  EXPECT_LE(pick_notes(plan, 0.0).size(), whole.size());
+  plan.legs.clear();
+  EXPECT_LE(pick_notes(plan, 0.0).size(), whole.size());
+}
+
 TEST(CheckPick, NotesAPlaceBelowWhichTheMapHasNothing) {
   const auto note = [](const Snapshot& map, double up, double to_side) {
     Errand errand(-0.1);
