@@ -174,6 +174,14 @@ TEST(TeamResult, CostsWhatThePayloadsAndGravityMakeOfTheWay) {
       << "the first one rests";
 }
 
+TEST(TeamResult, IsAsLongAsTheWaysOfAllRobots) {
+  Resting resting;
+  for (TeamTrace& trace : resting.run.traces)
+    trace.positions.back() = trace.positions.front() + Eigen::Vector2d(0.3, 0.4);
+  EXPECT_NEAR(team_result(resting.team, resting.run, apart(0.06), {}).length,
+              0.5 * static_cast<double>(resting.run.traces.size()), 1e-12);
+}
+
 TEST(TeamResult, OfARunWithoutAStepHasNothingToCheck) {
   Resting resting;
   for (TeamTrace& trace : resting.run.traces) trace.positions.pop_back();
