@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <map>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
@@ -43,14 +42,6 @@ CameraIntrinsics read_pincam(const fs::path& file) {
   return {static_cast<int>(n[0]), static_cast<int>(n[1]), n[2], n[3], n[4], n[5], {}};
 }
 
-/// The file whose time is nearest; empty: there is none.
-fs::path nearest_to(const std::map<double, fs::path>& files, double time) {
-  auto next = files.lower_bound(time);
-  if (next != files.begin() && (next == files.end() || time - std::prev(next)->first < next->first - time))
-    --next;
-  return next == files.end() || std::abs(next->first - time) > most_apart ? fs::path() : next->second;
-}
-
 }  // namespace
 
 bool is_arkit_poses(const fs::path& file, const std::string& text) {
@@ -85,19 +76,20 @@ std::string tum_of_arkit(const std::string& text, const std::string& name) {
 
 std::vector<CameraIntrinsics> cameras_of_arkit(const fs::path& folder,
                                                const std::vector<fs::path>& pictures) {
-  std::map<double, fs::path> files;
+  std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder))
-    if (extension_of(entry.path()) == ".pincam")
-      if (const auto time = time_in_name(entry.path().stem().string())) files[*time] = entry.path();
+    if (extension_of(entry.path()) == ".pincam") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  const auto by_time = files_by_time(files);
   std::vector<CameraIntrinsics> cameras;
   for (const fs::path& picture : pictures) {
     const auto time = time_in_name(picture.stem().string());
-    const fs::path file = time ? nearest_to(files, *time) : fs::path();
-    if (file.empty())
+    const auto* const nearest = time ? nearest_file(by_time, *time, most_apart) : nullptr;
+    if (nearest == nullptr)
       throw std::invalid_argument("depth picture " + quote_path(picture.string()) +
                                   " has no camera: expected a file of its time in " +
                                   quote_path(folder.string()));
-    cameras.push_back(read_pincam(file));
+    cameras.push_back(read_pincam(nearest->second));
   }
   return cameras;
 }

@@ -1,9 +1,7 @@
 #include "datasets/pictures/depth_layout.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
-#include <map>
 #include <optional>
 #include <set>
 #include <sstream>
@@ -122,23 +120,6 @@ DepthLayout layout_by_names(const fs::path& folder) {
   return layout;
 }
 
-std::map<double, fs::path> by_time(const std::vector<fs::path>& pictures) {
-  std::map<double, fs::path> times;
-  for (const fs::path& picture : pictures)
-    if (const auto time = time_in_name(picture.stem().string())) times[*time] = picture;
-  return times;
-}
-
-/// The picture of the nearest time; null: none is within 40 ms.
-const std::pair<const double, fs::path>* nearest(const std::map<double, fs::path>& pictures, double time) {
-  constexpr double most_apart = 0.04;
-  auto next = pictures.lower_bound(time);
-  if (next != pictures.begin() &&
-      (next == pictures.end() || time - std::prev(next)->first < next->first - time))
-    --next;
-  return next == pictures.end() || std::abs(next->first - time) > most_apart ? nullptr : &*next;
-}
-
 /// A transforms.json of colour pictures alone is none of ours.
 std::optional<CameraPath> path_with_depth(const fs::path& transforms, const DepthLayout& layout) {
   const std::string text = read_input(transforms, "poses", largest_poses);
@@ -179,12 +160,13 @@ std::vector<fs::path> pictures_of_poses(const DepthLayout& layout) {
   const std::vector<fs::path> depth = in_order_of_names(layout.depth);
   if (!layout.poses_of_colour) return depth;
   const std::vector<fs::path> colour = in_order_of_names(layout.colour);
-  const std::map<double, fs::path> depth_at = by_time(depth), colour_at = by_time(colour);
+  constexpr double most_apart = 0.04;  // s
+  const auto depth_at = files_by_time(depth), colour_at = files_by_time(colour);
   std::vector<fs::path> paired;
   for (const fs::path& picture : colour) {
     const auto time = time_in_name(picture.stem().string());
-    const auto* const near = time ? nearest(depth_at, *time) : nullptr;
-    const auto* const back = near != nullptr ? nearest(colour_at, near->first) : nullptr;
+    const auto* const near = time ? nearest_file(depth_at, *time, most_apart) : nullptr;
+    const auto* const back = near != nullptr ? nearest_file(colour_at, near->first, most_apart) : nullptr;
     paired.push_back(back != nullptr && back->second == picture ? near->second : fs::path());
   }
   return paired;

@@ -44,8 +44,9 @@ bool is_of_tum(const std::filesystem::path& poses);
 std::optional<DepthLayout> depth_layout(const std::filesystem::path& folder,
                                         const std::filesystem::path& stated_poses = {});
 
-/// The depth pictures that poses belong to, in order: of poses of colour pictures those of the nearest time
-/// in their names, if it is within 40 ms, else an empty path (SUN3D, whose own reader pairs them so).
+/// The depth pictures that poses belong to, in order. Of poses of colour pictures (SUN3D) each belongs to the
+/// depth picture nearest to its colour picture by the times in their names, if that is also the nearest the
+/// other way round, within 40 ms; else to an empty path.
 std::vector<std::filesystem::path> pictures_of_poses(const DepthLayout& layout);
 
 }  // namespace clearway

@@ -16,7 +16,7 @@ struct DepthPicture {
   bool is_real = false;  ///< real numbers, of metres if nothing else is stated; else whole ones, of steps
 };
 
-/// What calls for no decoding, or for that of one picture.
+/// What is known of a depth picture before all of them are read.
 struct DepthPictureHead {
   ImageSize size;
   bool is_real = false;

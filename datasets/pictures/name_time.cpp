@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <iterator>
 #include <regex>
 
 #include "datasets/sources/finite_number.hpp"
@@ -92,6 +94,21 @@ std::optional<double> time_in_name(const std::string& stem) {
   }
   const auto date = date_time(stem);
   return date ? date : arkit_time(stem);
+}
+
+std::map<double, std::filesystem::path> files_by_time(const std::vector<std::filesystem::path>& files) {
+  std::map<double, std::filesystem::path> times;
+  for (const std::filesystem::path& file : files)
+    if (const auto time = time_in_name(file.stem().string())) times[*time] = file;
+  return times;
+}
+
+const std::pair<const double, std::filesystem::path>* nearest_file(
+    const std::map<double, std::filesystem::path>& files, double time, double most_apart) {
+  auto next = files.lower_bound(time);
+  if (next != files.begin() && (next == files.end() || time - std::prev(next)->first < next->first - time))
+    --next;
+  return next == files.end() || std::abs(next->first - time) > most_apart ? nullptr : &*next;
 }
 
 }  // namespace clearway

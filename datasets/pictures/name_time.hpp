@@ -1,7 +1,11 @@
 #pragma once
 
+#include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace clearway {
 
@@ -11,6 +15,13 @@ namespace clearway {
 /// number, as 0000012-000000400000; ARKitScenes' seconds, as 47331606_74.512; else a date at its end, as
 /// 2026-11-23_07-15-30.066, 20261123_071530 or 20261123071530066 (UTC is taken). Empty for another name.
 std::optional<double> time_in_name(const std::string& stem);
+
+/// Files by the times in their names; those without one are left out.
+std::map<double, std::filesystem::path> files_by_time(const std::vector<std::filesystem::path>& files);
+
+/// The file whose time is nearest; null: none is within `most_apart`, s.
+const std::pair<const double, std::filesystem::path>* nearest_file(
+    const std::map<double, std::filesystem::path>& files, double time, double most_apart);
 
 /// Seconds since 1970 of a date, UTC; empty for one that is none.
 std::optional<double> seconds_of_date(int year, int month, int day, int hour, int minute, int second);

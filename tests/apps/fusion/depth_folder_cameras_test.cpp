@@ -6,6 +6,7 @@
 #include "apps/fusion/open_frames.hpp"
 #include "datasets/descriptions/load_setup.hpp"
 #include "mapping/system/number_text.hpp"
+#include "tests/datasets/complaint.hpp"
 #include "tests/worlds/picture_bytes.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
@@ -13,12 +14,7 @@ namespace clearway {
 namespace depth_folder_cameras_test {
 
 std::string refusal(const std::filesystem::path& recording) {
-  try {
-    open_frames(recording, {});
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
+  return complaint([&] { open_frames(recording, {}); });
 }
 
 /// A wall 2 m ahead whose camera lies beside the pictures in one of the forms that data sets have.

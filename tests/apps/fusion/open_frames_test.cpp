@@ -16,6 +16,7 @@
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/number_text.hpp"
 #include "tests/apps/run_command.hpp"
+#include "tests/datasets/complaint.hpp"
 #include "tests/worlds/picture_bytes.hpp"
 #include "tests/worlds/small_scene.hpp"
 
@@ -23,12 +24,7 @@ namespace clearway {
 namespace open_frames_test {
 
 std::string refusal(const std::filesystem::path& recording) {
-  try {
-    open_frames(recording, {});
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
+  return complaint([&] { open_frames(recording, {}); });
 }
 
 /// A stroke before tags, as a rawlog and as pictures with a table of their times.
