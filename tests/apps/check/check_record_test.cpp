@@ -81,6 +81,9 @@ TEST_F(CheckRecorded, a_plan_that_hides_its_query_is_found_by_start_and_goals) {
   const CommandRun run = check(plan, {"--json"});
   EXPECT_EQ(run.status, exit_no);
   EXPECT_EQ(refused_terms(run), Terms{"padding"});
+  plan["padding_m"] = 0.004;
+  EXPECT_NE(check(plan).out.find("padding: expected 10 mm by the map's record, the plan says 4 mm"), std::string::npos)
+      << check(plan).out;
 }
 
 TEST_F(CheckRecorded, a_plan_that_hides_its_query_and_a_leg_of_it_is_held_to_the_whole) {

@@ -96,6 +96,21 @@ TEST(SeenStamps, PeriodsGrowWithTheTimeThatTheyMustSpan) {
   }
 }
 
+TEST(SeenStamps, AnEarlierScanTakesNoRoomFromTheNewest) {
+  for (const double before : {1.0, 20.0, 23.9}) {  // 1024 s are all that the finest period spans
+    Dice dice(6);
+    SeenStamps seen;
+    ScanGrid grid;
+    Truth truth;
+    for (const double time : {0.0, 1000.0, -before}) {
+      random_look(dice, 20, grid, truth, time);
+      seen.see(grid, time);
+    }
+    EXPECT_EQ(seen.period(), 1.0 / 64);
+    expect_true(seen, truth);
+  }
+}
+
 TEST(SeenStamps, AScanWithoutTimeStampsNothing) {
   Dice dice(3);
   SeenStamps seen;
