@@ -56,8 +56,10 @@ Brush TeachSession::brush() const {
 
 void TeachSession::see(const SeenImage& image) {
   if (doing_ == Doing::marking && image.sample != nullptr && image.sample->accepted) mark(*image.sample);
-  if (!robot_ || !image.map_from_gripper) return;
-  robot_->lead(*image.map_from_gripper * setup_->gripper->board_from_tip, image.since_start);
+  if (!image.map_from_gripper) return;
+  shown_tip_ = {*image.map_from_gripper * setup_->gripper->board_from_tip, image.since_start};
+  if (!robot_) return;
+  robot_->lead(shown_tip_->map_from_tip, shown_tip_->time);
   ++led_images_;
   warning_.clear();
   if (doing_ == Doing::painting || doing_ == Doing::erasing || doing_ == Doing::marking) return;
@@ -321,9 +323,17 @@ void TeachSession::choose_robot(const TeachEvent& event) {
   }
   auto robot = std::make_shared<VirtualRobot>(choice, event.near, map_from_base);
   remember("robot");
-  choice_.robot = robot_ = std::move(robot);
+  choice_.robot = robot;
+  use_robot(std::move(robot));
   choice_.held.clear();
   forget_places();
+}
+
+/// One that is new follows the probe from where it was seen last, and does not wait for the next image.
+void TeachSession::use_robot(std::shared_ptr<VirtualRobot> robot) {
+  if (robot == robot_) return;
+  robot_ = std::move(robot);
+  if (robot_ && shown_tip_) robot_->lead(shown_tip_->map_from_tip, shown_tip_->time);
 }
 
 void TeachSession::require_robot() const {
@@ -382,7 +392,7 @@ void TeachSession::undo(std::string& remark) {
     ++other_changes_;
   }
   choice_ = std::move(last.before);
-  robot_ = choice_.robot;
+  use_robot(choice_.robot);
   remark = last.what + " is undone";
 }
 

@@ -204,6 +204,7 @@ class TeachSession final : public FusionGuide {
   void forget_plan();
   void remember(const std::string& what, std::optional<int> stroke = {});
   void require_robot() const;
+  void use_robot(std::shared_ptr<VirtualRobot> robot);
   /// Maps and plans share their names: both may have a folder in maps/.
   bool is_taken(const std::string& name) const;
   TeachState resting_state() const;
@@ -225,6 +226,11 @@ class TeachSession final : public FusionGuide {
   MarkedObject marked_;  ///< that the stroke is about
   std::vector<MarkingBall> balls_;
   std::shared_ptr<VirtualRobot> robot_;
+  struct ShownTip {
+    Eigen::Isometry3d map_from_tip;
+    double time;  ///< s after the first frame
+  };
+  std::optional<ShownTip> shown_tip_;  ///< by the gripper probe, the last one
   Choice choice_;
   std::deque<Undo> undos_;  ///< the last thousand
   std::optional<Job> job_;

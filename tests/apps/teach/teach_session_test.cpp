@@ -134,6 +134,22 @@ TEST_F(TeachSessionOf, APlanIsNotApprovedOnceWhatItRestsOnIsBlocked) {
   EXPECT_FALSE(session_.plans()[0].is_approved);
 }
 
+TEST_F(TeachSessionOf, ARobotThatIsChosenBetweenImagesStandsWhereTheProbeWasSeenLast) {
+  setup_.gripper.emplace();
+  paint_everything();
+  const Robot& robot = session_.robot()->robot();
+  const Eigen::Isometry3d map_from_tip = tip_pose(robot, Eigen::Vector2d(0.4, 0.6));
+  const Frame frame;
+  const std::vector<TagDetection> tags;
+  session_.see({frame, tags, nullptr, map_from_tip, time_, {}});
+  time_ -= 0.9;  // both events come before the next image
+  ASSERT_EQ(act(TeachAction::robot, "planar2"), "");
+  time_ -= 0.9;
+  EXPECT_EQ(act(TeachAction::start), "");
+  EXPECT_TRUE(tip_pose(session_.robot()->robot(), session_.robot()->q()).isApprox(map_from_tip, 1e-6));
+  EXPECT_EQ(act(TeachAction::goal), "goal: the gripper probe was not seen for 1.2 s");
+}
+
 /// A motion leaves the plan's edges at corners: it is what a person approves, so it has to hold as well.
 TEST_F(TeachSessionOf, TheCheckOfATaughtPlanIsOfItsMotionToo) {
   paint_everything();
