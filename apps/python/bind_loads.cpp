@@ -66,6 +66,13 @@ std::map<std::string, Policy> policies_with(const ConfigurationSpace& space,
   return part_policies(loaded, space.map(), policies);
 }
 
+std::string place_text(const Eigen::Isometry3d& pose) {
+  const Eigen::Vector3d at = pose.translation();
+  const Eigen::AngleAxisd turn(pose.linear());
+  return "(" + short_text(at.x()) + ", " + short_text(at.y()) + ", " + short_text(at.z()) + ") turned by " +
+         short_text(turn.angle()) + " rad";
+}
+
 /// The plan's path, and its motion, under the space's terms, with what is stated to ride on the robot.
 PathVerdict check_plan(const NamedSpace& space, const Plan& given,
                        const std::optional<std::vector<LegLoad>>& stated, const std::optional<Pick>& pick,
@@ -77,6 +84,9 @@ PathVerdict check_plan(const NamedSpace& space, const Plan& given,
   if (std::abs(plan.robot_scale - robot.scale) > 1e-9 * robot.scale)
     throw std::invalid_argument("plan: expected one for a robot at scale " + short_text(robot.scale) +
                                 ", as the space's is, got " + short_text(plan.robot_scale));
+  if ((plan.map_from_base.matrix() - robot.map_from_base.matrix()).cwiseAbs().maxCoeff() > 1e-9)
+    throw std::invalid_argument("plan: expected one for a robot whose base is where the space's is, " +
+                                place_text(robot.map_from_base) + ", got " + place_text(plan.map_from_base));
   if (plan.waypoints().empty())
     throw std::invalid_argument("plan: expected one with a path, its status is " +
                                 std::string(to_string(plan.status())));
