@@ -42,7 +42,14 @@ ByteField::ByteField(const BlockedField& field)
       std::min(blocked + std::floor(0.5 * units_ * std::sqrt(double(distances_->cap()))), double{most}));
 }
 
-ByteField::~ByteField() { free_zero_memory(memory_); }
+/// Leaves its memory as it found it, for the next map's.
+ByteField::~ByteField() {
+  const auto count = tiles.cast<std::size_t>().prod();
+  for (std::size_t tile = 0; tile < count; ++tile)
+    if (is_known_[tile].load(std::memory_order_relaxed))
+      std::memset(&memory_[tile * DistanceTiles::tile_cells], 0, DistanceTiles::tile_cells);
+  keep_zero_memory(memory_);
+}
 
 void ByteField::know(std::size_t cell) const {
   const std::size_t tile = cell / DistanceTiles::tile_cells;
