@@ -55,10 +55,7 @@ void FreeSpaceMap::State::check_sphere(int volume, const Sphere& sphere, double 
     throw std::invalid_argument("painted volume " + std::to_string(volume) + " does not exist, " +
                                 std::to_string(volumes) + " were added");
   }
-  if (!sphere.center.allFinite() || !std::isfinite(sphere.radius) || !(sphere.radius > 0.0) ||
-      !std::isfinite(time)) {
-    throw std::invalid_argument("painted ball: expected a finite centre and time and a radius > 0 in metres");
-  }
+  require_paintable(sphere, time);
 }
 
 /// Lets the voxels agree with the spheres again.
@@ -92,10 +89,11 @@ int FreeSpaceMap::add_volume(const std::string& label, const std::vector<std::st
     throw std::invalid_argument("painted volume " + quote(label) +
                                 " would be one too many, at most 15 are possible");
   }
-  if (!is_storable_name(label) ||
-      !std::all_of(critical_parts.begin(), critical_parts.end(), is_storable_name)) {
-    throw std::invalid_argument("painted volume " + quote(label) +
-                                ": expected a label and part names without control characters");
+  const auto is_part = [](const std::string& name) { return !name.empty() && is_storable_name(name); };
+  if (!is_storable_name(label) || !std::all_of(critical_parts.begin(), critical_parts.end(), is_part)) {
+    throw std::invalid_argument(
+        "painted volume " + quote(label) +
+        ": expected a label without control characters and names of parts that are not empty and have none");
   }
   return state().paint.add_volume(label, critical_parts);
 }

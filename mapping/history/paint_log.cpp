@@ -1,8 +1,10 @@
 #include "mapping/history/paint_log.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <optional>
+#include <stdexcept>
 #include <tuple>
 
 namespace clearway {
@@ -51,6 +53,12 @@ PaintLog::Change erase_from(PaintedVolume& volume, const Sphere& eraser) {
 }
 
 }  // namespace
+
+void require_paintable(const Sphere& sphere, double time) {
+  if (!sphere.center.allFinite() || !std::isfinite(sphere.radius) || !(sphere.radius > 0.0) ||
+      !std::isfinite(time))
+    throw std::invalid_argument("painted ball: expected a finite centre and time and a radius > 0 in metres");
+}
 
 int PaintLog::add_volume(const std::string& label, const std::vector<std::string>& critical_parts) {
   volumes_.push_back({label, critical_parts});

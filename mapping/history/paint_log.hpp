@@ -8,6 +8,9 @@
 
 namespace clearway {
 
+/// @throws std::invalid_argument for a sphere that is none, or no time
+void require_paintable(const Sphere& sphere, double time);
+
 /// One sphere that was painted into a volume, or one that erased from it.
 struct PaintEvent {
   int volume = 0;

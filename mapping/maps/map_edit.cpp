@@ -8,6 +8,7 @@
 #include <string>
 #include <tuple>
 
+#include "mapping/history/paint_log.hpp"
 #include "mapping/stamps/seen_stamps.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -135,6 +136,9 @@ Snapshot merge(const Snapshot& map, const Snapshot& other) {
 }
 
 Snapshot with_painted(const Snapshot& map, const std::vector<PaintedVolume>& added) {
+  for (const PaintedVolume& volume : added)
+    for (std::size_t i = 0; i < volume.spheres.size(); ++i)
+      require_paintable(volume.spheres[i], i < volume.times.size() ? volume.times[i] : 0.0);
   std::vector<PaintedVolume> volumes = map.volumes();
   const std::vector<std::size_t> places = merge_volumes(volumes, added);
   const auto tree = std::make_shared<FusedTree>(map.tree());

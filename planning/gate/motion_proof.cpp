@@ -110,7 +110,11 @@ ProofEnd find_proof_end(const ProofSpace& proof, const StraightPiece& piece) {
   }
   end.parameter = proved;
   end.leaving = proof.bounds.leaving(space.robot(), at(proved), at(open));
-  const bool leaves_first = end.leaving && space.is_edge_free(at(proved), at(open));
+  const bool is_free = space.is_edge_free(at(proved), at(open));
+  // Along the bounds a short piece may be proved inside where a longer one around it is not.
+  for (const double begin : {proved, 0.0})
+    if (is_free && !end.leaving) end.leaving = proof.bounds.leaving(space.robot(), at(begin), piece.to);
+  const bool leaves_first = end.leaving && is_free;
   // What is too near to be proved is mostly touched a little farther on, and bounds are left.
   double part = open;
   for (double step = open - proved; step <= looks_on * (open - proved) && part <= 1.0; step *= 2.0) {

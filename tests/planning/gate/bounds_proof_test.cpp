@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "planning/gate/gate.hpp"
+#include "planning/gate/motion_proof.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/random_world.hpp"
 #include "tests/worlds/voxel_scene.hpp"
@@ -85,6 +86,24 @@ TEST(BoundsProof, HoldsForDrawnEdgesOfArmsWhereTheSurveyDoes) {
   EXPECT_GT(stays, 15);
   EXPECT_GT(leaves, 30);
   EXPECT_LT(undecided, 8);
+}
+
+/// Pieces that come so near to the rim are proved inside only when they are short.
+TEST(BoundsProof, IsWhatEndsTheProofOfAMotionAlongTheRim) {
+  const ConfigurationSpace space(load_robot("point"), seen_about(1.0), unknown_is_free);
+  const ProofSpace proof{space, BoundsProof(space, {})};
+  const double last = space.map().bounds().max().x() + 0.2;
+  int ended = 0;
+  for (double inside = 2e-6; inside < 2e-3; inside *= 1.2) {
+    const Configuration from = at(last - inside, -0.5), to = at(last - inside, 0.5);
+    if (proof.holds(from, to)) continue;
+    ASSERT_TRUE(space.is_edge_free(from, to));
+    const ProofEnd end = find_proof_end(proof, {{}, from, to});
+    ASSERT_TRUE(end.leaving) << inside;
+    EXPECT_EQ(end.leaving->part, "base");
+    ++ended;
+  }
+  EXPECT_GT(ended, 10);
 }
 
 MotionChunk along_x(const std::vector<double>& places) {
