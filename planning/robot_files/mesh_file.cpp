@@ -256,6 +256,21 @@ std::string decoded(const std::string& uri) {
   return text;
 }
 
+/// A file of no package, as exporters write it (package:///a.stl, package://a.stl): in the folder or in the
+/// nearest above.
+fs::path find_without_package(const std::string& name, const fs::path& inside, const fs::path& folder) {
+  const std::string found = kept_answer(name + " from " + folder.string(), [&]() -> std::string {
+    for (fs::path from = folder;; from = from.parent_path()) {
+      if (is_input_there(from / inside)) return (from / inside).string();
+      if (from == from.parent_path()) return "";
+    }
+  });
+  if (!found.empty()) return found;
+  throw std::invalid_argument("mesh " + quote(name) + " names no package, and " + quote(inside.string()) +
+                              " was not found in " + quote_path(folder.string()) +
+                              " or any folder above, expected package://NAME/FILE");
+}
+
 fs::path find_named(const std::string& name, const fs::path& folder, const PackageFolders& packages) {
   const std::string file = "file://";
   if (name.starts_with(file)) return folder / name.substr(file.size());
@@ -263,13 +278,15 @@ fs::path find_named(const std::string& name, const fs::path& folder, const Packa
   const auto scheme = std::find_if(searched.begin(), searched.end(),
                                    [&](const std::string& start) { return name.starts_with(start); });
   if (scheme == searched.end()) return folder / name;
-  const fs::path inside = name.substr(scheme->size());
-  if (inside.empty()) throw std::invalid_argument("mesh " + quote(name) + " names no file");
+  const std::size_t begin = name.find_first_not_of('/', scheme->size());
+  if (begin == std::string::npos) throw std::invalid_argument("mesh " + quote(name) + " names no file");
+  const fs::path inside = name.substr(begin);
   const std::string package = inside.begin()->string();
   fs::path rest;
   for (auto part = std::next(inside.begin()); part != inside.end(); ++part) rest /= *part;
+  if (begin > scheme->size() || rest.empty()) return find_without_package(name, inside, whole_path(folder));
   if (const auto known = packages.find(package); known != packages.end()) {
-    if (!rest.empty() && is_input_there(known->second / rest)) return known->second / rest;
+    if (is_input_there(known->second / rest)) return known->second / rest;
     throw std::invalid_argument("mesh " + quote(name) + " was not found in " +
                                 quote_path(known->second.string()) + ", the folder given for package " +
                                 quote(package));
@@ -277,7 +294,7 @@ fs::path find_named(const std::string& name, const fs::path& folder, const Packa
   const fs::path whole = whole_path(folder);
   const std::string found = kept_answer(name + " from " + whole.string(),
                                         [&] { return in_packages(whole, package, rest).string(); });
-  if (!rest.empty() && !found.empty()) return found;
+  if (!found.empty()) return found;
   throw std::invalid_argument("mesh " + quote(name) + " was not found in any folder above " +
                               quote_path(whole.string()) +
                               ", nor in ROS_PACKAGE_PATH or AMENT_PREFIX_PATH: --package " +

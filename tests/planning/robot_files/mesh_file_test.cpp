@@ -320,7 +320,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, DamagedMeshFile, testing::ValuesIn(kinds_of_mesh
 TEST(FindMesh, NamesOfPackagesAreSearchedUpwardsAndNamesOfNothingRefused) {
   const RobotFolder folder;
   fs::create_directories(folder.path() / "arm/meshes");
-  fs::create_directories(folder.path() / "arm/urdf");
+  fs::create_directories(folder.path() / "arm/urdf/parts");
   folder.write("arm/meshes/a.stl", "x");
   const fs::path from = folder.path() / "arm/urdf";
   EXPECT_EQ(find_mesh("package://arm/meshes/a.stl", from), folder.path() / "arm/meshes/a.stl");
@@ -329,6 +329,13 @@ TEST(FindMesh, NamesOfPackagesAreSearchedUpwardsAndNamesOfNothingRefused) {
   EXPECT_EQ(find_mesh("file:///x/a.stl", from), "/x/a.stl");
   EXPECT_THROW(find_mesh("package://", from), std::invalid_argument);
   EXPECT_THROW(find_mesh("package://arm", from), std::invalid_argument);
+  EXPECT_THROW(find_mesh("package:///a.stl", from), std::invalid_argument);
+  EXPECT_THROW(find_mesh("package:///", from), std::invalid_argument);
+  folder.write("arm/b.stl", "x");
+  folder.write("arm/urdf/parts/c.stl", "x");
+  for (const char* name : {"package:///b.stl", "package://b.stl", "model://b.stl"})
+    EXPECT_EQ(find_mesh(name, from), folder.path() / "arm/b.stl");
+  EXPECT_EQ(find_mesh("package:///parts/c.stl", from), from / "parts/c.stl");
   EXPECT_THROW(find_mesh("package://arm/" + std::string(100'000, 'x'), from), std::invalid_argument);
 }
 
@@ -336,7 +343,7 @@ TEST(FindMesh, NamesOfPackagesAreSearchedUpwardsAndNamesOfNothingRefused) {
 TEST(FindMesh, AnEmptyFolderIsTheOneInWhichTheProgramRuns) {
   const RobotFolder folder;
   fs::create_directories(folder.path() / "arm/meshes");
-  fs::create_directories(folder.path() / "arm/urdf");
+  fs::create_directories(folder.path() / "arm/urdf/parts");
   folder.write("arm/meshes/a.stl", "x");
   const fs::path before = fs::current_path(), mesh = fs::canonical(folder.path()) / "arm/meshes/a.stl";
   fs::current_path(folder.path() / "arm/urdf");
