@@ -217,7 +217,10 @@ void advise(const PlanQuery& query, const Planner& planner, const LegSpaces& spa
     return;  // beam_guided cannot search for this robot: no advice, and the plan stays as it is
   }
   plan.paint = advice.spheres;
-  if (const std::string sentence = advice.sentence(); !sentence.empty()) {
+  std::string sentence = advice.sentence();
+  if (sentence.empty() && seconds_since(begin) > limit)
+    sentence = "Where painting would help was not found in " + short_text(limit) + " s.";
+  if (!sentence.empty()) {
     std::string& explanation = plan.legs[failed].explanation;
     explanation += (explanation.empty() ? "" : " ") + sentence;
   }

@@ -85,7 +85,10 @@ void add_source(CLI::App& command, std::filesystem::path& source, double& second
 
 void add_planning_flags(CLI::App& command, std::uint64_t& seed, double& time_limit) {
   command.add_option("--seed", seed, "random seed for planning")->type_name("N")->check(whole_number);
-  command.add_option("--time-limit", time_limit, "planning time limit per leg, seconds")
+  command
+      .add_option("--time-limit", time_limit,
+                  "planning time limit per leg, seconds; of one that fails, where to paint more is looked "
+                  "for as long again, 5 s at most")
       ->check(positive())
       ->type_name("S");
 }

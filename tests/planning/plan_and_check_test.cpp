@@ -234,6 +234,9 @@ TEST(PlanAndCheck, SaysWherePaintingWouldConnectStartAndGoalUnlessNoTimeIsGivenF
   ASSERT_FALSE(advised.paint.empty());
   EXPECT_EQ(advised.paint.front().part, "base");
   EXPECT_NE(advised.explanation().find("Painting would connect"), std::string::npos) << advised.explanation();
+  query.advice_time = 1e-9;
+  EXPECT_NE(plan_and_check(query).explanation().find("Where painting would help was not found in 1e-09 s."),
+            std::string::npos);
   query.advice_time = 0.0;
   const Plan plain = plan_and_check(query);
   EXPECT_EQ(plain.status(), PlanStatus::no_path);
