@@ -42,6 +42,7 @@ struct ReadyProblem {
   Motion motion;
   GoalQuestion question;
   GoalChoice choice{};
+  std::string experiment{}, name{};  ///< in the suite
 };
 
 class SuiteWriter {
@@ -338,15 +339,18 @@ class SuiteWriter {
     suite["planners"] = Json::array({{{"planner", "rrtconnect"}}});
     fs::create_directories(import_.out / "problems");
     FileWords names;
-    std::map<Motion, std::vector<const ReadyProblem*>> experiments;
-    for (const ReadyProblem& problem : ready_) experiments[problem.motion].push_back(&problem);
+    std::map<Motion, std::vector<ReadyProblem*>> experiments;
+    for (ReadyProblem& problem : ready_) experiments[problem.motion].push_back(&problem);
     for (const auto& [motion, problems] : experiments) {
       const std::string name = names.of(motion.name);
       suite["experiments"].push_back(experiment(name, motion));
       Json list;
       FileWords problem_names;
-      for (const ReadyProblem* problem : problems)
-        list["problems"].push_back(problem_entry(problem_names.of(problem->question.name), *problem));
+      for (ReadyProblem* problem : problems) {
+        problem->experiment = name;
+        problem->name = problem_names.of(problem->question.name);
+        list["problems"].push_back(problem_entry(*problem));
+      }
       save_file(import_.out / "problems" / (name + ".yaml"), lines_of(list));
     }
     outcome_.experiments = experiments.size();
@@ -354,8 +358,8 @@ class SuiteWriter {
     save_file(outcome_.suite, lines_of(suite));
   }
 
-  Json problem_entry(const std::string& name, const ReadyProblem& problem) {
-    Json entry = {{"name", name},
+  Json problem_entry(const ReadyProblem& problem) {
+    Json entry = {{"name", problem.name},
                   {"world", world_words_[set_.problems[problem.index].world]},
                   {"start", numbers(problem.question.start)},
                   {"goals", {numbers(problem.choice.q)}}};
@@ -394,6 +398,7 @@ class SuiteWriter {
 
   Json experiment(const std::string& name, const Motion& motion) const {
     Json json = {{"name", name}, {"robot", robot_name()}};
+    if (name != motion.name) json["title"] = shortened(motion.name);
     if (!import_.robot.srdf.empty()) json["srdf"] = fs::weakly_canonical(import_.robot.srdf).string();
     if (!motion.group.empty()) json["group"] = motion.group;
     if (!motion.fixed.empty()) json["fixed"] = motion.fixed;
@@ -439,7 +444,11 @@ class SuiteWriter {
     for (const ForeignProblem& problem : set_.problems)
       json["problems"].push_back(
           {{"name", problem.name}, {"world", set_.worlds[problem.world].name}, {"group", problem.group}});
-    for (const ReadyProblem& problem : ready_) add_goal(problem, json["problems"][problem.index]);
+    for (const ReadyProblem& problem : ready_) {
+      Json& entry = json["problems"][problem.index];
+      entry["in_suite"] = {{"experiment", problem.experiment}, {"problem", problem.name}};
+      add_goal(problem, entry);
+    }
     json["left_out"] = outcome_.left_out;
     return json;
   }

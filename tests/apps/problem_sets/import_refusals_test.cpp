@@ -1,6 +1,10 @@
 // What `clearway import` refuses, each in one sentence.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <set>
+
+#include "datasets/descriptions/suite.hpp"
 #include "tests/apps/problem_sets/import_fixture.hpp"
 
 namespace clearway {
@@ -107,6 +111,34 @@ TEST_F(Import, WhatIsWrongIsReportedInOneSentence) {
       "{\"problems\": {\"a\": [{\"start\": [0, 0, 0], \"start\": [1, 0, 0], \"goals\": [[1, 0, 0]]}]}}",
       "has key 'start' twice in one object, expected it once");
   expect_refused("json", "a.json", "[", "not valid JSON");
+}
+
+/// Files of a suite have simple names: whose they are is on record, and the page has the group's own.
+TEST_F(Import, GroupsAndProblemsKeepTheirNamesOnRecordWhateverFilesAreCalled) {
+  const std::string problem = "[{\"start\": [0, 0, 0.01], \"goals\": [[0.5, 0, 0.01]]}]";
+  const std::string sets =
+      folder_.write("a.json", "{\"problems\": {\"a/b\": " + problem + ", \"a_b\": " + problem +
+                                  ", \"ü\\n\": " + problem + "}}");
+  ASSERT_EQ(import("json", {sets}).status, exit_done);
+  const Json record = Json::parse(read_file(folder_.file("out/import.json")));
+  const Suite suite = load_suite(folder_.path() / "out/suite.yaml");
+  std::set<std::string> places, titles;
+  ASSERT_EQ(record["problems"].size(), 3U);
+  for (const Json& entry : record["problems"]) {
+    const Json& place = entry["in_suite"];
+    places.insert(place["experiment"]);
+    const auto experiment =
+        std::find_if(suite.experiments.begin(), suite.experiments.end(),
+                     [&](const SuiteExperiment& each) { return each.name == place["experiment"]; });
+    ASSERT_NE(experiment, suite.experiments.end());
+    ASSERT_EQ(experiment->problems.size(), 1U);
+    EXPECT_EQ(experiment->problems[0].name, place["problem"]);
+    titles.insert(experiment->title);
+    const std::string name = entry["name"];
+    EXPECT_TRUE(name.starts_with(experiment->title.substr(0, 2))) << name << ", " << experiment->title;
+  }
+  EXPECT_EQ(places.size(), 3U);
+  EXPECT_EQ(titles.size(), 3U);
 }
 
 /// A folder of MotionBenchMaker: config.yaml, and scenes twice, as solids and as a sensor saw them.
