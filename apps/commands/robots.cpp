@@ -137,11 +137,19 @@ class Description {
     json["base"] = numbers_from_pose(robot_.map_from_base);
     json["tip"] = {{"link", tip_link().name}, {"link_from_tip", numbers_from_pose(robot_.link_from_tip)}};
     json["position_accuracy_m"] = robot_.position_accuracy;
+    const RateLimits used = rate_limits(robot_);
     for (std::size_t j = 0; j < robot_.dof(); ++j) {
       const Joint& joint = robot_.joints[j];
-      json["joints"][j]["max_velocity"] = joint.max_velocity;
-      json["joints"][j]["max_acceleration"] = joint.max_acceleration;
-      json["joints"][j]["max_jerk"] = joint.max_jerk;
+      const auto at = static_cast<Eigen::Index>(j);
+      Json& entry = json["joints"][j];
+      entry["usual"] = Json::array();  // limits that nobody states
+      const auto say = [&](const char* key, double stated, double limit) {
+        entry[key] = limit;
+        if (!(stated > 0.0)) entry["usual"].push_back(key);
+      };
+      say("max_velocity", joint.max_velocity, used.velocity[at]);
+      say("max_acceleration", joint.max_acceleration, used.acceleration[at]);
+      say("max_jerk", joint.max_jerk, used.jerk[at]);
     }
     json["held"] = Json::array();
     for (const HeldJoint& joint : robot_.held)

@@ -59,6 +59,8 @@ TEST_F(Robots, AMeshIsTheHullOfItsCornersAndSolidsHaveTheirVolume) {
   EXPECT_NEAR(said["bodies"][1]["volume_m3"].get<double>(), 1.0 / 6.0, 1e-9);
   EXPECT_EQ(said["bodies"][1]["vertices"].size(), 4U);
   EXPECT_EQ(said["joints"][0]["upper"], Json());
+  EXPECT_GT(said["joints"][0]["max_acceleration"], 0.0);  // what is used where nobody states one
+  EXPECT_EQ(said["joints"][0]["usual"], Json({"max_velocity", "max_acceleration", "max_jerk"}));
   const CommandRun text = describe(file);
   EXPECT_NE(text.out.find("hull of 4 corners, in 1,1,1"), std::string::npos) << text.out;
   EXPECT_NE(text.out.find("box 0.1 0.2 0.3"), std::string::npos) << text.out;
