@@ -73,7 +73,8 @@ void require_outputs(const InspectOptions& options) {
     const std::filesystem::path name = entry.path().filename();
     if (name == "plans" || (is_in_map_folder(name) && !is_in_saved_map(name)))
       throw std::invalid_argument("--save: " + quote_path(options.save.string()) + " holds " +
-                                  quote(name.string()) + " of a recording, expected another folder");
+                                  quote(name.string()) +
+                                  ", which is no part of a saved map, expected another folder");
   }
   AtomicFolder(options.save, is_in_saved_map);
 }

@@ -190,6 +190,7 @@ CompareResults CompareSession::run(const Suite& suite, const std::vector<Prepare
     try {
       const std::lock_guard lock(printing);
       print_results(keep_tables(SIZE_MAX), console);
+      folder_.note_progress(runs_are(records_.count()));
       return std::to_string(records_.count()) + " of " + std::to_string(all) +
              " runs are done, and --resume goes on";
     } catch (const std::exception& error) {

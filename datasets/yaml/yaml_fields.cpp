@@ -205,7 +205,10 @@ std::string YamlFields::text(const std::string& key) const {
 std::string YamlFields::checked_text(const std::string& text, const std::string& key, size_t longest) const {
   if (text.size() > longest)
     fail(key, "expected at most " + std::to_string(longest) + " characters, got " + quote(text));
-  if (plain(text) != text) fail(key, "expected no control characters, got " + quote(text));
+  if (plain(text) != text)
+    fail(key, std::string("expected ") +
+                  (first_not_utf8(text) == std::string::npos ? "no control characters" : "UTF-8") + ", got " +
+                  quote(text));
   return text;
 }
 

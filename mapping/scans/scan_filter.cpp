@@ -7,21 +7,22 @@
 #include <string>
 
 #include "mapping/scans/cloud_filters.hpp"
+#include "mapping/system/number_text.hpp"
 
 namespace clearway {
 namespace {
 
-void check_length(double value, const char* name) {
+void check_size(double value, const char* name, const char* expected = "length >= 0 in metres") {
   if (std::isfinite(value) && value >= 0.0) return;
-  throw std::invalid_argument(std::string("scan filter: ") + name + " is " + std::to_string(value) +
-                              ", expected a finite length >= 0 in metres");
+  throw std::invalid_argument(std::string("scan filter: ") + name + " is " + short_text(value) +
+                              ", expected a finite " + expected);
 }
 
 void check_filter(const ScanFilter& filter) {
-  check_length(filter.min_range, "min_range");
-  check_length(filter.max_range, "max_range");
-  check_length(filter.thin_to, "thin_to");
-  check_length(filter.outlier_deviations, "outlier_deviations");
+  check_size(filter.min_range, "min_range");
+  check_size(filter.max_range, "max_range");
+  check_size(filter.thin_to, "thin_to");
+  check_size(filter.outlier_deviations, "outlier_deviations", "number >= 0");
   if (filter.outlier_neighbours < 0 || filter.outlier_neighbours > 1000) {
     throw std::invalid_argument("scan filter: outlier_neighbours is " +
                                 std::to_string(filter.outlier_neighbours) + ", expected 0 to 1000");
@@ -33,7 +34,7 @@ void check_filter(const ScanFilter& filter) {
       throw std::invalid_argument(
           "scan filter: a body's axis is not finite, expected metres in the map frame");
     }
-    check_length(body.radius, "a body's radius");
+    check_size(body.radius, "a body's radius");
   }
 }
 

@@ -23,6 +23,10 @@ void forward_kinematics(const Robot& robot, const Configuration& q, LinkPoses& m
 }
 
 LinkPoses forward_kinematics(const Robot& robot, const Configuration& q) {
+  if (q.size() != static_cast<Eigen::Index>(robot.dof()))
+    throw std::invalid_argument("forward kinematics: got " + std::to_string(q.size()) + " values, expected " +
+                                std::to_string(robot.dof()) + ", one for each joint of robot " +
+                                quote(robot.name));
   LinkPoses poses;
   forward_kinematics(robot, q, poses);
   return poses;

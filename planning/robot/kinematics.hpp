@@ -15,9 +15,10 @@ using LinkPoses = std::vector<Eigen::Isometry3d>;
 
 /// Poses of all links in the map frame, `map_from_link[i]`. @pre q.size() == robot.dof()
 void forward_kinematics(const Robot& robot, const Configuration& q, LinkPoses& map_from_link);
+/// @throws std::invalid_argument for another number of joint values
 LinkPoses forward_kinematics(const Robot& robot, const Configuration& q);
 
-/// map_from_tip at q. @pre q.size() == robot.dof()
+/// map_from_tip at q. @throws std::invalid_argument for another number of joint values
 Eigen::Isometry3d tip_pose(const Robot& robot, const Configuration& q);
 
 /// Linear (rows 0-2) and angular (rows 3-5) velocity Jacobian, map frame, of the point `point` (map frame)

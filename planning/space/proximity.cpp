@@ -90,6 +90,8 @@ std::vector<ProximityConstraint> ConfigurationSpace::proximity_constraints(const
   if (q.size() != static_cast<Eigen::Index>(model.robot.dof()) || !q.allFinite())
     throw std::invalid_argument("proximity constraints: got " + std::to_string(q.size()) +
                                 " values, expected " + std::to_string(model.robot.dof()) + " finite ones");
+  if (std::isnan(influence_distance))
+    throw std::invalid_argument("proximity constraints: influence_distance is no number, expected metres");
   const LinkPoses poses = forward_kinematics(model.robot, q);
   std::vector<ProximityConstraint> constraints;
   const auto append = [&](ProximityConstraint constraint) {

@@ -61,9 +61,9 @@ std::map<std::string, std::string> findings(const fs::path& folder) {
   return all;
 }
 
-std::string many_runs() {
+std::string many_runs(int runs = 5) {
   std::string suite = small_suite;
-  return suite.replace(suite.find("runs: 2"), 7, "runs: 5");
+  return suite.replace(suite.find("runs: 2"), 7, "runs: " + std::to_string(runs));
 }
 
 class CompareParts : public testing::Test {
@@ -171,7 +171,8 @@ TEST_F(CompareParts, ASignalLeavesATableAndResumingFindsWhatNobodyInterrupted) {
 }
 
 TEST_F(CompareParts, ResumingAnotherComparisonIsRefusedAndNothingIsLost) {
-  folder_.write("small.yaml", many_runs());
+  const std::string more_than_end_before_the_signal = many_runs(500);
+  folder_.write("small.yaml", more_than_end_before_the_signal);
   const std::vector<std::string> asked = {"compare", folder_.file("small.yaml"), "--out",
                                           folder_.file("out")};
   const fs::path records = folder_.path() / "out.partial" / "runs.jsonl";
@@ -191,7 +192,7 @@ TEST_F(CompareParts, ResumingAnotherComparisonIsRefusedAndNothingIsLost) {
   refused({"--time-limit", "3"}, "the time limit");
   refused({"--experiments", "round"}, "the experiments");
   refused({"--shard", "1/2"}, "the same --shard");
-  folder_.write("small.yaml", many_runs() + "\n# changed\n");
+  folder_.write("small.yaml", more_than_end_before_the_signal + "\n# changed\n");
   refused({}, "the suite's file");
 }
 

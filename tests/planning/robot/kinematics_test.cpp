@@ -105,6 +105,14 @@ TEST(Kinematics, JacobianIsTheNumericDerivativeOfAPointOnALink) {
   }
 }
 
+TEST(Kinematics, OfAnotherNumberOfJointValuesIsRefused) {
+  const Robot robot = load_robot("puma560");
+  for (const Eigen::Index count : {0, 5, 7}) {
+    EXPECT_THROW(tip_pose(robot, Configuration::Zero(count)), std::invalid_argument);
+    EXPECT_THROW(forward_kinematics(robot, Configuration::Zero(count)), std::invalid_argument);
+  }
+}
+
 TEST(Kinematics, LimitViolationNamesJointValueAndLimit) {
   const Robot robot = load_robot("planar2");
   EXPECT_EQ(limit_violation(robot, Eigen::Vector2d(1.0, -1.0)), "");

@@ -257,6 +257,7 @@ TEST(ProximityConstraints, OfAConfigurationThatIsNoneAreRefused) {
   EXPECT_NO_THROW(space.proximity_constraints(Eigen::Vector2d(0.1, 0.2), 0.1));
   EXPECT_THROW(space.proximity_constraints(Eigen::Vector3d::Zero(), 0.1), std::invalid_argument);
   EXPECT_THROW(space.proximity_constraints(Eigen::Vector2d(0.0, NAN), 0.1), std::invalid_argument);
+  EXPECT_THROW(space.proximity_constraints(Eigen::Vector2d(0.0, 0.0), NAN), std::invalid_argument);
 }
 
 TEST(ProximityConstraints, BothWallsOfACorridorHaveConstraints) {
