@@ -35,8 +35,8 @@ ByteField::ByteField(const BlockedField& field)
       outside_blocked(field.is_outside_blocked()),
       distances_(field.distances()),
       units_(units(field)),
-      memory_(zero_memory(tiles.cast<std::size_t>().prod() * DistanceTiles::tile_cells + beyond)),
-      is_known_(std::make_unique<std::atomic<bool>[]>(tiles.cast<std::size_t>().prod())) {
+      is_known_(std::make_unique<std::atomic<bool>[]>(tiles.cast<std::size_t>().prod())),
+      memory_(zero_memory(tiles.cast<std::size_t>().prod() * DistanceTiles::tile_cells + beyond)) {
   cells = memory_;
   end = static_cast<std::uint8_t>(
       std::min(blocked + std::floor(0.5 * units_ * std::sqrt(double(distances_->cap()))), double{most}));
@@ -44,6 +44,10 @@ ByteField::ByteField(const BlockedField& field)
 
 /// Leaves its memory as it found it, for the next map's.
 ByteField::~ByteField() {
+  if (!is_kept(memory_.size())) {
+    free_zero_memory(memory_);
+    return;
+  }
   const auto count = tiles.cast<std::size_t>().prod();
   for (std::size_t tile = 0; tile < count; ++tile)
     if (is_known_[tile].load(std::memory_order_relaxed))

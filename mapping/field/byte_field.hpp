@@ -50,8 +50,8 @@ struct ByteField {
 
   std::shared_ptr<const DistanceTiles> distances_;
   int units_;                                      ///< of a voxel's edge
-  std::span<std::uint8_t> memory_;                 ///< of `cells`; each is written once, at most
   std::unique_ptr<std::atomic<bool>[]> is_known_;  ///< of each tile
+  std::span<std::uint8_t> memory_;                 ///< of `cells`; each is written once, at most
   mutable std::mutex making_;
 };
 

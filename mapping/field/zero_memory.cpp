@@ -1,20 +1,28 @@
 #include "mapping/field/zero_memory.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <mutex>
 #include <new>
-#include <vector>
 
 #if defined(__linux__)
+#include <pthread.h>
 #include <sys/mman.h>
 #endif
 
 namespace clearway {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool keeps = false;
+using Piece = std::span<std::uint8_t>;
+
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define CLEARWAY_ADDRESS_SANITIZED
+#endif
+#endif
+#if defined(__SANITIZE_ADDRESS__) || defined(CLEARWAY_ADDRESS_SANITIZED)
+constexpr bool keeps = false;  // else it would not see who uses what was given back
 #else
 constexpr bool keeps = true;
 #endif
@@ -42,7 +50,7 @@ std::uint8_t* map_pages(std::size_t bytes) {
 /// The same from a place where large pages can begin.
 std::uint8_t* map_large_pages(std::size_t bytes) {
   std::uint8_t* const all = map_pages(bytes + large_page);
-  if (all == nullptr) return nullptr;
+  if (all == nullptr) return map_pages(bytes);
   const std::size_t over = reinterpret_cast<std::uintptr_t>(all) % large_page;
   std::uint8_t* const memory = all + (over > 0 ? large_page - over : 0);
   if (memory > all) munmap(all, static_cast<std::size_t>(memory - all));
@@ -55,76 +63,109 @@ std::uint8_t* map_zeros(std::size_t bytes) {
   return wants_large_pages(bytes) ? map_large_pages(mapped_bytes(bytes)) : map_pages(bytes);
 }
 
-void unmap(std::span<std::uint8_t> memory) { munmap(memory.data(), mapped_bytes(memory.size())); }
+void unmap(Piece memory) { munmap(memory.data(), mapped_bytes(memory.size())); }
 #else
 constexpr std::size_t mapped_from = ~std::size_t{0};
+std::size_t mapped_bytes(std::size_t bytes) { return bytes; }
 std::uint8_t* map_zeros(std::size_t) { return nullptr; }
-void unmap(std::span<std::uint8_t>) {}
+void unmap(Piece) {}
 #endif
 
-/// Pieces that wait, the one that came last at the end.
+/// Pieces that wait, in the order in which they came. Takes no memory of its own: who gives back may have
+/// run out of it, and fields may be freed while the program ends.
 class Kept {
  public:
-  using Piece = std::span<std::uint8_t>;
-
   /// Of no size: there is none.
   Piece take(std::size_t bytes) {
     const std::lock_guard lock(guard_);
-    const auto found = std::find_if(pieces_.rbegin(), pieces_.rend(),
-                                    [&](const Piece& piece) { return piece.size() == bytes; });
-    if (found == pieces_.rend()) return {};
-    const Piece piece = *found;
-    pieces_.erase(std::next(found).base());
-    bytes_ -= bytes;
-    return piece;
+    for (std::size_t i = count_; i-- > 0;)
+      if (pieces_[i].size() == bytes) return remove(i);
+    return {};
   }
 
-  /// Returns those that it takes the place of: they waited for longest.
-  std::vector<Piece> give(const Piece& piece) {
-    std::vector<Piece> out;
-    const std::lock_guard lock(guard_);
-    pieces_.push_back(piece);
-    bytes_ += piece.size();
-    while (bytes_ > kept_zero_bytes || pieces_.size() > most_pieces) {
-      out.push_back(pieces_.front());
-      bytes_ -= pieces_.front().size();
-      pieces_.erase(pieces_.begin());
+  void give(Piece piece) {
+    Few old;
+    {
+      const std::lock_guard lock(guard_);
+      pieces_[count_++] = piece;
+      bytes_ += mapped_bytes(piece.size());
+      old = leave(kept_zero_pieces, kept_zero_bytes);
     }
-    return out;
+    free_all(old);
+  }
+
+  /// Whether there was one.
+  bool clear() {
+    Few old;
+    {
+      const std::lock_guard lock(guard_);
+      old = leave(0, 0);
+    }
+    free_all(old);
+    return old.count > 0;
   }
 
  private:
-  static constexpr std::size_t most_pieces = 8;
+  using Pieces = std::array<Piece, kept_zero_pieces + 1>;
+  struct Few {
+    Pieces pieces;
+    std::size_t count = 0;
+  };
 
-  std::mutex guard_;
-  std::vector<Piece> pieces_;
-  std::size_t bytes_ = 0;
+  static void free_all(const Few& few) {
+    for (std::size_t i = 0; i < few.count; ++i) free_zero_memory(few.pieces[i]);
+  }
+
+  /// Takes out those that waited for longest, until so many are left.
+  Few leave(std::size_t most, std::size_t most_bytes) {
+    Few out;
+    while (count_ > most || bytes_ > most_bytes) out.pieces[out.count++] = remove(0);
+    return out;
+  }
+
+  Piece remove(std::size_t i) {
+    const Piece piece = pieces_[i];
+    std::move(&pieces_[i] + 1, pieces_.data() + count_, &pieces_[i]);
+    --count_;
+    bytes_ -= mapped_bytes(piece.size());
+    return piece;
+  }
+
+  static constinit inline std::mutex guard_;
+#if defined(__linux__)
+  /// A forked process is a copy: a mutex that a thread holds which is not in it would be held for ever.
+  static inline const int guard_forks_ =
+      ::pthread_atfork([] { guard_.lock(); }, [] { guard_.unlock(); }, [] { guard_.unlock(); });
+#endif
+  Pieces pieces_;
+  std::size_t count_ = 0, bytes_ = 0;
 };
 
-/// Never destroyed: fields may be freed while the program ends.
-Kept& kept() {
-  static auto* const kept = new Kept;
-  return *kept;
+constinit Kept kept;
+
+std::uint8_t* new_zeros(std::size_t bytes) {
+  return bytes < mapped_from ? static_cast<std::uint8_t*>(std::calloc(bytes, 1)) : map_zeros(bytes);
 }
 
 }  // namespace
 
 std::span<std::uint8_t> zero_memory(std::size_t bytes) {
-  if (const auto piece = kept().take(bytes); !piece.empty()) return piece;
-  auto* const memory =
-      bytes < mapped_from ? static_cast<std::uint8_t*>(std::calloc(bytes, 1)) : map_zeros(bytes);
+  if (const Piece piece = kept.take(bytes); !piece.empty()) return piece;
+  std::uint8_t* memory = new_zeros(bytes);
+  if (memory == nullptr && kept.clear()) memory = new_zeros(bytes);
   if (memory == nullptr) throw std::bad_alloc();
   return {memory, bytes};
 }
 
-void free_zero_memory(std::span<std::uint8_t> memory) {
+void free_zero_memory(std::span<std::uint8_t> memory) noexcept {
   if (memory.size() < mapped_from) return std::free(memory.data());
   unmap(memory);
 }
 
-void keep_zero_memory(std::span<std::uint8_t> memory) {
-  if (!keeps || memory.size() > kept_zero_bytes) return free_zero_memory(memory);
-  for (const Kept::Piece& piece : kept().give(memory)) free_zero_memory(piece);
+bool is_kept(std::size_t bytes) noexcept { return keeps && mapped_bytes(bytes) <= kept_zero_bytes; }
+
+void keep_zero_memory(std::span<std::uint8_t> memory) noexcept {
+  is_kept(memory.size()) ? kept.give(memory) : free_zero_memory(memory);
 }
 
 }  // namespace clearway

@@ -11,12 +11,16 @@ namespace clearway {
 /// @throws std::bad_alloc
 std::span<std::uint8_t> zero_memory(std::size_t bytes);
 
-void free_zero_memory(std::span<std::uint8_t> memory);
+void free_zero_memory(std::span<std::uint8_t> memory) noexcept;
 
-/// The same for a piece that is all 0 again: some of them wait for whoever next wants as many bytes, who
-/// then has no page faults. Safe for many threads. Under a memory sanitizer none waits.
-void keep_zero_memory(std::span<std::uint8_t> memory);
+/// The same for a piece that is all 0 again: the last ones wait for whoever next wants as many bytes, who
+/// then has no page faults, or for somebody who gets none otherwise. Safe for many threads and forks.
+void keep_zero_memory(std::span<std::uint8_t> memory) noexcept;
+
+/// Whether a piece of this size would wait; under an address sanitizer none does.
+bool is_kept(std::size_t bytes) noexcept;
 
 constexpr std::size_t kept_zero_bytes = std::size_t{64} << 20U;  ///< that wait, at most
+constexpr std::size_t kept_zero_pieces = 8;                      ///< the same
 
 }  // namespace clearway

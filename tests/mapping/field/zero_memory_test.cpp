@@ -4,9 +4,18 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <fstream>
+#include <new>
 #include <random>
 #include <thread>
 #include <vector>
+
+#if defined(__linux__)
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#endif
 
 namespace clearway {
 namespace zero_memory_test {
@@ -51,6 +60,77 @@ TEST(ZeroMemory, OfWhatIsKeptIsZeroAndNobodyElses) {
   for (int seed = 0; seed < 3; ++seed) threads.emplace_back(use, seed);
   for (std::thread& thread : threads) thread.join();
 }
+
+TEST(ZeroMemory, TheLastPiecesWaitAndNoMoreBytesThanAllowed) {
+  if (!is_kept(1)) GTEST_SKIP() << "under an address sanitizer no piece waits";
+  std::vector<std::span<std::uint8_t>> pieces;
+  for (std::size_t i = 0; i <= kept_zero_pieces; ++i) pieces.push_back(zero_memory(5000 + i));
+  for (const auto piece : pieces) keep_zero_memory(piece);  // the first is one too many
+  for (std::size_t i = 1; i <= kept_zero_pieces; ++i) {
+    const auto again = zero_memory(5000 + i);
+    EXPECT_EQ(again.data(), pieces[i].data());
+    free_zero_memory(again);
+  }
+  const std::size_t third = kept_zero_bytes / 3;
+  const std::array<std::span<std::uint8_t>, 4> large{zero_memory(third), zero_memory(third + 1),
+                                                     zero_memory(third + 2), zero_memory(third + 3)};
+  for (const auto piece : large) keep_zero_memory(piece);  // the last two fit
+  EXPECT_EQ(large[3].data(), zero_memory(third + 3).data());
+  EXPECT_EQ(large[2].data(), zero_memory(third + 2).data());
+  free_zero_memory(large[3]);
+  free_zero_memory(large[2]);
+  EXPECT_FALSE(is_kept(kept_zero_bytes + 1));
+}
+
+#if defined(__linux__)
+TEST(ZeroMemory, AForkedProcessMayUseItWhateverThreadsDid) {
+  std::atomic<bool> done{false};
+  std::thread other([&] {
+    while (!done) keep_zero_memory(zero_memory(100));
+  });
+  int ended = 0;
+  for (int i = 0; i < 200; ++i) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      ::alarm(20);
+      keep_zero_memory(zero_memory(100));
+      ::_exit(0);
+    }
+    int status = -1;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    ended += status == 0;
+  }
+  done = true;
+  other.join();
+  EXPECT_EQ(ended, 200);
+}
+
+/// What waits is given up for who gets no memory otherwise.
+TEST(ZeroMemory, WhatWaitsIsThereForOtherSizes) {
+  if (!is_kept(1)) GTEST_SKIP() << "under an address sanitizer no piece waits";
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const std::size_t half = kept_zero_bytes / 2 - (4U << 20U);
+    const auto first = zero_memory(half), second = zero_memory(half + 1);
+    keep_zero_memory(first);
+    keep_zero_memory(second);
+    std::ifstream statm("/proc/self/statm");
+    std::size_t pages = 0;
+    statm >> pages;
+    const rlimit bound{pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)) + half / 2, RLIM_INFINITY};
+    ::setrlimit(RLIMIT_AS, &bound);
+    try {
+      zero_memory(half + 2);
+    } catch (const std::bad_alloc&) {
+      ::_exit(1);
+    }
+    ::_exit(0);
+  }
+  int status = -1;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_EQ(status, 0);
+}
+#endif
 
 }  // namespace zero_memory_test
 }  // namespace clearway
