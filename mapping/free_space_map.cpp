@@ -89,11 +89,10 @@ int FreeSpaceMap::add_volume(const std::string& label, const std::vector<std::st
     throw std::invalid_argument("painted volume " + quote(label) +
                                 " would be one too many, at most 15 are possible");
   }
-  const auto is_part = [](const std::string& name) { return !name.empty() && is_storable_name(name); };
-  if (!is_storable_name(label) || !std::all_of(critical_parts.begin(), critical_parts.end(), is_part)) {
-    throw std::invalid_argument(
-        "painted volume " + quote(label) +
-        ": expected a label without control characters and names of parts that are not empty and have none");
+  if (!is_storable_name(label) ||
+      !std::all_of(critical_parts.begin(), critical_parts.end(), is_storable_name)) {
+    throw std::invalid_argument("painted volume " + quote(label) +
+                                ": expected a label and part names without control characters");
   }
   return state().paint.add_volume(label, critical_parts);
 }

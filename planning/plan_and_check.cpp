@@ -207,18 +207,19 @@ void advise(const PlanQuery& query, const Planner& planner, const LegSpaces& spa
   const bool follows_lattice = planner.name() == "beam" || planner.name() == "beam_reference";
   const auto begin = Clock::now();
   const double limit = std::min(query.advice_time, query.time_limit);
+  bool ran_out = false;
   PaintAdvice advice;
   try {
-    advice = advise_paint(
-        planner,
-        {space, cost, start, query.goals[failed], query.seed, [&] { return seconds_since(begin) > limit; }},
-        follows_lattice);
+    advice = advise_paint(planner,
+                          {space, cost, start, query.goals[failed], query.seed,
+                           [&] { return ran_out = seconds_since(begin) > limit; }},
+                          follows_lattice);
   } catch (const std::invalid_argument&) {
     return;  // beam_guided cannot search for this robot: no advice, and the plan stays as it is
   }
   plan.paint = advice.spheres;
   std::string sentence = advice.sentence();
-  if (sentence.empty() && seconds_since(begin) > limit)
+  if (sentence.empty() && ran_out)
     sentence = "Where painting would help was not found in " + short_text(limit) + " s.";
   if (!sentence.empty()) {
     std::string& explanation = plan.legs[failed].explanation;

@@ -396,9 +396,14 @@ class SuiteWriter {
     return known->second;
   }
 
-  Json experiment(const std::string& name, const Motion& motion) const {
+  Json experiment(const std::string& name, const Motion& motion) {
     Json json = {{"name", name}, {"robot", robot_name()}};
-    if (name != motion.name) json["title"] = shortened(motion.name);
+    if (name != motion.name) {
+      const std::string title = shortened(motion.name);
+      json["title"] = titles_.insert(title).second ? title : title + " (" + name + ")";
+    } else {
+      titles_.insert(name);
+    }
     if (!import_.robot.srdf.empty()) json["srdf"] = fs::weakly_canonical(import_.robot.srdf).string();
     if (!motion.group.empty()) json["group"] = motion.group;
     if (!motion.fixed.empty()) json["fixed"] = motion.fixed;
@@ -483,6 +488,7 @@ class SuiteWriter {
   std::vector<ReadyProblem> ready_;
   std::string refusal_;  ///< the first reason for which a problem was left out
   FileWords words_, hull_names_;
+  std::set<std::string> titles_;              ///< of experiments
   std::map<std::string, std::string> hulls_;  ///< their files by their text
   std::vector<std::string> world_words_;
   std::vector<std::vector<std::size_t>> cells_;

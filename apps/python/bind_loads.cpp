@@ -66,11 +66,13 @@ std::map<std::string, Policy> policies_with(const ConfigurationSpace& space,
   return part_policies(loaded, space.map(), policies);
 }
 
+/// x, y, z; roll, pitch, yaw.
 std::string place_text(const Eigen::Isometry3d& pose) {
-  const Eigen::Vector3d at = pose.translation();
-  const Eigen::AngleAxisd turn(pose.linear());
-  return "(" + short_text(at.x()) + ", " + short_text(at.y()) + ", " + short_text(at.z()) + ") turned by " +
-         short_text(turn.angle()) + " rad";
+  const Eigen::Vector3d at = pose.translation(), turn = pose.linear().eulerAngles(2, 1, 0).reverse();
+  const auto text = [](const Eigen::Vector3d& v) {
+    return short_text(v.x(), 9) + ", " + short_text(v.y(), 9) + ", " + short_text(v.z(), 9);
+  };
+  return "(" + text(at) + "; " + text(turn) + ")";
 }
 
 /// The plan's path, and its motion, under the space's terms, with what is stated to ride on the robot.
@@ -84,7 +86,7 @@ PathVerdict check_plan(const NamedSpace& space, const Plan& given,
   if (std::abs(plan.robot_scale - robot.scale) > 1e-9 * robot.scale)
     throw std::invalid_argument("plan: expected one for a robot at scale " + short_text(robot.scale) +
                                 ", as the space's is, got " + short_text(plan.robot_scale));
-  if ((plan.map_from_base.matrix() - robot.map_from_base.matrix()).cwiseAbs().maxCoeff() > 1e-9)
+  if ((plan.map_from_base.matrix() - robot.map_from_base.matrix()).cwiseAbs().maxCoeff() > 1e-6)
     throw std::invalid_argument("plan: expected one for a robot whose base is where the space's is, " +
                                 place_text(robot.map_from_base) + ", got " + place_text(plan.map_from_base));
   if (plan.waypoints().empty())

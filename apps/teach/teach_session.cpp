@@ -324,16 +324,17 @@ void TeachSession::choose_robot(const TeachEvent& event) {
   auto robot = std::make_shared<VirtualRobot>(choice, event.near, map_from_base);
   remember("robot");
   choice_.robot = robot;
-  use_robot(std::move(robot));
+  use_robot(std::move(robot), event.time);
   choice_.held.clear();
   forget_places();
 }
 
 /// One that is new follows the probe from where it was seen last, and does not wait for the next image.
-void TeachSession::use_robot(std::shared_ptr<VirtualRobot> robot) {
+void TeachSession::use_robot(std::shared_ptr<VirtualRobot> robot, double time) {
   if (robot == robot_) return;
   robot_ = std::move(robot);
-  if (robot_ && shown_tip_) robot_->lead(shown_tip_->map_from_tip, shown_tip_->time);
+  if (robot_ && shown_tip_ && time - shown_tip_->time <= VirtualRobot::longest_gap)
+    robot_->lead(shown_tip_->map_from_tip, shown_tip_->time);
 }
 
 void TeachSession::require_robot() const {
@@ -392,7 +393,7 @@ void TeachSession::undo(std::string& remark) {
     ++other_changes_;
   }
   choice_ = std::move(last.before);
-  use_robot(choice_.robot);
+  use_robot(choice_.robot, now_);
   remark = last.what + " is undone";
 }
 

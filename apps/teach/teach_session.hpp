@@ -204,7 +204,7 @@ class TeachSession final : public FusionGuide {
   void forget_plan();
   void remember(const std::string& what, std::optional<int> stroke = {});
   void require_robot() const;
-  void use_robot(std::shared_ptr<VirtualRobot> robot);
+  void use_robot(std::shared_ptr<VirtualRobot> robot, double time);
   /// Maps and plans share their names: both may have a folder in maps/.
   bool is_taken(const std::string& name) const;
   TeachState resting_state() const;

@@ -13,8 +13,6 @@
 namespace clearway {
 namespace {
 
-constexpr double longest_gap = 0.5;  ///< s: a probe not seen for longer says nothing
-
 Configuration middle_of_limits(const Robot& robot) {
   Configuration q = Configuration::Zero(static_cast<Eigen::Index>(robot.dof()));
   for (std::size_t j = 0; j < robot.dof(); ++j)

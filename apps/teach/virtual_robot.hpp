@@ -15,6 +15,8 @@ namespace clearway {
 /// The robot that a person leads by the gripper probe, in its place in the map, under its policies.
 class VirtualRobot {
  public:
+  static constexpr double longest_gap = 0.5;  ///< s: a probe not seen for longer says nothing
+
   /// @param near on the arm configuration to keep; empty: the first pose decides
   /// @param map_from_base instead of the choice's; may be empty
   /// @throws std::invalid_argument as choose_robot and choose_policies do; a `near` that is no configuration

@@ -102,19 +102,22 @@ ProofEnd find_proof_end(const ProofSpace& proof, const StraightPiece& piece) {
   ProofEnd end;
   end.obstruction = space.check(piece.from);
   if (!end.obstruction.is_free()) return end;
-  double proved = 0.0, open = 1.0;
+  double proved = 0.0, open = 1.0, begin = 0.0;  // from `begin` to `open` is what was not proved last
   const double finest = space.options().edge_resolution / (piece.to - piece.from).norm();
   while (open - proved > std::max(finest, 1e-9)) {
     const double middle = (proved + open) / 2.0;
-    (proof.holds(at(proved), at(middle)) ? proved : open) = middle;
+    if (proof.holds(at(proved), at(middle))) {
+      proved = middle;
+    } else {
+      open = middle;
+      begin = proved;
+    }
   }
   end.parameter = proved;
-  end.leaving = proof.bounds.leaving(space.robot(), at(proved), at(open));
-  const bool is_free = space.is_edge_free(at(proved), at(open));
-  // Along the bounds a short piece may be proved inside where a longer one around it is not.
-  for (const double begin : {proved, 0.0})
-    if (is_free && !end.leaving) end.leaving = proof.bounds.leaving(space.robot(), at(begin), piece.to);
-  const bool leaves_first = end.leaving && is_free;
+  // Along the bounds a short piece may be proved inside where the longer one that was asked for is not.
+  const bool is_free = space.is_edge_free(at(begin), at(open));
+  end.leaving = proof.bounds.leaving(space.robot(), at(is_free ? begin : proved), at(open));
+  const bool leaves_first = end.leaving && (is_free || space.is_edge_free(at(proved), at(open)));
   // What is too near to be proved is mostly touched a little farther on, and bounds are left.
   double part = open;
   for (double step = open - proved; step <= looks_on * (open - proved) && part <= 1.0; step *= 2.0) {

@@ -266,8 +266,8 @@ fs::path find_without_package(const std::string& name, const fs::path& inside, c
     }
   });
   if (!found.empty()) return found;
-  throw std::invalid_argument("mesh " + quote(name) + " names no package, and " + quote(inside.string()) +
-                              " was not found in " + quote_path(folder.string()) +
+  throw std::invalid_argument("mesh " + quote(name) + " does not name package and file, and " +
+                              quote(inside.string()) + " was not found in " + quote_path(folder.string()) +
                               " or any folder above, expected package://NAME/FILE");
 }
 

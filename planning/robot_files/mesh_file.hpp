@@ -52,7 +52,8 @@ using PackageFolders = std::map<std::string, std::filesystem::path>;
 /// is first found of NAME/rest, or rest in a folder called NAME or whose package.xml says so, in the folders
 /// upwards from `folder` (empty: the one in which the program runs);
 /// NAME/rest in those of $ROS_PACKAGE_PATH and one below; share/NAME/rest in those of $AMENT_PREFIX_PATH. Of
-/// a URI whose file is not there, %20 and the like stand for their characters.
+/// a URI whose file is not there, %20 and the like stand for their characters. Of `package:///rest` and
+/// `package://FILE` rest and FILE are in `folder` or the nearest above it that has them.
 /// @throws std::invalid_argument when nothing is found.
 std::filesystem::path find_mesh(const std::string& name, const std::filesystem::path& folder,
                                 const PackageFolders& packages = {});

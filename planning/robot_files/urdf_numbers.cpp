@@ -57,8 +57,10 @@ std::vector<double> urdf_numbers(const UrdfPlace& place, const tinyxml2::XMLElem
     values.push_back(value);
   }
   if (values.size() != count) place.refuse(wanted + ", got " + quote(text));
-  // urdfdom reads what stands before it and then leaves the whole element out.
-  if (count == 1 && std::string_view(text).ends_with(blank))
+  // urdfdom leaves out an element one number of which has a blank after it; these it does not read.
+  const std::string_view key = attribute;
+  const bool is_ours = key == "acceleration" || key == "deceleration" || key == "jerk";
+  if (count == 1 && !is_ours && std::string_view(text).ends_with(blank))
     place.refuse(wanted + " and no blank after it, got " + quote(text));
   for (double value : values) {
     if (value >= range.least && value <= range.most) continue;

@@ -105,7 +105,7 @@ class Arm(unittest.TestCase):
             cw.check_plan(self.space, cw.parse_plan(json.dumps(said)))
         said["scale"] = self.robot.scale
         said["base"][0][3] += 1e-3
-        with self.assertRaisesRegex(ValueError, r"whose base is where the space's is, \(0, 0, 0\).*got \(0.001, 0, 0\)"):
+        with self.assertRaisesRegex(ValueError, r"whose base is where the space's is, \(0, 0, 0; .*got \(0.001, 0, 0; "):
             cw.check_plan(self.space, cw.parse_plan(json.dumps(said)))
         said["base"][0][3] -= 1e-3
         said["joints"] = ["other", *plan.joints[1:]]

@@ -148,6 +148,9 @@ TEST_F(TeachSessionOf, ARobotThatIsChosenBetweenImagesStandsWhereTheProbeWasSeen
   EXPECT_EQ(act(TeachAction::start), "");
   EXPECT_TRUE(tip_pose(session_.robot()->robot(), session_.robot()->q()).isApprox(map_from_tip, 1e-6));
   EXPECT_EQ(act(TeachAction::goal), "goal: the gripper probe was not seen for 1.2 s");
+  ASSERT_EQ(act(TeachAction::robot, "planar2"), "");  // by now the pose says nothing
+  EXPECT_EQ(act(TeachAction::start),
+            "start: the gripper probe was not seen yet, since this robot was chosen");
 }
 
 /// A motion leaves the plan's edges at corners: it is what a person approves, so it has to hold as well.

@@ -16,8 +16,9 @@ namespace bounds_proof_test {
 
 const Policies unknown_is_free{.other = Policy::not_occupied, .critical_by_default = false};
 
-/// Rays that met nothing, along x and y: seen up to `range` from the origin, not further.
-Snapshot seen_about(double range, double edge = 0.05) {
+/// Rays that met nothing, along x and y: seen up to `range` from the origin, not further; and obstacles.
+Snapshot seen_about(double range, const std::vector<Eigen::Vector3d>& occupied = {}) {
+  constexpr double edge = 0.05;
   FreeSpaceMap map({.resolution = edge});
   Scan scan;
   scan.map_from_sensor.translation().setConstant(edge / 2);
@@ -27,6 +28,7 @@ Snapshot seen_about(double range, double edge = 0.05) {
     scan.points.emplace_back(0.0F, 0.0F, side);
   }
   map.insert(scan, {.max_range = range});
+  for (const Eigen::Vector3d& place : occupied) occupy(map, place);
   return map.snapshot();
 }
 
@@ -104,6 +106,33 @@ TEST(BoundsProof, IsWhatEndsTheProofOfAMotionAlongTheRim) {
     ++ended;
   }
   EXPECT_GT(ended, 10);
+}
+
+TEST(BoundsProof, DoesNotHideWhatIsInTheWayBefore) {
+  Random random(5);
+  int blocked = 0;
+  for (int world = 0; world < 10; ++world) {
+    std::vector<Eigen::Vector3d> occupied;
+    for (int i = 0; i < 6; ++i)
+      occupied.emplace_back(random.between(-0.9, 0.9), random.between(-0.9, 0.9), 0.025);
+    const ConfigurationSpace space(load_robot("point"), seen_about(1.0, occupied), unknown_is_free);
+    const ProofSpace proof{space, BoundsProof(space, {})};
+    for (int i = 0; i < 30; ++i) {
+      const Configuration from = at(random.between(-0.8, 0.8), random.between(-0.8, 0.8));
+      const Configuration to = at(random.between(-2.5, 2.5), random.between(-2.5, 2.5));
+      if (!space.check(from).is_free()) continue;
+      double touches = 2.0, leaves = 2.0;
+      for (int k = 0; k <= 1000; ++k) {
+        const Configuration q = from + k / 1000.0 * (to - from);
+        if (touches > 1.0 && !space.check(q).is_free()) touches = k / 1000.0;
+        if (leaves > 1.0 && proof.bounds.leaving(space.robot(), q, q)) leaves = k / 1000.0;
+      }
+      if (touches > 1.0 || leaves - touches < 0.01) continue;
+      ++blocked;
+      EXPECT_FALSE(find_proof_end(proof, {{}, from, to}).leaving) << world << ", " << i;
+    }
+  }
+  EXPECT_GT(blocked, 40);
 }
 
 MotionChunk along_x(const std::vector<double>& places) {

@@ -108,6 +108,9 @@ TEST_F(UrdfDocumentFile, OnlyWholeDecimalNumbersCountWhateverTheLocale) {
       with_shape("<sphere radius='0.1 '/>"),  // urdfdom would drop the body
       "r.urdf: link 'arm': <sphere> needs radius with 1 finite number and no blank after it, got '0.1 '");
   EXPECT_EQ(with_shape("<sphere radius=' 0.1'/>"), "accepted");
+  EXPECT_EQ(with_joint("revolute",
+                       "<limit lower='-1' upper='1' velocity='1' effort='1' acceleration='3 ' jerk='9 '/>"),
+            "accepted");  // which urdfdom does not read
   EXPECT_EQ(with_shape("<box size='0.1 0.2.3'/>"),
             "r.urdf: link 'arm': <box> needs size with 3 finite numbers, got '0.1 0.2.3'");
   EXPECT_EQ(with_shape("<box size='0.1,0.2 3'/>"),  // urdfdom would drop the body
