@@ -2,6 +2,7 @@
 // new one is there, whole. CLEARWAY_KILLS says how often they are killed at random times (12 by default);
 // with CLEARWAY_TRIALS=many every call to the disk fails, else a third of them and the last ones.
 #include <gtest/gtest.h>
+#include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -152,6 +153,7 @@ class WholeFolders : public ::testing::TestWithParam<const char*> {
     if (::pipe(ends.data()) != 0) throw std::runtime_error("no pipe");
     const pid_t child = ::fork();
     if (child == 0) {
+      ::signal(SIGINT, SIG_DFL);  // shells let what runs behind them ignore it
       end_in_order_on_signals([&](int, const std::string& there) {
         const std::string line = "0 clearway: ended: " + there + "\n";
         [[maybe_unused]] const auto written = ::write(ends[1], line.data(), line.size());

@@ -99,6 +99,7 @@ Interrupted interrupt(const std::vector<std::string>& arguments, int signal, con
                       std::ptrdiff_t lines, const fs::path& scratch) {
   const pid_t child = ::fork();
   if (child == 0) {
+    ::signal(signal, SIG_DFL);  // shells let what runs behind them ignore SIGINT
     std::freopen((scratch / "out.txt").c_str(), "w", stdout);
     std::freopen((scratch / "log.txt").c_str(), "w", stderr);
     std::vector<char*> pointers{const_cast<char*>(CLEARWAY_BINARY)};
