@@ -26,7 +26,8 @@ Snapshot merge(const Snapshot& map, const Snapshot& other);
 /// The map with these volumes painted, as FreeSpaceMap::paint paints each sphere: what lies wholly inside of
 /// one is painted, and a conflict where it is occupied. Volumes become one with those of their label, as
 /// merge does it.
-/// @throws std::invalid_argument as merge for the volumes, and as FreeSpaceMap::paint for a sphere that is none
+/// @throws std::invalid_argument as merge for the volumes, and as FreeSpaceMap::paint for a sphere that is
+/// none
 Snapshot with_painted(const Snapshot& map, const std::vector<PaintedVolume>& volumes);
 
 /// The voxels of a box, snapped outwards to voxels; all else is unknown. Spheres that do not reach the box
