@@ -82,7 +82,8 @@ TEST_F(CheckRecorded, a_plan_that_hides_its_query_is_found_by_start_and_goals) {
   EXPECT_EQ(run.status, exit_no);
   EXPECT_EQ(refused_terms(run), Terms{"padding"});
   plan["padding_m"] = 0.004;
-  EXPECT_NE(check(plan).out.find("padding: expected 10 mm by the map's record, the plan says 4 mm"), std::string::npos)
+  EXPECT_NE(check(plan).out.find("padding: expected 10 mm by the map's record, the plan says 4 mm"),
+            std::string::npos)
       << check(plan).out;
 }
 
