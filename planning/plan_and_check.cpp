@@ -1,6 +1,7 @@
 #include "planning/plan_and_check.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <stdexcept>
@@ -207,12 +208,15 @@ void advise(const PlanQuery& query, const Planner& planner, const LegSpaces& spa
   const bool follows_lattice = planner.name() == "beam" || planner.name() == "beam_reference";
   const auto begin = Clock::now();
   const double limit = std::min(query.advice_time, query.time_limit);
-  bool ran_out = false;
+  std::atomic<bool> ran_out{false};  // a planner may ask from several threads
   PaintAdvice advice;
   try {
     advice = advise_paint(planner,
                           {space, cost, start, query.goals[failed], query.seed,
-                           [&] { return ran_out = seconds_since(begin) > limit; }},
+                           [&] {
+                             if (seconds_since(begin) > limit) ran_out = true;
+                             return ran_out.load();
+                           }},
                           follows_lattice);
   } catch (const std::invalid_argument&) {
     return;  // beam_guided cannot search for this robot: no advice, and the plan stays as it is
