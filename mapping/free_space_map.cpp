@@ -89,11 +89,7 @@ int FreeSpaceMap::add_volume(const std::string& label, const std::vector<std::st
     throw std::invalid_argument("painted volume " + quote(label) +
                                 " would be one too many, at most 15 are possible");
   }
-  if (!is_storable_name(label) ||
-      !std::all_of(critical_parts.begin(), critical_parts.end(), is_storable_name)) {
-    throw std::invalid_argument("painted volume " + quote(label) +
-                                ": expected a label and part names without control characters");
-  }
+  require_storable(label, critical_parts);
   return state().paint.add_volume(label, critical_parts);
 }
 

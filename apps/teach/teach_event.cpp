@@ -71,7 +71,10 @@ std::vector<double> numbers_of(const JsonField& field) {
 
 std::vector<std::string> texts_of(const JsonField& field) {
   std::vector<std::string> texts;
-  for (const JsonField& item : field.items()) texts.push_back(item.text());
+  for (const JsonField& item : field.items()) {
+    texts.push_back(item.text());
+    if (texts.back().empty()) item.refuse("a word");
+  }
   return texts;
 }
 

@@ -256,6 +256,7 @@ std::vector<std::string> YamlFields::texts_of(const YAML::Node& node, const std:
   for (const auto& item : node) {
     if (!item.IsScalar()) fail(key, "expected a list of words, got " + shown_node(item) + " in it");
     result.push_back(checked_text(item.Scalar(), key, 80));
+    if (result.back().empty()) fail(key, "expected a list of words, got an empty one in it");
   }
   return result;
 }

@@ -51,6 +51,7 @@ std::vector<std::string> split_parts(std::string_view text) {
       parts.back() += text[i];
     }
   }
+  std::erase(parts, "");  // "hand;" is "hand"
   return parts;
 }
 

@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "mapping/system/plain_text.hpp"
+
 namespace clearway {
 namespace {
 
@@ -58,6 +60,14 @@ void require_paintable(const Sphere& sphere, double time) {
   if (!sphere.center.allFinite() || !std::isfinite(sphere.radius) || !(sphere.radius > 0.0) ||
       !std::isfinite(time))
     throw std::invalid_argument("painted ball: expected a finite centre and time and a radius > 0 in metres");
+}
+
+void require_storable(const std::string& label, const std::vector<std::string>& critical_parts) {
+  const auto is_part = [](const std::string& part) { return !part.empty() && is_storable_name(part); };
+  if (is_storable_name(label) && std::all_of(critical_parts.begin(), critical_parts.end(), is_part)) return;
+  throw std::invalid_argument(
+      "painted volume " + quote(label) +
+      ": expected a label and part names without control characters, and no part without a name");
 }
 
 int PaintLog::add_volume(const std::string& label, const std::vector<std::string>& critical_parts) {

@@ -11,6 +11,10 @@ namespace clearway {
 /// @throws std::invalid_argument for a sphere that is none, or no time
 void require_paintable(const Sphere& sphere, double time);
 
+/// @throws std::invalid_argument for a label or part that cannot be stored (is_storable_name), or an empty
+/// part
+void require_storable(const std::string& label, const std::vector<std::string>& critical_parts);
+
 /// One sphere that was painted into a volume, or one that erased from it.
 struct PaintEvent {
   int volume = 0;

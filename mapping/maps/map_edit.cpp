@@ -136,9 +136,11 @@ Snapshot merge(const Snapshot& map, const Snapshot& other) {
 }
 
 Snapshot with_painted(const Snapshot& map, const std::vector<PaintedVolume>& added) {
-  for (const PaintedVolume& volume : added)
+  for (const PaintedVolume& volume : added) {
+    require_storable(volume.label, volume.critical_parts);
     for (std::size_t i = 0; i < volume.spheres.size(); ++i)
       require_paintable(volume.spheres[i], i < volume.times.size() ? volume.times[i] : 0.0);
+  }
   std::vector<PaintedVolume> volumes = map.volumes();
   const std::vector<std::size_t> places = merge_volumes(volumes, added);
   const auto tree = std::make_shared<FusedTree>(map.tree());

@@ -39,6 +39,7 @@ TEST(FreeSpaceMap, HoldsFifteenVolumesWithLabelsOfTheirOwn) {
   EXPECT_THROW(other.add_volume("same", {}), std::invalid_argument);
   EXPECT_THROW(other.add_volume("two\nlines", {}), std::invalid_argument);
   EXPECT_THROW(other.add_volume("fine", {"bell\a"}), std::invalid_argument);
+  EXPECT_THROW(other.add_volume("fine", {"tool", ""}), std::invalid_argument);
 }
 
 TEST(FreeSpaceMap, EveryVolumePaintsItsOwnBit) {

@@ -235,6 +235,8 @@ TEST(Setup, EveryMistakeIsOneSentenceNamingFileLineKeyAndExpectation) {
        "probe: {board: b, ball_center: [0, 0, 0], ball_radius: 1, robot_error: 1}",
        "line 2", "probe.ball_radius", "more than the sum"},
       {"volumes: [{label: a, from: 2, to: 1}]", "line 1", "volumes[0].to", "after 'from'"},
+      {"volumes: [{label: a, critical_parts: [hand, \"\"]}]", "line 1", "volumes[0].critical_parts",
+       "an empty one in it"},
       {"robot: {name: a, base: [0, 0, 0, 0, 0, 0], base_deg: [0, 0, 0, 0, 0, 0]}", "line 1", "robot.base",
        "expected one"},
       {"queries: [{name: q, start: [1, 2], goals: [[1]]}]", "line 1", "queries[0]",

@@ -14,7 +14,7 @@ namespace painted_csv_test {
 std::vector<PaintedVolume> awkward_volumes() {
   worlds::Dice dice(1);
   std::vector<PaintedVolume> volumes = {
-      {"plain", {"tool", "load"}}, {"a \"quoted\", label", {"semi;colon", "back\\slash", ""}}, {"", {}}};
+      {"plain", {"tool", "load"}}, {"a \"quoted\", label", {"semi;colon", "back\\slash"}}, {"", {}}};
   volumes[0].strokes = {{"first, \"quoted\"", "camera"}, {"", ""}};
   for (int i = 0; i < 200; ++i) {
     PaintedVolume& volume = volumes[static_cast<std::size_t>(i) % 2];
@@ -77,6 +77,15 @@ TEST(PaintedCsv, NamesTheLineAndWhatWasExpected) {
   EXPECT_NE(refusal("0,a,,0,0,0,1,0\n0,b,,0,0,0,1,0\n").find("same label"), std::string::npos);
   EXPECT_NE(refusal("0,a,,0,0,0,1,0\n1,a,,0,0,0,1,0\n").find("label of its own"), std::string::npos);
   EXPECT_NE(refusal("0,\"a,,0,0,0,1,0\n").find("line 2"), std::string::npos);
+}
+
+TEST(PaintedCsv, APartWithoutANameIsNone) {
+  const std::string head = "volume,label,critical_parts,x,y,z,radius,time\n";
+  for (const char* parts : {"hand;", ";hand", "hand;;"})
+    EXPECT_EQ(parse_painted(head + "0,a," + parts + ",0,0,0,1,0\n", "p.csv")[0].critical_parts,
+              std::vector<std::string>{"hand"})
+        << parts;
+  EXPECT_TRUE(parse_painted(head + "0,a,;,0,0,0,1,0\n", "p.csv")[0].critical_parts.empty());
 }
 
 TEST(PaintedCsv, AStrokeThatIsWhollyErasedIsNotWritten) {

@@ -80,6 +80,8 @@ TEST(WithPainted, IsWhatPaintingTheMapWouldHaveMade) {
     }
     EXPECT_TRUE(before.tree() == with_painted(before, {}).tree());
     EXPECT_THROW(with_painted(before, {PaintedVolume{"dock", {"tool"}}}), std::invalid_argument);
+    EXPECT_THROW(with_painted(before, {PaintedVolume{"more", {"tool", ""}}}), std::invalid_argument);
+    EXPECT_THROW(with_painted(before, {PaintedVolume{"more\n", {}}}), std::invalid_argument);
     constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = HUGE_VAL;
     for (const Sphere& none : {Sphere{{0, 0, 0}, -1.0}, Sphere{{0, 0, 0}, 0.0}, Sphere{{0, 0, 0}, nan},
                                Sphere{{0, nan, 0}, infinity}, Sphere{{infinity, 0, 0}, 1.0}}) {
