@@ -53,6 +53,7 @@ TEST(Teach, WhatIsWrongIsReportedInOneSentence) {
   expect("{\"time\": 0, \"action\": \"object\"}", "field 'name'");
   expect("{\"time\": 0, \"action\": \"object\", \"name\": \"a\", \"mass\": -1}", "a number from 0 to 1e6");
   expect("{\"time\": 0, \"action\": \"pick\", \"approach\": [0, 1]}", "field 'approach'");
+  expect("{\"time\": 0, \"action\": \"volume\", \"label\": \"a\", \"critical_parts\": [\"\"]}", "a word");
   expect("nothing", "e.jsonl', line 1 is not valid JSON at column 1");
 }
 
