@@ -5,17 +5,16 @@
 #include <new>
 
 #if defined(__linux__)
+#include <pthread.h>
 #include <sys/mman.h>
 #endif
+
+#include "mapping/voxels/sanitizers.hpp"
 
 namespace clearway {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool pooled = false;
-#else
-constexpr bool pooled = true;
-#endif
+constexpr bool pooled = !address_sanitized && !thread_sanitized;
 
 constexpr std::size_t slab_bytes = std::size_t{2} << 20U;  ///< and its alignment
 
@@ -36,6 +35,9 @@ constexpr std::size_t slab_slots = (slab_bytes - header_bytes) / TilePool::slot_
 
 class Pool {
  public:
+  void lock() { guard_.lock(); }
+  void unlock() { guard_.unlock(); }
+
   void* allocate() {
     const std::lock_guard lock(guard_);
     if (with_room_ == nullptr) add(make_slab());
@@ -102,6 +104,12 @@ Pool& pool() {
   static auto* const pool = new Pool;
   return *pool;
 }
+
+#if defined(__linux__)
+/// A forked process is a copy: a mutex that a thread holds which is not in it would be held for ever.
+const int guard_forks =
+    ::pthread_atfork([] { pool().lock(); }, [] { pool().unlock(); }, [] { pool().unlock(); });
+#endif
 
 }  // namespace
 

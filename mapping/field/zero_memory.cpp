@@ -11,21 +11,14 @@
 #include <sys/mman.h>
 #endif
 
+#include "mapping/voxels/sanitizers.hpp"
+
 namespace clearway {
 namespace {
 
 using Piece = std::span<std::uint8_t>;
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define CLEARWAY_ADDRESS_SANITIZED
-#endif
-#endif
-#if defined(__SANITIZE_ADDRESS__) || defined(CLEARWAY_ADDRESS_SANITIZED)
-constexpr bool keeps = false;  // else it would not see who uses what was given back
-#else
-constexpr bool keeps = true;
-#endif
+constexpr bool keeps = !address_sanitized;  // else it would not see who uses what was given back
 
 #if defined(__linux__)
 constexpr std::size_t mapped_from = std::size_t{1} << 16U;  ///< bytes; below, malloc is quicker

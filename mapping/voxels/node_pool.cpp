@@ -7,17 +7,16 @@
 #include <vector>
 
 #if defined(__linux__)
+#include <pthread.h>
 #include <sys/mman.h>
 #endif
+
+#include "mapping/voxels/sanitizers.hpp"
 
 namespace clearway {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool pooled = false;
-#else
-constexpr bool pooled = true;
-#endif
+constexpr bool pooled = !address_sanitized && !thread_sanitized;
 
 constexpr std::size_t batch_slots = 512;
 constexpr std::size_t smallest_chunk = std::size_t{64} << 10U, largest_chunk = std::size_t{2} << 20U;
@@ -111,6 +110,9 @@ class Slots {
     return shared().reserved;
   }
 
+  static void lock() { shared().guard.lock(); }
+  static void unlock() { shared().guard.unlock(); }
+
  private:
   /// Never destroyed: nodes may be freed while the program ends.
   static Shared& shared() {
@@ -174,6 +176,21 @@ struct Leaver {
 thread_local const Leaver leaver;
 
 void leave_when_the_thread_ends() { leaver.touch(); }  // makes it live, so that it is destroyed
+
+#if defined(__linux__)
+void unlock_all() {
+  Children::unlock();
+  Nodes::unlock();
+}
+
+/// A forked process is a copy: a mutex that a thread holds which is not in it would be held for ever.
+const int guard_forks = ::pthread_atfork(
+    [] {
+      Nodes::lock();
+      Children::lock();
+    },
+    unlock_all, unlock_all);
+#endif
 
 }  // namespace
 

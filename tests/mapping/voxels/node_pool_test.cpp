@@ -2,7 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#if defined(__linux__)
+#include <sys/wait.h>
+#include <unistd.h>
+#endif
+
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <set>
 #include <thread>
@@ -13,6 +19,13 @@ namespace node_pool_test {
 
 void* slot() { return NodePool::allocate(NodePool::node_bytes); }
 void give_back(void* memory) { NodePool::free(memory, NodePool::node_bytes); }
+
+/// More than a thread keeps: some come from the others, and go back to them.
+void use_many() {
+  std::vector<void*> slots(3000);
+  for (void*& each : slots) each = slot();
+  for (void* each : slots) give_back(each);
+}
 
 TEST(NodePool, SlotsThatAreInUseNeverOverlap) {
   struct Taken {
@@ -76,6 +89,31 @@ TEST(NodePool, ThreadsMayFreeWhatOthersTookAndLeaveTheRestBehind) {
   }).join();
   EXPECT_EQ(NodePool::reserved_bytes(), reserved);
 }
+
+#if defined(__linux__)
+/// While another thread takes and gives back.
+TEST(NodePool, AForkedProcessCanUseIt) {
+  std::atomic<bool> done = false;
+  std::thread other([&] {
+    while (!done) use_many();
+  });
+  int ended = 0;
+  for (int i = 0; i < 100 && ended == i; ++i) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      ::alarm(20);
+      use_many();
+      ::_exit(0);
+    }
+    int status = -1;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    ended += status == 0;
+  }
+  done = true;
+  other.join();
+  EXPECT_EQ(ended, 100);
+}
+#endif
 
 }  // namespace node_pool_test
 }  // namespace clearway
