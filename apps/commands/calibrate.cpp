@@ -7,6 +7,7 @@
 #include "apps/console/shipped_file.hpp"
 #include "apps/console/table.hpp"
 #include "datasets/descriptions/setup_blocks.hpp"
+#include "datasets/yaml/yaml_gate.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/plain_text.hpp"
 

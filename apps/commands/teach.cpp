@@ -24,6 +24,7 @@
 #include "apps/teach/teach_session.hpp"
 #include "apps/teach/teach_window.hpp"
 #include "datasets/pictures/video.hpp"
+#include "datasets/yaml/yaml_gate.hpp"
 #include "mapping/files/map_digest.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"

@@ -8,6 +8,7 @@
 
 #include "datasets/descriptions/setup.hpp"
 #include "datasets/yaml/yaml_fields.hpp"
+#include "datasets/yaml/yaml_gate.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 

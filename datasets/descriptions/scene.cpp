@@ -10,6 +10,7 @@
 #include "datasets/descriptions/scene_sensing.hpp"
 #include "datasets/descriptions/setup_tracking.hpp"
 #include "datasets/yaml/yaml_fields.hpp"
+#include "datasets/yaml/yaml_gate.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 

@@ -10,6 +10,7 @@
 #include "datasets/descriptions/query_fields.hpp"
 #include "datasets/descriptions/setup_tracking.hpp"
 #include "datasets/yaml/yaml_fields.hpp"
+#include "datasets/yaml/yaml_gate.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -421,10 +422,6 @@ Setup parse_setup(const std::string& text, const std::string& name) {
     setup.queries.push_back(read_query(entry, std::filesystem::path(name).parent_path()));
   fields.finish();
   return setup;
-}
-
-std::string read_text(const std::filesystem::path& file, const std::string& what) {
-  return read_input(file, what, 4U << 20U);
 }
 
 Setup load_setup(const std::filesystem::path& file) {

@@ -239,8 +239,4 @@ Setup parse_setup(const std::string& text, const std::string& name);
 /// The same from a file. @throws std::invalid_argument also when it cannot be read.
 Setup load_setup(const std::filesystem::path& file);
 
-/// A whole text file. @throws std::invalid_argument, saying `what` it should have been, when it cannot be
-/// read or is larger than 4 MB.
-std::string read_text(const std::filesystem::path& file, const std::string& what);
-
 }  // namespace clearway

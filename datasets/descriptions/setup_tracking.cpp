@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "datasets/descriptions/camera_file.hpp"
+#include "datasets/camera_files/camera_file.hpp"
 #include "datasets/sources/lens.hpp"
 #include "datasets/yaml/yaml_fields.hpp"
 

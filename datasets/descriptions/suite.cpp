@@ -8,6 +8,7 @@
 #include "datasets/descriptions/suite_limits.hpp"
 #include "datasets/descriptions/suite_strokes.hpp"
 #include "datasets/yaml/yaml_fields.hpp"
+#include "datasets/yaml/yaml_gate.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {

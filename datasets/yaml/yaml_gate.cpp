@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "mapping/system/input_file.hpp"
+
 namespace clearway {
 namespace {
 
@@ -133,6 +135,10 @@ void require_yaml(const std::string& text, const std::string& name, size_t most)
   } catch (const YAML::Exception& error) {
     refuse(name, error.mark, expected(error.msg));
   }
+}
+
+std::string read_text(const std::filesystem::path& file, const std::string& what) {
+  return read_input(file, what, 4U << 20U);
 }
 
 }  // namespace clearway

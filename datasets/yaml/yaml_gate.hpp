@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <string>
 
 namespace clearway {
@@ -13,5 +14,9 @@ constexpr std::size_t most_yaml_nodes = 250'000;  ///< of a file that somebody w
 /// end. Words for what yaml-cpp does not understand are ours.
 /// @throws std::invalid_argument "<name>, line 3, column 7: <what was expected>."
 void require_yaml(const std::string& text, const std::string& name, std::size_t most = most_yaml_nodes);
+
+/// A whole text file that somebody writes. @throws std::invalid_argument, saying `what` it should have been,
+/// when it cannot be read or is larger than 4 MB.
+std::string read_text(const std::filesystem::path& file, const std::string& what);
 
 }  // namespace clearway

@@ -5,7 +5,7 @@
 #include "apps/fusion/open_frames.hpp"
 #include "apps/problem_sets/planning_scene.hpp"
 #include "datasets/bags/bag_source.hpp"
-#include "datasets/descriptions/camera_file.hpp"
+#include "datasets/camera_files/camera_file.hpp"
 #include "datasets/descriptions/scene.hpp"
 #include "datasets/descriptions/setup.hpp"
 #include "datasets/descriptions/suite.hpp"

@@ -9,7 +9,7 @@
 #include "apps/teach/session_folder.hpp"
 #include "apps/teach/teach_event.hpp"
 #include "datasets/bags/bag_metadata.hpp"
-#include "datasets/descriptions/camera_file.hpp"
+#include "datasets/camera_files/camera_file.hpp"
 #include "datasets/descriptions/load_setup.hpp"
 #include "datasets/descriptions/suite.hpp"
 #include "datasets/pictures/picture_poses.hpp"

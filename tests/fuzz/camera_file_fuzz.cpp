@@ -1,5 +1,5 @@
 // libFuzzer on cameras as other tools write them: YAML, XML, JSON and a matrix alone.
-#include "datasets/descriptions/camera_file.hpp"
+#include "datasets/camera_files/camera_file.hpp"
 
 #include "tests/fuzz/fuzzed_input.hpp"
 

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "datasets/descriptions/camera_file.hpp"
+#include "datasets/camera_files/camera_file.hpp"
 #include "datasets/sources/lens.hpp"
 #include "tests/datasets/complaint.hpp"
 

@@ -1,4 +1,4 @@
-#include "datasets/descriptions/camera_file.hpp"
+#include "datasets/camera_files/camera_file.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "datasets/descriptions/camera_fields.hpp"
+#include "datasets/camera_files/camera_fields.hpp"
 
 #include <stdexcept>
 #include <utility>

@@ -4,7 +4,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "datasets/descriptions/camera_file.hpp"
+#include "datasets/camera_files/camera_file.hpp"
 #include "datasets/descriptions/setup.hpp"
 #include "datasets/sources/lens.hpp"
 #include "tests/datasets/complaint.hpp"

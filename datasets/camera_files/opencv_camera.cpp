@@ -1,4 +1,4 @@
-#include "datasets/descriptions/opencv_camera.hpp"
+#include "datasets/camera_files/opencv_camera.hpp"
 
 #include <algorithm>
 #include <iterator>

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/descriptions/camera_fields.hpp"
+#include "datasets/camera_files/camera_fields.hpp"
 
 namespace clearway {
 
