@@ -11,6 +11,7 @@
 #include "datasets/camera_files/slam_camera.hpp"
 #include "datasets/cameras/colmap_camera.hpp"
 #include "datasets/cameras/matrix_text.hpp"
+#include "datasets/cameras/nerf_camera.hpp"
 #include "datasets/cameras/opencv_xml.hpp"
 #include "datasets/cameras/sensor_info.hpp"
 #include "datasets/sources/lens.hpp"
@@ -43,16 +44,13 @@ CameraIntrinsics read_any(const YamlFields& file, const std::string& camera, Bes
   if (std::any_of(keys.begin(), keys.end(),
                   [&](const std::string& key) { return is_of_camchain(file, key); }))
     return read_camchain(file, camera, is_rectified);
-  if (file.has("fl_x") || file.has("frames"))
-    file.fail("",
-              "it is nerfstudio's transforms.json, whose cameras are those of its own pictures: expected "
-              "numbers in the setup, or another program's file of the camera");
   file.fail("",
             "expected kalibr's camchain (`cam0`), ROS's camera_info or OpenCV's calibration (`image_width`, "
             "`camera_matrix`), a CameraInfo as `ros2 topic echo` prints it (`width`, `k`), librealsense's "
             "intrinsics (`fx`, `ppx`), Open3D's (`intrinsic_matrix`), EuRoC's sensor.yaml, ORB-SLAM's "
             "settings (`Camera.fx`, `Camera1.fx`), camodocal's (`projection_parameters`), Replica's "
-            "cam_params.json (`fx`, `cx`), or a matrix alone");
+            "cam_params.json (`fx`, `cx`), nerfstudio's transforms.json, COLMAP's cameras.txt or "
+            "cameras.bin, or a matrix alone");
 }
 
 void require_size(const CameraIntrinsics& camera, const ImageSize& expected, const std::string& called) {
@@ -116,8 +114,13 @@ CameraIntrinsics parse_camera_file(const std::string& text, const std::string& n
       throw std::invalid_argument(called + ": its lens is " + lens_name(read.lens) + ", expected " +
                                   lens_name(*lens) + ", as `lens` beside `file` says.");
   };
-  if (is_colmap_cameras(text)) {
-    CameraIntrinsics read = camera_of_colmap(text, called, camera);
+  const bool is_nerf = is_nerf_file(text);
+  if (is_nerf && !camera.empty())
+    throw std::invalid_argument(
+        called + " has one camera, for all of its pictures: expected no `name` beside `file`.");
+  if (is_nerf || is_colmap_cameras(text)) {
+    CameraIntrinsics read =
+        is_nerf ? camera_of_nerf_file(text, called, size) : camera_of_colmap(text, called, camera);
     require_lens(read);
     if (is_rectified && has_distortion(read))
       throw std::invalid_argument(
@@ -177,7 +180,7 @@ std::optional<double> depth_scale_of_file(const std::filesystem::path& file, con
   const std::string text = read_text(file, "camera file"),
                     called = "camera file " + quote_path(file.string());
   if (is_sensor_info(text)) return 1.0 / parse_sensor_info(text, called).steps_per_metre;
-  if (is_numbers_alone(text) || is_colmap_cameras(text)) return std::nullopt;
+  if (is_numbers_alone(text) || is_colmap_cameras(text) || is_nerf_file(text)) return std::nullopt;
   const YamlFields whole = fields_of(text, called);
   const std::optional<YamlFields> camera = is_json_camera(whole) ? json_camera(whole, name) : std::nullopt;
   const YamlFields inner = whole.is_map("camera") ? whole.map("camera") : whole;

@@ -17,7 +17,8 @@ namespace clearway {
 ///   cameraMatrix, Camera_Matrix, K, or of two M1, …) and what belongs to it; five coefficients: plumb bob,
 ///   more: rational, `fisheye_model`: fisheye;
 /// - EuRoC's sensor.yaml; camodocal's (VINS): PINHOLE and KANNALA_BRANDT;
-/// - COLMAP's cameras.txt (camera_of_colmap);
+/// - COLMAP's cameras.txt and cameras.bin (camera_of_colmap);
+/// - nerfstudio's transforms.json, of pictures that have one camera (camera_of_nerf_file);
 /// - librealsense's intrinsics as JSON (set_realsense_lens), Open3D's and Replica's, also inside other maps;
 /// - a matrix alone (camera_of_matrix_text).
 ///

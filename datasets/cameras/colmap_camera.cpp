@@ -1,22 +1,33 @@
 #include "datasets/cameras/colmap_camera.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <map>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <vector>
 
 #include "datasets/sources/finite_number.hpp"
 #include "datasets/sources/lens.hpp"
+#include "mapping/system/byte_reader.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
 
-/// The words of each line but comments, with its number from 1.
-std::vector<std::pair<std::size_t, std::vector<std::string>>> lines_of(const std::string& text) {
-  std::vector<std::pair<std::size_t, std::vector<std::string>>> found;
+/// The words of one camera, and where errors say that they stand.
+struct Entry {
+  std::string place;
+  std::vector<std::string> words;
+};
+
+/// The words of each line but comments.
+std::vector<Entry> lines_of(const std::string& text) {
+  std::vector<Entry> found;
   std::istringstream lines(text);
   std::size_t number = 0;
   for (std::string line; std::getline(lines, line);) {
@@ -24,9 +35,51 @@ std::vector<std::pair<std::size_t, std::vector<std::string>>> lines_of(const std
     std::istringstream stream(line.substr(0, line.find('#')));
     std::vector<std::string> words;
     for (std::string word; stream >> word;) words.push_back(word);
-    if (!words.empty()) found.emplace_back(number, words);
+    if (!words.empty()) found.push_back({"line " + std::to_string(number), words});
   }
   return found;
+}
+
+/// By their numbers in cameras.bin, with how many parameters they have (COLMAP, src/colmap/sensor/models.h).
+struct NumberedModel {
+  const char* name;
+  std::size_t parameters;
+};
+constexpr std::array<NumberedModel, 12> numbered_models{{{"SIMPLE_PINHOLE", 3},
+                                                         {"PINHOLE", 4},
+                                                         {"SIMPLE_RADIAL", 4},
+                                                         {"RADIAL", 5},
+                                                         {"OPENCV", 8},
+                                                         {"OPENCV_FISHEYE", 8},
+                                                         {"FULL_OPENCV", 12},
+                                                         {"FOV", 5},
+                                                         {"SIMPLE_RADIAL_FISHEYE", 4},
+                                                         {"RADIAL_FISHEYE", 5},
+                                                         {"THIN_PRISM_FISHEYE", 12},
+                                                         {"RAD_TAN_THIN_PRISM_FISHEYE", 16}}};
+
+/// The same of cameras.bin: a count, then id, model, width, height and parameters of each. Nothing where the
+/// bytes are no such file from the first to the last.
+std::optional<std::vector<Entry>> entries_of(const std::string& bytes) {
+  const std::filesystem::path nowhere;
+  ByteReader reader(bytes, nowhere);
+  try {
+    constexpr std::size_t smallest = 4 + 4 + 8 + 8 + 3 * 8;
+    std::vector<Entry> found(reader.count(smallest));
+    for (Entry& entry : found) {
+      const std::string id = std::to_string(reader.get<std::uint32_t>());
+      const auto model = reader.get<std::uint32_t>();
+      if (model >= numbered_models.size()) return std::nullopt;
+      entry = {"camera " + id, {id, numbered_models[model].name}};
+      for (int side = 0; side < 2; ++side) entry.words.push_back(std::to_string(reader.get<std::uint64_t>()));
+      for (std::size_t i = 0; i < numbered_models[model].parameters; ++i)
+        entry.words.push_back(to_text(reader.get<double>()));
+    }
+    if (found.empty() || !reader.at_end()) return std::nullopt;
+    return found;
+  } catch (const DamagedFile&) {
+    return std::nullopt;
+  }
 }
 
 /// How a model's parameters follow each other.
@@ -100,9 +153,10 @@ CameraIntrinsics camera_of_words(const std::vector<std::string>& words, const st
 }  // namespace
 
 bool is_colmap_cameras(const std::string& text) {
+  if (entries_of(text)) return true;
   const auto lines = lines_of(text);
-  return !lines.empty() && std::all_of(lines.begin(), lines.end(), [](const auto& line) {
-    const std::vector<std::string>& words = line.second;
+  return !lines.empty() && std::all_of(lines.begin(), lines.end(), [](const Entry& line) {
+    const std::vector<std::string>& words = line.words;
     return words.size() >= 2 && (words.size() >= 5 ? is_model_word(words[1]) : models().contains(words[1])) &&
            std::all_of(words[0].begin(), words[0].end(), [](char c) { return c >= '0' && c <= '9'; });
   });
@@ -111,10 +165,11 @@ bool is_colmap_cameras(const std::string& text) {
 CameraIntrinsics camera_of_colmap(const std::string& text, const std::string& name,
                                   const std::string& wanted) {
   std::vector<std::string> ids;
-  const auto lines = lines_of(text);
-  for (const auto& [number, words] : lines) {
-    if (words[0] == wanted || (wanted.empty() && lines.size() == 1))
-      return camera_of_words(words, name + ", line " + std::to_string(number));
+  const auto binary = entries_of(text);
+  const std::vector<Entry> entries = binary ? *binary : lines_of(text);
+  for (const auto& [place, words] : entries) {
+    if (words[0] == wanted || (wanted.empty() && entries.size() == 1))
+      return camera_of_words(words, name + ", " + place);
     ids.push_back(quote(words[0]));
   }
   throw std::invalid_argument(name + " has cameras " + listed(ids) +

@@ -1,15 +1,13 @@
 #include "datasets/pictures/camera_path.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <set>
 #include <stdexcept>
 
+#include "datasets/cameras/path_fields.hpp"
 #include "datasets/pictures/picture_poses.hpp"
-#include "datasets/sources/lens.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -19,75 +17,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 constexpr std::size_t largest_path_file = std::size_t{64} << 20U;  ///< bytes
-constexpr std::size_t most_values = 4'000'000;
-constexpr int deepest = 16;
-constexpr double largest_number = 1e6, largest_side = 20'000;
-
-/// Values of a file, and how errors call where they stand.
-class PathFields {
- public:
-  PathFields(const Json& value, std::string where) : value_(value), where_(std::move(where)) {}
-
-  [[noreturn]] void fail(const std::string& expected) const {
-    throw std::invalid_argument(where_ + ": expected " + expected);
-  }
-  bool has(const char* key) const { return value_.is_object() && value_.contains(key); }
-  PathFields at(const char* key) const {
-    if (!has(key)) PathFields(value_, where_ + " " + quote(key)).fail("it to be there");
-    return {value_[key], where_ + " " + quote(key)};
-  }
-  /// The elements of a list.
-  std::vector<PathFields> items() const {
-    if (!value_.is_array()) fail("a list");
-    std::vector<PathFields> items;
-    for (std::size_t i = 0; i < value_.size(); ++i)
-      items.emplace_back(value_[i], where_ + "[" + std::to_string(i) + "]");
-    return items;
-  }
-  std::string text() const {
-    if (!value_.is_string()) fail("a text");
-    return value_.get<std::string>();
-  }
-  bool is_true() const { return value_.is_boolean() && value_.get<bool>(); }
-  double number() const {
-    const double number = value_.is_number() ? value_.get<double>() : NAN;
-    if (!(std::abs(number) <= largest_number)) fail("a number, at most 1e6");
-    return number;
-  }
-  double number_or(const char* key, double otherwise) const {
-    return has(key) ? at(key).number() : otherwise;
-  }
-  /// All numbers of a list, or of a list of lists.
-  std::vector<double> numbers() const {
-    std::vector<double> numbers;
-    for (const PathFields& item : items()) {
-      if (!item.value_.is_array()) {
-        numbers.push_back(item.number());
-        continue;
-      }
-      for (const PathFields& number : item.items()) numbers.push_back(number.number());
-    }
-    return numbers;
-  }
-
- private:
-  const Json& value_;
-  std::string where_;
-};
-
-/// Values count as they come, so that no file asks for far more memory than its size.
-Json parse_bounded(const std::string& text, const std::string& name) {
-  std::size_t count = 0;
-  const auto look = [&](int depth, Json::parse_event_t, Json&) {
-    if (depth > deepest) throw std::invalid_argument(name + ": expected lists at most 16 deep");
-    if (++count > most_values) throw std::invalid_argument(name + ": expected at most 4,000,000 values");
-    return true;
-  };
-  Json json = Json::parse(text, look, false);
-  if (json.is_discarded() || !json.is_object())
-    throw std::invalid_argument(name + ": expected JSON with keys and values");
-  return json;
-}
 
 /// @param values of a matrix, row by row
 Eigen::Isometry3d rigid_of(const std::vector<double>& values, const PathFields& field, const char* expected) {
@@ -104,84 +33,6 @@ Eigen::Isometry3d rigid_of(const std::vector<double>& values, const PathFields& 
   pose.translation() = matrix.topRightCorner<3, 1>();
   return pose;
 }
-
-int side_of(double number, const PathFields& fields) {
-  if (!(number >= 1.0 && number <= largest_side) || number != std::floor(number))
-    fields.fail("a picture of 1 to 20,000 pixels a side");
-  return static_cast<int>(number);
-}
-
-/// nerfstudio's camera of a frame: what it says itself comes before what the file says.
-class NerfCamera {
- public:
-  NerfCamera(const PathFields& file, const PathFields& frame) : file_(file), frame_(frame) {}
-
-  std::optional<CameraIntrinsics> read(const std::optional<PictureSizes>& sizes) const {
-    if (!has("fl_x") && !has("camera_angle_x")) return std::nullopt;
-    std::optional<ImageSize> size;
-    if (!has("w") || !has("h")) {
-      if (!sizes) return std::nullopt;
-      size = size_in_pixels(*sizes);
-      if (!size) return std::nullopt;
-    }
-    CameraIntrinsics camera;
-    camera.width = has("w") ? side_of(number("w"), of("w")) : size->width;
-    camera.height = has("h") ? side_of(number("h"), of("h")) : size->height;
-    camera.fx = focal("fl_x", "camera_angle_x", camera.width).value();
-    camera.fy = focal("fl_y", "camera_angle_y", camera.height).value_or(camera.fx);
-    // The middle of the first pixel is at 0.5 there.
-    camera.cx = (has("cx") ? number("cx") : 0.5 * camera.width) - 0.5;
-    camera.cy = (has("cy") ? number("cy") : 0.5 * camera.height) - 0.5;
-    set_model(camera);
-    return camera;
-  }
-
- private:
-  /// Of the pictures whose pixels the camera counts: of an angle alone any.
-  std::optional<ImageSize> size_in_pixels(const PictureSizes& sizes) const {
-    for (const char* key : {"fl_x", "fl_y", "cx", "cy"}) {
-      if (!has(key)) continue;
-      if (!sizes.colour)
-        of(key).at(key).fail("`w` and `h` beside it: the size of the picture whose pixels it counts");
-      return sizes.colour;
-    }
-    return sizes.depth;
-  }
-  bool has(const char* key) const { return frame_.has(key) || file_.has(key); }
-  const PathFields& of(const char* key) const { return frame_.has(key) ? frame_ : file_; }
-  double number(const char* key) const { return of(key).at(key).number(); }
-  double or_zero(const char* key) const { return has(key) ? number(key) : 0.0; }
-
-  std::optional<double> focal(const char* length, const char* angle, int side) const {
-    if (has(length)) {
-      if (!(number(length) > 0.0)) of(length).at(length).fail("a focal length > 0, in pixels");
-      return number(length);
-    }
-    if (!has(angle)) return std::nullopt;
-    if (!(number(angle) > 0.0 && number(angle) < std::numbers::pi))
-      of(angle).at(angle).fail("an angle between 0 and pi");
-    return 0.5 * side / std::tan(0.5 * number(angle));
-  }
-  void set_model(CameraIntrinsics& camera) const {
-    const std::string model = has("camera_model") ? of("camera_model").at("camera_model").text() : "OPENCV";
-    constexpr std::array<const char*, 5> plumb_bobs{"OPENCV", "PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL",
-                                                    "RADIAL"};
-    const bool is_fisheye =
-        model == "OPENCV_FISHEYE" || (has("is_fisheye") && of("is_fisheye").at("is_fisheye").is_true());
-    if (!is_fisheye && std::find(plumb_bobs.begin(), plumb_bobs.end(), model) == plumb_bobs.end())
-      of("camera_model").at("camera_model").fail("OPENCV, OPENCV_FISHEYE, PINHOLE or RADIAL");
-    if (!is_fisheye && or_zero("k4") != 0.0) of("k4").at("k4").fail("0 for a lens that is no fisheye");
-    const std::array<double, 4> fisheye{or_zero("k1"), or_zero("k2"), or_zero("k3"), or_zero("k4")};
-    const std::array<double, 5> plumb_bob{or_zero("k1"), or_zero("k2"), or_zero("p1"), or_zero("p2"),
-                                          or_zero("k3")};
-    if (is_fisheye)
-      set_lens(camera, LensModel::fisheye, fisheye);
-    else
-      set_lens(camera, LensModel::plumb_bob, plumb_bob);
-  }
-
-  const PathFields &file_, &frame_;
-};
 
 std::string file_named(const PathFields& frame, std::initializer_list<const char*> keys) {
   for (const char* key : keys)
@@ -211,7 +62,7 @@ CameraPath read_transforms(const PathFields& file, const std::optional<PictureSi
         rigid_of(matrix.numbers(), matrix, "four rows of four numbers, a rigid transform, without a scale");
     // The camera looks along -z there, y is up.
     shot.world_from_camera.linear() *= Eigen::DiagonalMatrix<double, 3>(1.0, -1.0, -1.0);
-    shot.camera = NerfCamera(file, frame).read(sizes);
+    shot.camera = nerf_camera(file, frame, sizes);
   }
   return path;
 }
@@ -222,13 +73,7 @@ CameraIntrinsics read_open3d_camera(const PathFields& fields) {
   if (k.size() != 9 || k[0] <= 0.0 || k[4] <= 0.0 || k[1] != 0.0 || k[2] != 0.0 || k[3] != 0.0 ||
       k[5] != 0.0 || k[8] != 1.0)
     matrix.fail("[fx, 0, 0, 0, fy, 0, cx, cy, 1] column by column, fx and fy > 0");
-  return {side_of(fields.at("width").number(), fields.at("width")),
-          side_of(fields.at("height").number(), fields.at("height")),
-          k[0],
-          k[4],
-          k[6],
-          k[7],
-          {}};
+  return {fields.at("width").side(), fields.at("height").side(), k[0], k[4], k[6], k[7], {}};
 }
 
 CameraPath read_open3d_path(const PathFields& file) {
@@ -269,7 +114,7 @@ bool is_camera_path(const std::string& text) {
 CameraPath parse_camera_path(const std::string& text, const std::string& name,
                              const std::optional<PictureSizes>& sizes) {
   if (text.size() > largest_path_file) throw std::invalid_argument(name + ": expected at most 64 MB of JSON");
-  const Json json = parse_bounded(text, name);
+  const Json json = parse_path_json(text, name);
   const PathFields file(json, name);
   if (file.has("frames") == file.has("parameters"))
     file.fail(

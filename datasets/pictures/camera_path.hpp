@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/cameras/image_size.hpp"
+#include "datasets/cameras/nerf_camera.hpp"
 #include "datasets/sources/recording.hpp"
 
 namespace clearway {
@@ -24,15 +24,10 @@ struct CameraPath {
   std::vector<CameraShot> shots;
   std::optional<double> depth_scale;  ///< m per step of depth pictures; empty: not stated
   bool is_named = false;              ///< shots name their pictures; else they are in the order of these
+  bool is_scale_of_integers = false;  ///< depth_scale is that of whole numbers alone
 
   /// Whether all of them state their camera.
-  bool is_scale_of_integers = false;  ///< depth_scale is that of whole numbers alone
   bool has_cameras() const;
-};
-
-/// As far as they are known; of a folder without colour pictures both are those of its depth pictures.
-struct PictureSizes {
-  std::optional<ImageSize> depth, colour;
 };
 
 /// Whether a text begins as such a file does, with `{`.

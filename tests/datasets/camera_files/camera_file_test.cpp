@@ -316,15 +316,5 @@ TEST(CameraFile, OfTwoCamerasEachHasItsOwnRectification) {
   EXPECT_EQ(parse_camera_file(text, "f", "K2").fx, 500.0);
 }
 
-TEST(CameraFile, WhatBelongsToNerfstudiosPicturesIsRefusedInASentence) {
-  EXPECT_NE(
-      complaint([] {
-        parse_camera_file(
-            R"({"camera_model": "OPENCV", "fl_x": 600, "fl_y": 600, "cx": 320, "cy": 240, "w": 640, "h": 480, "frames": []})",
-            "f", "");
-      }).find("nerfstudio's transforms.json"),
-      std::string::npos);
-}
-
 }  // namespace camera_file_test
 }  // namespace clearway

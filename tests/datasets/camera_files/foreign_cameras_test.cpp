@@ -368,5 +368,37 @@ TEST(ForeignCameras, AMatrixAloneNeedsASizeFromElsewhere) {
   EXPECT_EQ(load_setup(folder.file("s.yaml")).camera, expected);
 }
 
+/// nerfstudio's data format (docs.nerf.studio, "Data Conventions"): the middle of the first pixel is at 0.5.
+TEST(NerfCamera, ACameraOfAllPicturesIsReadAndOthersAreRefused) {
+  const auto file = [](const std::string& camera, const std::vector<std::string>& frames) {
+    std::string text = "{" + camera + ", \"applied_scale\": 0.5, \"frames\": [";
+    for (const std::string& frame : frames)
+      text += (text.back() == '[' ? "{" : ", {") + frame +
+              "\"file_path\": \"a.png\", \"transform_matrix\": [[2, 0, 0, 0], [0, 2, 0, 0], [0, 0, 2, 0], "
+              "[0, 0, 0, 1]]}";
+    return text + "]}";
+  };
+  const std::string numbers =
+      "\"camera_model\": \"OPENCV\", \"fl_x\": 500.5, \"fl_y\": 510, \"cx\": 320, \"cy\": 241, \"w\": 640, "
+      "\"h\": "
+      "480, \"k1\": -0.1, \"k2\": 0.05, \"p1\": 0.01, \"p2\": -0.02";
+  const CameraIntrinsics camera = parse_camera_file(file(numbers, {"", ""}), "transforms.json", "");
+  EXPECT_EQ(camera, (CameraIntrinsics{640, 480, 500.5, 510, 319.5, 240.5, {-0.1, 0.05, 0.01, -0.02}}));
+  EXPECT_EQ(parse_camera_file("{" + numbers + "}", "transforms.json", ""), camera);
+  EXPECT_EQ(parse_camera_file(file("\"fps\": 30", {numbers + ", ", numbers + ", "}), "transforms.json", ""),
+            camera);
+
+  const std::string angle = file("\"camera_angle_x\": 1.5707963267948966", {""});
+  EXPECT_NEAR(parse_camera_file(angle, "transforms.json", "", false, ImageSize{640, 480}).fx, 320.0, 1e-9);
+  const auto refusal = [](const std::string& text, const std::string& name = "") {
+    return complaint([&] { parse_camera_file(text, "transforms.json", name); });
+  };
+  EXPECT_NE(refusal(angle).find("`w` and `h`"), std::string::npos) << refusal(angle);
+  const std::string two = file(numbers, {"", "\"fl_x\": 500, "});
+  EXPECT_NE(refusal(two).find("cameras of their own"), std::string::npos) << refusal(two);
+  EXPECT_NE(refusal(file(numbers, {""}), "left").find("no `name`"), std::string::npos);
+  EXPECT_NE(refusal(file(numbers, {})).find("at least one frame"), std::string::npos);
+}
+
 }  // namespace foreign_cameras_test
 }  // namespace clearway

@@ -4,10 +4,16 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "datasets/camera_files/camera_file.hpp"
 #include "datasets/sources/lens.hpp"
+#include "mapping/system/byte_reader.hpp"
 #include "tests/datasets/complaint.hpp"
 
 namespace clearway {
@@ -119,6 +125,61 @@ TEST(ColmapCamera, CamodocalsPinholeAndItsFisheyeAreKnown) {
   EXPECT_NE(refusal(size + "model_type: MEI\nmirror_parameters: {xi: 2}\n" + parameters)
                 .find("expected PINHOLE or KANNALA_BRANDT, got 'MEI'"),
             std::string::npos);
+}
+
+/// cameras.bin as COLMAP writes it (scene/reconstruction_io_binary.cc).
+std::string binary(const std::vector<std::string>& lines) {
+  const std::vector<std::string> models{"SIMPLE_PINHOLE",
+                                        "PINHOLE",
+                                        "SIMPLE_RADIAL",
+                                        "RADIAL",
+                                        "OPENCV",
+                                        "OPENCV_FISHEYE",
+                                        "FULL_OPENCV",
+                                        "FOV",
+                                        "SIMPLE_RADIAL_FISHEYE",
+                                        "RADIAL_FISHEYE",
+                                        "THIN_PRISM_FISHEYE"};
+  std::string bytes;
+  put(bytes, std::uint64_t{lines.size()});
+  for (const std::string& line : lines) {
+    std::istringstream words(line);
+    std::uint32_t id = 0;
+    std::string model;
+    std::uint64_t width = 0, height = 0;
+    words >> id >> model >> width >> height;
+    put(bytes, id);
+    put(bytes, static_cast<std::int32_t>(std::find(models.begin(), models.end(), model) - models.begin()));
+    put(bytes, width);
+    put(bytes, height);
+    for (double number = 0.0; words >> number;) put(bytes, number);
+  }
+  return bytes;
+}
+
+TEST(ColmapCamera, TheBinaryFileHasTheSameCameras) {
+  const std::vector<std::string> lines{
+      "1 SIMPLE_PINHOLE 640 480 500.25 320 240",
+      "2 PINHOLE 640 480 500 510 320 240",
+      "3 SIMPLE_RADIAL 640 480 500 320 240 -0.1",
+      "4 RADIAL 640 480 500 320 240 -0.1 0.05",
+      "5 OPENCV 640 480 500 510 320 240 -0.1 0.05 0.01 -0.02",
+      "6 OPENCV_FISHEYE 640 480 500 510 320 240 -0.1 0.05 0.01 -0.02",
+      "7 FULL_OPENCV 640 480 500 510 320 240 -0.1 0.05 0 0 0.03 0.02 -0.01 0.005",
+      "12 SIMPLE_RADIAL_FISHEYE 1920 1080 500 960.5 540.123456789 0.1",
+      "9 RADIAL_FISHEYE 640 480 500 320 240 0.1 -0.02"};
+  const std::string all = binary(lines);
+  for (const std::string& line : lines) {
+    const std::string id = line.substr(0, line.find(' '));
+    EXPECT_EQ(read(all, id), read(line)) << line;
+    EXPECT_EQ(read(binary({line})), read(line)) << line;
+  }
+  EXPECT_NE(refusal(all).find("has cameras '1', '2', "), std::string::npos) << refusal(all);
+  EXPECT_NE(refusal(binary({"4 FOV 640 480 500 500 320 240 0.9"}))
+                .find("'cameras.txt', camera 4: the camera model 'FOV' is not known here"),
+            std::string::npos);
+  for (std::size_t size = 0; size < all.size(); ++size) EXPECT_NE(refusal(all.substr(0, size)), "") << size;
+  EXPECT_NE(refusal(all + '\0'), "");
 }
 
 }  // namespace colmap_camera_test

@@ -1,0 +1,87 @@
+#include "datasets/cameras/path_fields.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+constexpr std::size_t most_values = 4'000'000;
+constexpr int deepest = 16;
+constexpr double largest_number = 1e6, largest_side = 20'000;
+
+}  // namespace
+
+void PathFields::fail(const std::string& expected) const {
+  throw std::invalid_argument(where_ + ": expected " + expected);
+}
+
+bool PathFields::has(const char* key) const { return value_.is_object() && value_.contains(key); }
+
+PathFields PathFields::at(const char* key) const {
+  if (!has(key)) PathFields(value_, where_ + " " + quote(key)).fail("it to be there");
+  return {value_[key], where_ + " " + quote(key)};
+}
+
+std::vector<PathFields> PathFields::items() const {
+  if (!value_.is_array()) fail("a list");
+  std::vector<PathFields> items;
+  for (std::size_t i = 0; i < value_.size(); ++i)
+    items.emplace_back(value_[i], where_ + "[" + std::to_string(i) + "]");
+  return items;
+}
+
+std::string PathFields::text() const {
+  if (!value_.is_string()) fail("a text");
+  return value_.get<std::string>();
+}
+
+bool PathFields::is_true() const { return value_.is_boolean() && value_.get<bool>(); }
+
+double PathFields::number() const {
+  const double number = value_.is_number() ? value_.get<double>() : NAN;
+  if (!(std::abs(number) <= largest_number)) fail("a number, at most 1e6");
+  return number;
+}
+
+double PathFields::number_or(const char* key, double otherwise) const {
+  return has(key) ? at(key).number() : otherwise;
+}
+
+std::vector<double> PathFields::numbers() const {
+  std::vector<double> numbers;
+  for (const PathFields& item : items()) {
+    if (!item.value_.is_array()) {
+      numbers.push_back(item.number());
+      continue;
+    }
+    for (const PathFields& number : item.items()) numbers.push_back(number.number());
+  }
+  return numbers;
+}
+
+int PathFields::side() const {
+  const double side = number();
+  if (!(side >= 1.0 && side <= largest_side) || side != std::floor(side))
+    fail("a picture of 1 to 20,000 pixels a side");
+  return static_cast<int>(side);
+}
+
+nlohmann::json parse_path_json(const std::string& text, const std::string& name) {
+  using Json = nlohmann::json;
+  std::size_t count = 0;
+  const auto look = [&](int depth, Json::parse_event_t, Json&) {
+    if (depth > deepest) throw std::invalid_argument(name + ": expected lists at most 16 deep");
+    if (++count > most_values) throw std::invalid_argument(name + ": expected at most 4,000,000 values");
+    return true;
+  };
+  Json json = Json::parse(text, look, false);
+  if (json.is_discarded() || !json.is_object())
+    throw std::invalid_argument(name + ": expected JSON with keys and values");
+  return json;
+}
+
+}  // namespace clearway
