@@ -85,7 +85,6 @@ DepthPicture decode_by_opencv(const std::string& bytes) {
   cv::Mat_<float> values;
   depth.convertTo(values, CV_32F);
   picture.values.assign(values.begin(), values.end());
-  if (!is_real) leave_out_none(picture.values);
   return picture;
 }
 
@@ -100,15 +99,13 @@ bool is_depth_alone(const std::filesystem::path& file) {
   return extension_of(file) == ".pgm" || is_depth_array(file);
 }
 
-void leave_out_none(std::vector<float>& steps) { std::replace(steps.begin(), steps.end(), 65535.0F, 0.0F); }
-
 DepthPicture decode_depth_picture(const std::string& bytes) {
   DepthPicture picture = is_npy(bytes)             ? decode_npy(bytes)
                          : is_exr(bytes)           ? decode_exr(bytes)
                          : bytes.starts_with("Pf") ? decode_pfm(bytes)
                                                    : decode_by_opencv(bytes);
   for (float& value : picture.values)
-    if (!(std::isfinite(value) && value > 0.0F)) value = 0.0F;
+    if (!(std::isfinite(value) && value > 0.0F) || value == saturated_depth) value = 0.0F;
   return picture;
 }
 

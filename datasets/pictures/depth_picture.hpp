@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -28,13 +29,14 @@ bool is_depth_array(const std::filesystem::path& file);
 /// True for a name that ends in .pgm (3RScan's), .npy, .pfm or .exr: depth, where a folder holds depth.
 bool is_depth_alone(const std::filesystem::path& file);
 
-/// Of numbers of 16 bits: 65535 is none.
-void leave_out_none(std::vector<float>& steps);
+/// What cameras write in 16 bits where there is no return, or one too far to be counted.
+constexpr std::uint16_t saturated_depth = 65535;
 
-/// The depth in a grey picture of 16 bits (PNG, PGM, TIFF; 65535 is none, too), one of real numbers (TIFF,
+/// The depth in a grey picture of 16 bits (PNG, PGM, TIFF), one of real numbers (TIFF,
 /// OpenEXR, PFM) or a NumPy array (.npy: two axes, or a third of one entry; whole numbers or real ones of up
-/// to 64 bits). What is not finite, or below 0, is none. Pictures' decoders may crash on hostile files, so
-/// this is called in a child process alone. @throws std::runtime_error a clause that says why there is none
+/// to 64 bits). What is not finite, or below 0, or saturated_depth, is none. Pictures' decoders may crash on
+/// hostile files, so this is called in a child process alone. @throws std::runtime_error a clause that says
+/// why there is none
 DepthPicture decode_depth_picture(const std::string& bytes);
 
 /// Of the first of these files, of twenty at most, that can be read: of a PNG or binary PGM by its first

@@ -158,7 +158,6 @@ DepthPicture decode_npy(const std::string& bytes) {
       const std::int64_t at = head.is_fortran ? column * rows + row : row * columns + column;
       picture.values.push_back(read(&bytes[head.data_at + static_cast<std::size_t>(at) * size], is_swapped));
     }
-  if (head.type.substr(1) == "u2") leave_out_none(picture.values);
   return picture;
 }
 

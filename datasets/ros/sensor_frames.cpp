@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "datasets/pictures/depth_picture.hpp"
 #include "datasets/pictures/picture_file.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -83,9 +84,12 @@ Number number_at(std::span<const std::uint8_t> data, std::size_t at, bool is_big
 
 /// Metres at a pixel of a depth image; 0: no return.
 double depth_at(const RosImage& image, std::size_t at, bool is_float, double step) {
-  const double depth = is_float ? double{number_at<float>(image.data, at, image.is_bigendian)}
-                                : step * number_at<std::uint16_t>(image.data, at, image.is_bigendian);
-  return std::isfinite(depth) && depth > 0.0 ? depth : 0.0;
+  if (is_float) {
+    const double depth = number_at<float>(image.data, at, image.is_bigendian);
+    return std::isfinite(depth) && depth > 0.0 ? depth : 0.0;
+  }
+  const auto steps = number_at<std::uint16_t>(image.data, at, image.is_bigendian);
+  return steps < saturated_depth ? step * steps : 0.0;
 }
 
 void require_points(const RosPointCloud& cloud) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "datasets/pictures/depth_picture.hpp"
 #include "tests/datasets/complaint.hpp"
 
 namespace clearway {
@@ -45,12 +46,13 @@ TEST(NpyFile, FortransOrderAndTheOtherOrderOfBytesAreHeard) {
 /// As the picture that it was made of.
 TEST(NpyFile, TheLargestNumberOf16BitsIsNone) {
   const std::string data("\xff\xff\xfe\xff", 4);
-  EXPECT_EQ(decode_npy(file("{'descr': '<u2', 'fortran_order': False, 'shape': (1, 2), }", data)).values,
-            (std::vector<float>{0, 65534}));
-  EXPECT_EQ(decode_npy(file("{'descr': '<i4', 'fortran_order': False, 'shape': (1, 1), }",
-                            std::string("\xff\xff\0\0", 4)))
-                .values,
-            std::vector<float>{65535});
+  EXPECT_EQ(
+      decode_depth_picture(file("{'descr': '<u2', 'fortran_order': False, 'shape': (1, 2), }", data)).values,
+      (std::vector<float>{0, 65534}));
+  const std::string real("\0\xff\x7f\x47\0\xfe\x7f\x47", 8);  // the same, as somebody keeps them in floats
+  EXPECT_EQ(
+      decode_depth_picture(file("{'descr': '<f4', 'fortran_order': False, 'shape': (1, 2), }", real)).values,
+      (std::vector<float>{0, 65534}));
 }
 
 TEST(NpyFile, AnAxisOfOneEntryIsNone) {

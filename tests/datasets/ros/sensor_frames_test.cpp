@@ -47,6 +47,26 @@ TEST(SensorFrames, DepthImagesOfAFisheyeLieOnTheRaysThatOpenCvFinds) {
   }
 }
 
+/// Stereo cameras and decimating filters write 65535 where there is no return.
+TEST(SensorFrames, SaturatedDepthIsNoReturn) {
+  RosImage image;
+  image.width = 3;
+  image.height = 1;
+  image.encoding = "16UC1";
+  const CameraIntrinsics camera{3, 1, 10, 10, 1, 0, {}};
+  for (const bool is_bigendian : {false, true}) {
+    std::vector<std::uint8_t> data{0xFF, 0xFF, 0xE8, 0x03, 0xFE, 0xFF};  // 65535, 1000, 65534
+    for (std::size_t i = 0; is_bigendian && i < data.size(); i += 2) std::swap(data[i], data[i + 1]);
+    image.is_bigendian = is_bigendian;
+    image.step = 6;
+    image.data = data;
+    const CloudFrame cloud = depth_cloud(image, camera, depth_rays(camera));
+    ASSERT_EQ(cloud.points.size(), 2U);
+    EXPECT_FLOAT_EQ(cloud.points[0].x(), 1.0F);
+    EXPECT_FLOAT_EQ(cloud.points[1].x(), 65.534F);
+  }
+}
+
 /// Two pixels each: the brightness stands first in YUYV and second in UYVY; of 8UC4 it is made of all three.
 TEST(SensorFrames, ImagesOfPackedColoursAreTheirBrightness) {
   for (const auto& [encoding, bytes] : std::vector<std::pair<std::string, std::vector<std::uint8_t>>>{
