@@ -98,6 +98,13 @@ void BodyPainter::paint(const LinkPoses& poses, double since_start, const std::o
   }
 }
 
+double BodyPainter::largest_radius() const {
+  double largest = 0.0;
+  for (const Painting& painting : paintings_)
+    for (const Sphere& sphere : painting.spheres) largest = std::max(largest, sphere.radius);
+  return largest;
+}
+
 void BodyPainter::paint_until(double time, double start, const std::optional<Brush>& brush) {
   for (; next_ < times_.size() && times_[next_] <= time; ++next_) {
     if (const auto poses = robot_.poses(times_[next_])) paint(*poses, times_[next_] - start, brush);

@@ -32,6 +32,9 @@ class BodyPainter {
   /// @param brush what paints into which volume at the moment; empty: the volumes whose time it is
   void paint_until(double time, double start, const std::optional<Brush>& brush);
 
+  /// Of what it paints, metres.
+  double largest_radius() const;
+
   std::size_t spheres() const { return spheres_; }  ///< painted so far
 
  private:

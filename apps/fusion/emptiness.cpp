@@ -7,6 +7,7 @@
 
 #include "apps/console/parse.hpp"
 #include "apps/fusion/painter.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
@@ -108,23 +109,45 @@ std::string refusals_of(const FusionCounts& counts) {
 
 std::string unpainted_reason(const Fusion& fusion) {
   const FusionCounts& counts = fusion.counts;
-  if (counts.spheres == 0 || counts.erasers > 0) return "";
+  if (counts.spheres + counts.body_spheres == 0 || counts.erasers > 0) return "";
   const VoxelCounts voxels = fusion.map.snapshot().counts();
   if (voxels.painted + voxels.conflict > 0) return "";
-  const double radius = 1000.0 * counts.painted_radius, holds_one_anywhere = radius / std::sqrt(3.0);
+  const bool is_by_bodies = counts.body_spheres > 0 && counts.body_radius >= counts.painted_radius;
+  const double radius = 1000.0 * (is_by_bodies ? counts.body_radius : counts.painted_radius);
+  const double holds_one_anywhere = radius / std::sqrt(3.0);
   if (1000.0 * fusion.map.options().resolution <= holds_one_anywhere) return "";  // strokes were undone
   const double unit = std::pow(10.0, std::floor(std::log10(holds_one_anywhere)) - 1.0);
-  return "none of the " + grouped(counts.spheres) + " balls, of mean radius " + significant(radius, 3) +
-         " mm, holds a whole voxel of " + significant(1000.0 * fusion.map.options().resolution, 3) +
+  return "none of the " + grouped(counts.spheres + counts.body_spheres) + " balls" +
+         (is_by_bodies ? " of the robot's bodies, of radius " + significant(radius, 3) + " mm at most"
+                       : ", of mean radius " + significant(radius, 3) + " mm") +
+         ", holds a whole voxel of " + significant(1000.0 * fusion.map.options().resolution, 3) +
          " mm; expected `resolution` (--resolution) of at most " +
          significant(unit * std::floor(holds_one_anywhere / unit), 2) +
-         " mm, a larger ball, or a better known one";
+         (is_by_bodies ? " mm, or `joint_error` and `place_error` that leave more of the bodies"
+                       : " mm, a larger ball, or a better known one");
+}
+
+void require_sensors(Fusion& fusion, const std::filesystem::path& recording) {
+  std::vector<std::string> scans;
+  for (const auto& [label, kind] : fusion.counts.unplaced_scans)
+    scans.push_back(label.empty() ? "kind " + quote(kind) : quote(label) + " (kind " + quote(kind) + ")");
+  for (const SensorSetup& sensor : fusion.setup.sensors) {
+    if (fusion.counts.placed_sensors.contains(sensor.name)) continue;
+    if (!scans.empty())
+      throw std::invalid_argument(recording.string() + ": no scan of it is of sensor " + quote(sensor.name) +
+                                  ", which the setup (" + fusion.setup_source +
+                                  ") places, and others are of " + listed(scans) +
+                                  ", which it does not: expected the label or kind of scans that there are");
+    fusion.warnings.push_back("the setup's sensor " + quote(sensor.name) +
+                              " placed nothing: no scan is of it");
+  }
 }
 
 bool has_content(const Fusion& fusion) {
   const FusionCounts& counts = fusion.counts;
-  return counts.body_spheres > 0 || counts.points.inserted > 0 || counts.points.cleared > 0 ||
-         (counts.spheres > 0 && unpainted_reason(fusion).empty());  // last: it walks the map
+  return counts.points.inserted > 0 || counts.points.cleared > 0 ||
+         (counts.spheres + counts.body_spheres > 0 &&
+          unpainted_reason(fusion).empty());  // last: it walks the map
 }
 
 void require_content(const Fusion& fusion, const std::filesystem::path& recording) {

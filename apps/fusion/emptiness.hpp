@@ -10,6 +10,11 @@ namespace clearway {
 /// that put nothing at all into its map. @throws std::invalid_argument
 void require_content(const Fusion& fusion, const std::filesystem::path& recording);
 
+/// Refuses a setup with a sensor of which there is no scan, where there are scans that no sensor of the setup
+/// placed: their poses are not theirs. Where all are placed, each such sensor is a warning.
+/// @throws std::invalid_argument in one sentence with the names that there are
+void require_sensors(Fusion& fusion, const std::filesystem::path& recording);
+
 /// Of a fusion whose balls painted no voxel because each is too small to hold one: a clause that says so and
 /// what resolution it takes; else empty.
 std::string unpainted_reason(const Fusion& fusion);

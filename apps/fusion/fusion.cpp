@@ -192,7 +192,10 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   counts.track_s += search.waited();
   progress(1.0);
   if (painter) painter->finish();
-  if (body) counts.body_spheres = body->spheres();
+  if (body) {
+    counts.body_spheres = body->spheres();
+    counts.body_radius = body->largest_radius();
+  }
   fusion.damage = frames->damage();
   const bool is_taught =
       options.guide != nullptr && counts.spheres > 0;  // a session is kept whatever it painted
@@ -202,10 +205,14 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   if (fusion.damage) fusion.map.note_damaged_recording(fusion.counts.frames);
   fusion.warnings = frames->warnings();
   fusion.cameras = cameras.all(*frames);
-  if (!fusion.damage && !is_taught) require_content(fusion, recording);
+  if (!fusion.damage && !is_taught) {
+    require_content(fusion, recording);
+    require_sensors(fusion, recording);
+  }
   if (const std::string none = unpainted_reason(fusion); !none.empty()) fusion.warnings.push_back(none);
   if (const std::string caveat = frames->time_caveat(); !caveat.empty()) fusion.warnings.push_back(caveat);
   warn_of_leftovers(fusion);
+  if (robot) fusion.warnings.insert(fusion.warnings.end(), robot->doubts().begin(), robot->doubts().end());
   if (const std::string caveat = contradiction_caveat(fusion.map.snapshot()); !caveat.empty())
     fusion.warnings.push_back(caveat);
   return fusion;

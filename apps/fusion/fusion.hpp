@@ -30,6 +30,7 @@ struct FusionCounts {
   std::size_t accepted_outside_volumes = 0;           ///< accepted, but outside every volume's time span
   std::size_t spheres = 0;
   std::size_t body_spheres = 0;  ///< painted by the robot's own bodies
+  double body_radius = 0.0;      ///< of these, the largest, metres
   std::size_t erasers = 0;       ///< accepted samples that erased
   std::size_t scans_inserted =
       0;              ///< of the scans: in the map by now; others wait for a pose, or were left out
@@ -39,6 +40,9 @@ struct FusionCounts {
   Eigen::Vector3d scan_origin_sum =
       Eigen::Vector3d::Zero();           ///< of the scans, metres: from where they looked
   std::vector<std::string> lost_poses;   ///< a sentence for each file of poses that has lines without one
+  std::set<std::string> placed_sensors;  ///< of the setup: those that scans were of
+  /// Of the scans that none of the setup's sensors placed: label and kind, the first of them.
+  std::set<std::pair<std::string, std::string>> unplaced_scans;
   std::size_t scans_without_pose = 0;    ///< at their time nothing shows where their sensor was: left out
   std::size_t scans_without_probe = 0;   ///< no image near in time shows the probe: taken as not in the way
   std::size_t scans_probe_hidden = 0;    ///< probe or gripper is not seen for a moment: left out

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <stdexcept>
 
+#include "apps/fusion/joint_readings.hpp"
 #include "apps/query/query.hpp"
 #include "datasets/bags/bag_source.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/robot/kinematics.hpp"
 #include "planning/robot/reach.hpp"
@@ -69,13 +72,29 @@ MovingRobot::MovingRobot(const RobotSetup& setup, JointStream joints)
   const std::vector<std::string> known = joints_.names();
   for (const Joint& joint : robot_.joints) {
     names_.push_back(joint.name);
-    if (std::binary_search(known.begin(), known.end(), joint.name)) continue;
+    if (std::binary_search(known.begin(), known.end(), joint.name)) {
+      take(joint);
+      continue;
+    }
     std::string list;
     for (const std::string& name : known) list += (list.empty() ? "" : ", ") + quote(name);
     throw std::invalid_argument("the recorded joint positions have no joint " + quote(joint.name) +
                                 " of robot '" + robot_.name + "', but " + shortened(list));
   }
   for (const Body& body : robot_.bodies) levers_.push_back(levers_of(robot_, body));
+}
+
+void MovingRobot::take(const Joint& joint) {
+  constexpr double whole_turn = 2.0 * std::numbers::pi;
+  // One that cannot turn past itself does not wrap.
+  if (joint.kind == JointKind::revolute && joint.upper - joint.lower > whole_turn - 0.1)
+    joints_.let_wrap(joint.name);
+  for (const auto& [time, position] : joints_.extremes(joint.name)) {
+    require_possible(joint, position, "the recorded joint positions at " + short_text(time, 15) + " s");
+    const auto doubt = beyond_limits(joint, position);
+    if (doubt && doubts_.size() < 2 * robot_.dof())
+      doubts_.push_back("of the recorded joint positions at " + short_text(time, 15) + " s, " + *doubt);
+  }
 }
 
 std::vector<double> MovingRobot::growths(double time) const {

@@ -27,7 +27,8 @@ std::optional<JointStream> recorded_joints(const Setup& setup, const std::filesy
 /// out.
 class MovingRobot {
  public:
-  /// @throws std::invalid_argument naming a joint of the robot that the stream does not have.
+  /// @throws std::invalid_argument naming a joint of the robot that the stream does not have, or where the
+  /// stream has it in other units than radians and metres (require_possible)
   MovingRobot(const RobotSetup& setup, JointStream joints);
 
   /// Takes the robot's points out of a scan in its place. @return how many; empty where the joints are not
@@ -56,8 +57,14 @@ class MovingRobot {
 
   const Robot& robot() const { return robot_; }
 
+  /// A clause for each joint that the stream has beyond its limits.
+  const std::vector<std::string>& doubts() const { return doubts_; }
+
  private:
+  void take(const Joint& joint);
+
   RobotSetup setup_;
+  std::vector<std::string> doubts_;
   JointStream joints_;
   Robot robot_;
   std::vector<std::string> names_;

@@ -4,6 +4,7 @@
 
 #include "apps/console/parse.hpp"
 #include "apps/console/stopwatch.hpp"
+#include "apps/fusion/joint_readings.hpp"
 #include "apps/query/query.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -27,6 +28,8 @@ std::vector<Capsule> robot_capsules(const RobotSetup& setup) {
                                 " values, expected " + std::to_string(robot.dof()) + " (robot '" +
                                 robot.name + "')");
   }
+  for (std::size_t i = 0; i < setup.joints.size(); ++i)
+    require_possible(robot.joints[i], setup.joints[i], "setup, robot, field 'joints'");
   const Configuration q =
       Eigen::Map<const Configuration>(setup.joints.data(), static_cast<Eigen::Index>(setup.joints.size()));
   const LinkPoses poses = forward_kinematics(robot, q);
@@ -109,6 +112,11 @@ void ScanInserter::take(const Frame& frame, const CloudFrame& cloud) {
                   setup_.sensor(frame.sensor, cloud.kind),
                   cloud.unusable};
   waiting.scan.has_hits_only = !cloud.is_origin_known;
+  constexpr std::size_t most_named = 20;
+  if (waiting.sensor != nullptr)
+    counts_.placed_sensors.insert(waiting.sensor->name);
+  else if (counts_.unplaced_scans.size() < most_named)
+    counts_.unplaced_scans.emplace(frame.sensor, cloud.kind);
   counts_.infinite_beams += cloud.infinite;
   counts_.beams_at_range += cloud.at_range;
   if (setup_.source.clear_infinite)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numbers>
 #include <sstream>
 #include <stdexcept>
 
@@ -36,7 +37,13 @@ void JointStream::add(double time, const std::vector<std::string>& names,
   for (std::size_t i = 0; i < names.size(); ++i) readings_[names[i]][time] = positions[i];
 }
 
-std::optional<double> JointStream::position_at(const Readings& readings, double time) const {
+/// How far a joint moved from one reading to another.
+double JointStream::way(const std::string& name, double from, double to) const {
+  return wrapping_.contains(name) ? std::remainder(to - from, 2.0 * std::numbers::pi) : to - from;
+}
+
+std::optional<double> JointStream::position_at(const std::string& name, double time) const {
+  const Readings& readings = readings_.at(name);
   const auto after = readings.lower_bound(time);
   if (after == readings.end()) return std::nullopt;
   if (after->first == time) return after->second;
@@ -44,14 +51,14 @@ std::optional<double> JointStream::position_at(const Readings& readings, double 
   const auto before = std::prev(after);
   const double gap = after->first - before->first;
   if (gap > max_gap_) return std::nullopt;
-  return before->second + (time - before->first) / gap * (after->second - before->second);
+  return before->second + (time - before->first) / gap * way(name, before->second, after->second);
 }
 
 std::optional<std::vector<double>> JointStream::at(const std::vector<std::string>& names, double time) const {
   std::vector<double> positions;
   for (const std::string& name : names) {
     const auto joint = readings_.find(name);
-    const auto position = joint == readings_.end() ? std::nullopt : position_at(joint->second, time);
+    const auto position = joint == readings_.end() ? std::nullopt : position_at(name, time);
     if (!position) return std::nullopt;
     positions.push_back(*position);
   }
@@ -62,7 +69,7 @@ std::string JointStream::why_unknown(const std::vector<std::string>& names, doub
   for (const std::string& name : names) {
     const auto joint = readings_.find(name);
     if (joint == readings_.end()) return "joint " + quote(name) + " has no reading";
-    if (position_at(joint->second, time)) continue;
+    if (position_at(name, time)) continue;
     const Readings& readings = joint->second;
     const auto after = readings.lower_bound(time);
     if (after == readings.end() || after == readings.begin())
@@ -81,17 +88,24 @@ std::vector<double> JointStream::deviations(const std::vector<std::string>& name
   std::vector<double> result;
   for (const std::string& name : names) {
     const Readings& readings = readings_.at(name);
-    const double here = *position_at(readings, time);
+    const double here = *position_at(name, time);
     double most = 0.0;
-    const auto take = [&](double position) { most = std::max(most, std::abs(position - here)); };
+    const auto take = [&](double position) { most = std::max(most, std::abs(way(name, here, position))); };
     // Between readings it goes in straight lines: it is farthest at a reading or at an end of the span.
     for (auto it = readings.lower_bound(time - span); it != readings.end() && it->first <= time + span; ++it)
       take(it->second);
     for (const double end : {time - span, time + span})
-      if (const auto position = position_at(readings, end)) take(*position);
+      if (const auto position = position_at(name, end)) take(*position);
     result.push_back(most);
   }
   return result;
+}
+
+std::array<std::pair<double, double>, 2> JointStream::extremes(const std::string& name) const {
+  const Readings& readings = readings_.at(name);
+  const auto [least, largest] = std::minmax_element(
+      readings.begin(), readings.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  return {*least, *largest};
 }
 
 std::vector<double> JointStream::times(const std::vector<std::string>& names) const {

@@ -1,16 +1,19 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace clearway {
 
-/// Positions of joints over time, radians or metres, and in between: straight lines. Nothing is guessed
-/// beyond the first and last reading, nor across a gap.
+/// Positions of joints over time, radians or metres, and in between: straight lines (let_wrap aside). Nothing
+/// is guessed beyond the first and last reading, nor across a gap.
 class JointStream {
  public:
   /// @param max_gap longest time between the two readings around an answer, seconds, > 0
@@ -19,6 +22,10 @@ class JointStream {
   /// A reading of some joints, in any order; a second one at the same time replaces the first.
   /// @throws std::invalid_argument for a number that is not finite, or not one position for each name.
   void add(double time, const std::vector<std::string>& names, const std::vector<double>& positions);
+
+  /// Of a joint that may turn on and on, and whose readings are those of whole turns or wrap: between two
+  /// readings it goes the shorter way round.
+  void let_wrap(const std::string& name) { wrapping_.insert(name); }
 
   /// The positions of these joints at `time`; empty when one of them is not known then.
   std::optional<std::vector<double>> at(const std::vector<std::string>& names, double time) const;
@@ -32,6 +39,8 @@ class JointStream {
   std::string why_unknown(const std::vector<std::string>& names, double time) const;
 
   std::vector<std::string> names() const;  ///< sorted
+  /// The least and the largest reading of a joint, and when. @pre it is one of names()
+  std::array<std::pair<double, double>, 2> extremes(const std::string& name) const;  ///< time, position
   /// At which each of these joints was read itself, rising.
   std::vector<double> times(const std::vector<std::string>& names) const;
   bool empty() const { return readings_.empty(); }
@@ -39,10 +48,12 @@ class JointStream {
 
  private:
   using Readings = std::map<double, double>;  ///< of one joint
-  std::optional<double> position_at(const Readings& readings, double time) const;
+  std::optional<double> position_at(const std::string& name, double time) const;
+  double way(const std::string& name, double from, double to) const;
 
   double max_gap_;
   std::map<std::string, Readings> readings_;
+  std::set<std::string> wrapping_;
 };
 
 /// A table: a first line "time, NAME, NAME, …", then numbers (seconds; radians or metres), apart by commas;

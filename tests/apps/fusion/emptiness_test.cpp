@@ -116,6 +116,36 @@ TEST_F(Emptiness, ScansWithoutPointsOrWithoutAPoseAreReported) {
             std::string::npos);
 }
 
+/// Else scans of which the setup states the place are where their own file has them, or at the origin.
+TEST_F(Emptiness, ASensorOfTheSetupThatNoScanIsOfIsRefusedOrTold) {
+  write_scan("r.rawlog", {{1.0F, 0.0F, 0.0F}});
+  const std::string sentence = refusal("r.rawlog", "sensors: [{name: lazer, pose: [0, 0, 1, 0, 0, 0]}]\n");
+  EXPECT_NE(sentence.find("no scan of it is of sensor 'lazer'"), std::string::npos) << sentence;
+  EXPECT_NE(sentence.find("others are of 'laser' (kind '"), std::string::npos) << sentence;
+  EXPECT_EQ(refusal("r.rawlog", "{}\n"), "");
+  folder_.write("s.yaml", "sensors: [{name: laser}, {name: camera, pose: [0, 0, 1, 0, 0, 0]}]\n");
+  const CommandRun run = run_command({"replay", folder_.file("r.rawlog"), "--setup", folder_.file("s.yaml"),
+                                      "--out", folder_.file("both"), "--no-plan"});
+  EXPECT_EQ(run.status, exit_done) << run.log;
+  EXPECT_NE((run.out + run.log).find("the setup's sensor 'camera' placed nothing"), std::string::npos)
+      << run.out << run.log;
+}
+
+/// A hand of 45 mm, of which the error that is left open takes nearly all.
+TEST_F(Emptiness, BodiesThatPaintNoVoxelAreReported) {
+  write_scan("r.rawlog", {});
+  std::string joints = "time, joint1, joint2, joint3, joint4, joint5, joint6\n";
+  for (const char* time : {"10", "10.1", "10.2"}) joints += std::string(time) + ", 0, 0, 0, 0, 0, 0\n";
+  folder_.write("j.csv", joints);
+  const auto setup = [](const std::string& joint_error, const std::string& resolution) {
+    return "robot: {name: arm6, joint_file: j.csv, paints: [hand], joint_error: " + joint_error +
+           ", place_error: 0}\nmap: {resolution: " + resolution + "}\n";
+  };
+  const std::string sentence = refusal("r.rawlog", setup("0.003", "0.2"));
+  EXPECT_NE(sentence.find("balls of the robot's bodies, of radius "), std::string::npos) << sentence;
+  EXPECT_EQ(refusal("r.rawlog", setup("0.0001", "0.01")), "");
+}
+
 TEST_F(Emptiness, AWrongFixedFrameOfABagIsReportedWithTheFramesThatItHas) {
   std::filesystem::copy_file(
       std::filesystem::path(CLEARWAY_SOURCE_DIR) / "tests/datasets/ros/bags/cdr_none.mcap",

@@ -191,6 +191,29 @@ TEST(MovingRobot, LeavesAScanAloneAtATimeThatItsJointsDoNotCover) {
   EXPECT_EQ(scan.points.size(), 1U);
 }
 
+TEST(MovingRobot, ReadingsInDegreesAreRefusedAndThoseBeyondALimitAreTold) {
+  const Robot robot = load_robot("arm6");
+  RobotSetup setup;
+  setup.name = "arm6";
+  const auto stream = [&](double factor, double offset) {
+    JointStream joints;
+    for (double time = 0.0; time < 6.0; time += 0.1) {
+      Configuration q = factor * place_at(robot, time);
+      q[1] += offset;
+      joints.add(time, names_of(robot), {q.begin(), q.end()});
+    }
+    return joints;
+  };
+  EXPECT_TRUE(MovingRobot(setup, stream(1.0, 0.0)).doubts().empty());
+  const std::string sentence = complaint([&] { MovingRobot(setup, stream(180.0 / M_PI, 0.0)); });
+  EXPECT_NE(sentence.find("the recorded joint positions at "), std::string::npos) << sentence;
+  EXPECT_NE(sentence.find("are these degrees?"), std::string::npos) << sentence;
+  const double to_upper = robot.joints[1].upper + 0.5 - place_at(robot, 0.0)[1];
+  const MovingRobot beyond(setup, stream(1.0, to_upper));
+  ASSERT_FALSE(beyond.doubts().empty());
+  EXPECT_NE(beyond.doubts()[0].find("joint '" + robot.joints[1].name + "' reads "), std::string::npos);
+}
+
 TEST(MovingRobot, NamesAJointThatTheStreamDoesNotHave) {
   RobotSetup setup;
   setup.name = "arm5";

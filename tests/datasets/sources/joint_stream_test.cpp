@@ -26,6 +26,28 @@ TEST(JointStream, GoesInStraightLinesBetweenReadingsAndNowhereElse) {
   EXPECT_FALSE(stream.at({"c"}, 1.1));
 }
 
+/// Drivers report a joint that turns on and on in [-pi, pi].
+TEST(JointStream, OneThatWrapsGoesTheShorterWayRound) {
+  JointStream stream(0.5);
+  stream.add(10.0, {"wrist", "elbow"}, {3.1, 3.1});
+  stream.add(10.1, {"wrist", "elbow"}, {-3.1, -3.1});
+  stream.let_wrap("wrist");
+  for (int i = 0; i <= 10; ++i) {
+    const double time = 10.0 + 0.01 * i;
+    const auto at = stream.at({"wrist", "elbow"}, time);
+    ASSERT_TRUE(at);
+    const double truth = 3.1 + 0.1 * i * (2.0 * M_PI - 6.2);  // on the circle
+    EXPECT_NEAR(std::cos((*at)[0]), std::cos(truth), 1e-9) << time;
+    EXPECT_NEAR(std::sin((*at)[0]), std::sin(truth), 1e-9) << time;
+    EXPECT_NEAR((*at)[1], 3.1 - 0.62 * i, 1e-9) << time;
+  }
+  EXPECT_NEAR(stream.deviations({"wrist"}, 10.05, 1.0)[0], M_PI - 3.1, 1e-9);
+  EXPECT_NEAR(stream.deviations({"elbow"}, 10.05, 1.0)[0], 3.1, 1e-9);
+  const auto [least, largest] = stream.extremes("wrist");
+  EXPECT_EQ(least, (std::pair{10.1, -3.1}));
+  EXPECT_EQ(largest, (std::pair{10.0, 3.1}));
+}
+
 TEST(JointStream, DeviationsHoldEveryPlaceOfTheSpan) {
   std::mt19937 random(4);
   std::normal_distribution<double> normal;
