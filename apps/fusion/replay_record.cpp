@@ -75,6 +75,14 @@ void ReplayRecord::see(const Sighting& sighting) {
 
 void ReplayRecord::see(const Scan& scan) {
   time_ = std::max(time_, scan.time);
+  if (!scan.has_hits_only) {
+    const bool is_apart = scan.sensor.empty() || scan.sensor.starts_with('/');
+    const std::string frame = (is_apart ? "scan" : "scan/") + scan.sensor;
+    const std::vector<PlacedFrame> placed{{frame, scan.map_from_sensor}};
+    mcap_.write(transforms_, scan.time, encode_transforms(scan.time, map_frame, placed));
+    mcap_.write(scans_, scan.time, encode_points(scan.time, frame, scan.points));
+    return;
+  }
   const Eigen::Isometry3f map_from_sensor = scan.map_from_sensor.cast<float>();
   std::vector<Eigen::Vector3f> points;
   points.reserve(scan.points.size());

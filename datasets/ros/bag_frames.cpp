@@ -1,6 +1,7 @@
 #include "datasets/ros/bag_frames.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iomanip>
 #include <sstream>
@@ -47,6 +48,17 @@ RosHeader header_of(const BagTopic& topic, const BagMessage& message) {
   } catch (const std::runtime_error&) {
     return {message.time, ""};
   }
+}
+
+/// Its header names a frame of the world: what is in it was moved there.
+bool is_odometry(const BagTopic& topic) {
+  return topic.wire && (topic.type == "nav_msgs/Odometry" || topic.type == "nav_msgs/Path");
+}
+
+/// REP 105's frames, and those that programs register clouds in (LOAM and its heirs: camera_init).
+bool is_world_name(const std::string& frame) {
+  constexpr std::array names{"map", "odom", "world", "earth", "camera_init"};
+  return std::find(names.begin(), names.end(), frame) != names.end();
 }
 
 constexpr std::size_t most_held_bytes = std::size_t{64} << 20U;  ///< of messages that wait for their turn
@@ -149,8 +161,12 @@ void BagFrames::learn() {
     stream.stamps.push_back(stamp);
     stream.recorded.emplace_back(message.place, message.time);
   };
-  bag_.visit(read_, [&](const BagMessage& message) {
+  std::vector<bool> learned = read_;
+  for (std::size_t i = 0; i < learned.size(); ++i) learned[i] = learned[i] || is_odometry(bag_.topics()[i]);
+  bag_.visit(learned, [&](const BagMessage& message) {
     const BagTopic& topic = bag_.topics()[message.topic];
+    if (is_odometry(topic)) odometry_frames_.insert(header_of(topic, message).frame);
+    if (!read_[message.topic]) return true;
     if (sensors_[message.topic]) {
       RosHeader header = header_of(topic, message);
       account_.note_stamp(topic.name, header.time);
@@ -281,8 +297,11 @@ std::vector<Frame> BagFrames::frames_of_cloud(const BagMessage& message) {
     account_.note_other_order(topic.name);
   }
   Frame frame{time_of(cloud.header, message.time), topic.name, points_cloud(cloud)};
-  if (options_.bag.fixed_frame.empty()) return {frame};
   auto& points = std::get<CloudFrame>(frame.content);
+  if (options_.bag.fixed_frame.empty()) {
+    note_origin(points, topic.name, cloud.header.frame);
+    return {frame};
+  }
   points.world_from_sensor = pose_of(cloud.header.frame, frame.time, message.time);
   const bool is_own = options_.bag.sensor_frame.empty() || options_.bag.sensor_frame == cloud.header.frame;
   place(points, topic.name, {frame.time, cloud.header.frame}, points.world_from_sensor, message.time);
@@ -375,10 +394,20 @@ void BagFrames::place(CloudFrame& cloud, const std::string& topic, const RosHead
       point = (sensor_from_cloud * point.cast<double>()).cast<float>();
     return;
   }
-  const auto [known, is_new] = are_driven_in_.try_emplace(header.frame, false);
-  if (is_new) known->second = is_driven_in(transforms_, bag.fixed_frame, header.frame);
+  note_origin(cloud, topic, header.frame);
+}
+
+void BagFrames::note_origin(CloudFrame& cloud, const std::string& topic, const std::string& frame) {
+  if (options_.bag.sensor_frame == frame && !frame.empty()) return;
+  const auto [known, is_new] = are_driven_in_.try_emplace(frame, false);
+  if (is_new) known->second = is_no_sensors(frame);
   cloud.is_origin_known = !known->second || is_placed(topic, "points");
-  if (!cloud.is_origin_known) account_.note_unseen(topic, header.frame);
+  if (!cloud.is_origin_known) account_.note_unseen(topic, frame);
+}
+
+bool BagFrames::is_no_sensors(const std::string& frame) const {
+  return is_world_name(frame) || odometry_frames_.contains(frame) ||
+         (!options_.bag.fixed_frame.empty() && is_driven_in(transforms_, options_.bag.fixed_frame, frame));
 }
 
 bool BagFrames::is_placed(const std::string& topic, const char* kind) const {

@@ -62,6 +62,10 @@ class BagFrames {
   /// @param world_from_cloud by the frame of its header
   void place(CloudFrame& cloud, const std::string& topic, const RosHeader& header,
              Eigen::Isometry3d world_from_cloud, double recorded);
+  /// Says of a cloud that nobody knows where its rays began, where that is so.
+  void note_origin(CloudFrame& cloud, const std::string& topic, const std::string& frame);
+  /// Whether a frame of clouds is none of a sensor, so that their rays began elsewhere.
+  bool is_no_sensors(const std::string& frame) const;
   /// Whether the setup says where a sensor is. @param kind of its clouds
   bool is_placed(const std::string& topic, const char* kind) const;
   /// Whether neither the setup nor transforms say where some sensor of points is.
@@ -83,7 +87,8 @@ class BagFrames {
   std::vector<Eigen::Vector2d> depth_rays_;         ///< of the depth camera
   std::optional<double> depth_step_;                ///< m, where the setup or the bag states it
   std::string depth_units_;                         ///< the topic that does
-  std::map<std::string, bool> are_driven_in_;       ///< of a cloud's frame: is_driven_in
+  std::map<std::string, bool> are_driven_in_;       ///< of a cloud's frame: is_no_sensors
+  std::set<std::string> odometry_frames_;           ///< in which odometry says where something is
   LeftOut account_;
 };
 

@@ -91,7 +91,7 @@ std::vector<std::string> LeftOut::clauses(const std::vector<std::string>& frames
   for (const auto& [topic, unseen] : unseen_)
     clauses.push_back("holds " + std::to_string(unseen.count) + " clouds in topic " + quote(topic) +
                       " in frame " + quote(unseen.first) +
-                      ", in which others drive: they mark what is occupied and free nothing, as nothing says "
+                      ", which is no sensor's: they mark what is occupied and free nothing, as nothing says "
                       "where the sensor was; `source: {bag: {sensor_frame: …}}` of the setup lets their rays "
                       "begin at that frame; frames of the bag: " +
                       list_of_frames(frames));

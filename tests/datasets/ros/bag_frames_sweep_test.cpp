@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "tests/datasets/ros/bag_frames_world.hpp"
 
@@ -222,7 +223,7 @@ TEST_F(BagFramesTest, CloudsInAFrameInWhichTheSensorDrivesHaveNoOriginUntilItIsN
     ASSERT_EQ(known.frames.size(), 3U) << known.damage;
     EXPECT_EQ(known.damage + known.warnings, "");
     EXPECT_NE(unknown.warnings.find(std::string("holds 3 clouds in topic '/points' in frame '") + frame +
-                                    "', in which others drive: they mark what is occupied and free nothing"),
+                                    "', which is no sensor's: they mark what is occupied and free nothing"),
               std::string::npos)
         << unknown.warnings;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -236,6 +237,34 @@ TEST_F(BagFramesTest, CloudsInAFrameInWhichTheSensorDrivesHaveNoOriginUntilItIsN
                       .norm(),
                   1e-5);
     }
+  }
+}
+
+/// As FAST-LIO and others publish them; the bag has no transforms.
+TEST_F(BagFramesTest, CloudsInAFrameOfTheWorldHaveNoOriginWithoutTransformsEither) {
+  for (const auto& [frame, odometry, is_sensors] :
+       std::vector<std::tuple<std::string, std::string, bool>>{{"map", "", false},
+                                                               {"camera_init", "", false},
+                                                               {"camera_init", "camera_init", false},
+                                                               {"start", "start", false},
+                                                               {"start", "", true},
+                                                               {"lidar", "start", true}}) {
+    ScanBag bag(folder_ / "a.mcap");
+    if (!odometry.empty())
+      for (double time = 9.9; time < 12.001; time += 0.1)
+        bag.pose("nav_msgs/Odometry", "/Odometry", time, odometry, "body", driving_at(time));
+    bag.cloud("/points", 11.0, frame, {{4, 2.5, 1}});
+    bag.sort();
+    BagTopics fixed;
+    fixed.fixed_frame = frame;
+    const Reading reading = read(bag, "a.mcap", false, fixed);
+    ASSERT_EQ(reading.frames.size(), 1U) << frame << reading.damage;
+    EXPECT_EQ(std::get<CloudFrame>(reading.frames[0].content).is_origin_known, is_sensors)
+        << frame << odometry;
+    EXPECT_EQ(reading.warnings.find("free nothing") == std::string::npos, is_sensors) << reading.warnings;
+    fixed.sensor_frame = frame;
+    const Reading named = read(bag, "a.mcap", false, fixed);
+    EXPECT_TRUE(std::get<CloudFrame>(named.frames.at(0).content).is_origin_known) << frame << odometry;
   }
 }
 

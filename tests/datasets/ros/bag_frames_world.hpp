@@ -38,7 +38,7 @@ class BagFramesTest : public ::testing::Test {
     options.clear_infinite = clear_infinite;
     (name.starts_with("sweep") ? options.bag.scans
                                : options.bag.clouds) = {name.starts_with("sweep") ? "/scan" : "/points"};
-    options.bag.fixed_frame = "map";
+    if (options.bag.fixed_frame.empty()) options.bag.fixed_frame = "map";
     options.resolution = 0.05;
     const auto source = open_bag(folder_ / name, options);
     Reading reading;
