@@ -10,7 +10,7 @@ namespace clearway {
 namespace {
 
 constexpr std::size_t most_values = 4'000'000;
-constexpr int deepest = 16;
+constexpr int deepest_list = 16;
 constexpr double largest_number = 1e6, largest_side = 20'000;
 
 }  // namespace
@@ -74,7 +74,7 @@ nlohmann::json parse_path_json(const std::string& text, const std::string& name)
   using Json = nlohmann::json;
   std::size_t count = 0;
   const auto look = [&](int depth, Json::parse_event_t, Json&) {
-    if (depth > deepest) throw std::invalid_argument(name + ": expected lists at most 16 deep");
+    if (depth > deepest_list) throw std::invalid_argument(name + ": expected lists at most 16 deep");
     if (++count > most_values) throw std::invalid_argument(name + ": expected at most 4,000,000 values");
     return true;
   };
