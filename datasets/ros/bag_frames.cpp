@@ -264,10 +264,11 @@ void BagFrames::visit(const std::function<void(const Frame&)>& take) {
 
 std::vector<Frame> BagFrames::frames_in(const BagMessage& message) {
   const BagTopic& topic = bag_.topics()[message.topic];
-  if (topic.type == "sensor_msgs/LaserScan" && !options_.bag.fixed_frame.empty()) {
+  if (topic.type == "sensor_msgs/LaserScan") {
     WireReader in(message.bytes, *topic.wire);
     const RosLaserScan scan = read_laser_scan(in);
-    if (scan.time_increment != 0.0F)
+    if (has_opposite_angles(scan)) account_.note_opposite_angles(topic.name);
+    if (scan.time_increment != 0.0F && !options_.bag.fixed_frame.empty())
       return frames_of_sweep(scan, topic.name, time_of(scan.header, message.time), 0.25 * options_.resolution,
                              options_.clear_infinite,
                              [&](double time) { return pose_of(scan.header.frame, time, message.time); });

@@ -55,6 +55,8 @@ void LeftOut::note_motion(const std::string& topic, const std::string& field, do
   motion.farthest = std::max(motion.farthest, farthest);
 }
 
+void LeftOut::note_opposite_angles(const std::string& topic) { note(opposite_angles_, topic, ""); }
+
 void LeftOut::note_other_order(const std::string& topic) { note(other_order_, topic, ""); }
 
 void LeftOut::note_odd_times(const std::string& topic, const std::string& what) {
@@ -103,6 +105,11 @@ std::vector<std::string> LeftOut::clauses(const std::vector<std::string>& frames
                               "; `point_times: false` in `source: {bag: …}` of the setup takes a cloud as "
                               "seen at its stamp, as where another program did so before"
                         : "each is placed by one pose, at its stamp"));
+  for (const auto& [topic, opposite] : opposite_angles_)
+    clauses.push_back(
+        "holds " + std::to_string(opposite.count) + " scans in topic " + quote(topic) +
+        " whose angle_increment leads away from their angle_max: one of them is wrong, and the scans "
+        "may be mirrored; beams are placed by the increment");
   for (const auto& [topic, other] : other_order_)
     clauses.push_back(
         "holds " + std::to_string(other.count) + " clouds in topic " + quote(topic) +

@@ -30,6 +30,8 @@ class LeftOut {
   void note_motion(const std::string& topic, const std::string& field, double farthest);
   /// A cloud whose bytes have the other order than it states.
   void note_other_order(const std::string& topic);
+  /// Of a laser scan whose increment leads away from its angle_max.
+  void note_opposite_angles(const std::string& topic);
   /// A cloud whose points' times make no sense. @param what a clause of them
   void note_odd_times(const std::string& topic, const std::string& what);
 
@@ -57,7 +59,8 @@ class LeftOut {
   static void note(std::map<std::string, Missing>& kind, const std::string& topic, const std::string& first);
 
   // Of the topic.
-  std::map<std::string, Missing> unusable_, cut_, jumped_, odd_times_, unseen_, other_order_;
+  std::map<std::string, Missing> unusable_, cut_, jumped_, odd_times_, unseen_, other_order_,
+      opposite_angles_;
   std::map<std::string, Stamps> stamps_;
   std::map<std::string, Motion> moved_;
 };

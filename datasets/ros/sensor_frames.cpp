@@ -5,11 +5,13 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
 #include "datasets/pictures/depth_picture.hpp"
 #include "datasets/pictures/picture_file.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -314,11 +316,30 @@ bool met_nothing(const RosLaserScan& scan, float range) {
   return range > 0.0F && (std::isinf(range) || (has_range(scan) && range >= scan.range_max));
 }
 
-}  // namespace
-
-std::vector<LaserReturn> laser_returns(const RosLaserScan& scan, bool with_clear) {
+/// @throws std::runtime_error a clause, where the beams can be nowhere
+void require_beams(const RosLaserScan& scan) {
   if (!std::isfinite(scan.angle_min) || !std::isfinite(scan.angle_increment))
     throw std::runtime_error("its angles are not finite");
+  if (!(scan.range_max > 0.0F))
+    throw std::runtime_error("its range_max is " + short_text(scan.range_max) +
+                             ", expected metres, more than 0");
+  const double beams = static_cast<double>(scan.ranges.size()), step = std::abs(double{scan.angle_increment});
+  if (beams > 1.0 && step == 0.0) throw std::runtime_error("its angle_increment is 0, expected radians");
+  constexpr double turn = 2.0 * std::numbers::pi;
+  if (step * (beams - 1.0) > turn + std::max(2.0 * step, 0.1) || (beams > 1.0 && step > turn))
+    throw std::runtime_error("its beams span " + short_text(step * (beams - 1.0)) +
+                             " rad, expected a turn at most; are its angles degrees?");
+}
+
+}  // namespace
+
+bool has_opposite_angles(const RosLaserScan& scan) {
+  return std::abs(scan.angle_max - scan.angle_min) > std::abs(scan.angle_increment) &&
+         (scan.angle_max > scan.angle_min) != (scan.angle_increment > 0.0F);
+}
+
+std::vector<LaserReturn> laser_returns(const RosLaserScan& scan, bool with_clear) {
+  require_beams(scan);
   std::vector<LaserReturn> returns;
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
     const bool is_nothing = met_nothing(scan, scan.ranges[i]);

@@ -57,5 +57,8 @@ std::vector<LaserReturn> laser_returns(const RosLaserScan& scan, bool with_clear
 CloudFrame laser_cloud(const RosLaserScan& scan, bool with_clear);
 /// Such a cloud without points, which knows how many rays met nothing.
 CloudFrame empty_laser_cloud(const RosLaserScan& scan);
+/// Whether angle_increment leads away from angle_max. Beams are placed by the increment, as RViz and
+/// laser_geometry do.
+bool has_opposite_angles(const RosLaserScan& scan);
 
 }  // namespace clearway

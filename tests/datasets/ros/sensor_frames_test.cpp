@@ -10,6 +10,7 @@
 
 #include "datasets/ros/ros_camera.hpp"
 #include "datasets/sources/lens.hpp"
+#include "tests/datasets/complaint.hpp"
 
 namespace clearway {
 namespace sensor_frames_test {
@@ -65,6 +66,39 @@ TEST(SensorFrames, SaturatedDepthIsNoReturn) {
     EXPECT_FLOAT_EQ(cloud.points[0].x(), 1.0F);
     EXPECT_FLOAT_EQ(cloud.points[1].x(), 65.534F);
   }
+}
+
+TEST(SensorFrames, LaserScansWhoseBeamsCanBeNowhereAreRefused) {
+  RosLaserScan fine;
+  fine.angle_min = -3.14F;
+  fine.angle_max = 3.14F;
+  fine.angle_increment = 6.28F / 359.0F;
+  fine.range_max = 10.0F;
+  fine.ranges.assign(360, 2.0F);
+  EXPECT_EQ(laser_cloud(fine, false).points.size(), 360U);
+  EXPECT_FALSE(has_opposite_angles(fine));
+  const auto refusal = [&](auto change) {
+    RosLaserScan scan = fine;
+    change(scan);
+    return complaint<std::runtime_error>([&] { laser_cloud(scan, false); });
+  };
+  EXPECT_NE(refusal([](RosLaserScan& scan) { scan.angle_increment = 0.0F; }).find("angle_increment is 0"),
+            std::string::npos);
+  EXPECT_NE(refusal([](RosLaserScan& scan) { scan.angle_increment = 1.0F; }).find("are its angles degrees?"),
+            std::string::npos);
+  for (const float range : {0.0F, -1.0F, std::nanf("")})
+    EXPECT_NE(refusal([&](RosLaserScan& scan) { scan.range_max = range; }).find("its range_max is "),
+              std::string::npos);
+  EXPECT_EQ(refusal([](RosLaserScan& scan) { scan.range_max = HUGE_VALF; }), "");
+  EXPECT_EQ(refusal([](RosLaserScan& scan) { scan.ranges.push_back(2.0F); }), "") << "both ends of a turn";
+  RosLaserScan turned = fine;
+  turned.angle_increment = -turned.angle_increment;
+  EXPECT_TRUE(has_opposite_angles(turned));
+  std::swap(turned.angle_min, turned.angle_max);
+  EXPECT_FALSE(has_opposite_angles(turned));
+  turned.ranges.resize(1);
+  turned.angle_max = turned.angle_min;
+  EXPECT_FALSE(has_opposite_angles(turned));
 }
 
 /// Two pixels each: the brightness stands first in YUYV and second in UYVY; of 8UC4 it is made of all three.
