@@ -41,16 +41,16 @@ class PickPlanner {
 
   /// The legs, up to the first that fails.
   std::vector<PlanResult> run() {
-    std::string why = "no configuration within the limits was found that puts the tip, link " +
-                      quote(robot_.links[static_cast<std::size_t>(robot_.tip_link)].name) + ", at the grasp";
+    Farthest taken{"no configuration within the limits was found that puts the tip, link " +
+                   quote(robot_.links[static_cast<std::size_t>(robot_.tip_link)].name) + ", at the grasp"};
     for (;;) {
-      if (join_any(why)) return best_;
+      if (join_any(taken)) return best_;
       if (!is_growing_ || is_end_blocked() || is_hopeless() || is_out_of_time()) break;
       round_ = Round::after(round_);
     }
     if (!best_.empty()) return best_;
     return {failure(is_out_of_time() ? PlanStatus::timed_out : PlanStatus::no_path,
-                    "The object cannot be taken: " + why + ".")};
+                    "The object cannot be taken: " + taken.why + ".")};
   }
 
   const Load& load() const { return scene_.load(); }
@@ -77,20 +77,19 @@ class PickPlanner {
   };
 
   /// Whether some grasp leads to a plan; else the legs that came farthest are kept.
-  bool join_any(std::string& why) {
+  bool join_any(Farthest& taken) {
     const std::vector<Hold> places =
         holds(pick_.map_from_place, with_grip(robot_, pick_, query_.start, true));
     std::size_t tried = 0;
     for (const Hold& grasp : holds(pick_.map_from_object, with_grip(robot_, pick_, query_.start, false))) {
       if (tried == round_.most || is_out_of_time()) return false;
-      const auto taking = straight_.take(grasp, why);
+      const auto taking = straight_.take(grasp, taken);
       if (!taking) continue;
-      std::string why_not_put =
-          "no configuration within the limits was found that puts the object at its place";
-      const std::vector<Putting> puttings = putting_ways(*taking, places, why_not_put);
+      Farthest put{"no configuration within the limits was found that puts the object at its place"};
+      const std::vector<Putting> puttings = putting_ways(*taking, places, put);
       if (puttings.empty() && !best_.empty()) continue;  // why is known already
       tried += !puttings.empty();
-      std::vector<PlanResult> legs = plan_from(*taking, puttings, why_not_put);
+      std::vector<PlanResult> legs = plan_from(*taking, puttings, put.why);
       const bool is_solved = legs.back().status == PlanStatus::solved;
       if (is_solved || legs.size() >= best_.size()) best_ = std::move(legs);
       if (is_solved) return true;
@@ -199,12 +198,12 @@ class PickPlanner {
   }
 
   /// The ways that put the object down, the nearest to where it is lifted first.
-  std::vector<Putting> putting_ways(const Taking& taking, std::vector<Hold> places, std::string& why) {
+  std::vector<Putting> putting_ways(const Taking& taking, std::vector<Hold> places, Farthest& farthest) {
     sort_by_nearness(places, taking.lift.back());
     std::vector<Putting> found;
     for (const Hold& place : places) {
       if (found.size() == round_.most || is_out_of_time()) break;
-      if (auto putting = straight_.put(taking, place.q, why)) found.push_back(std::move(*putting));
+      if (auto putting = straight_.put(taking, place.q, farthest)) found.push_back(std::move(*putting));
     }
     return found;
   }

@@ -12,14 +12,16 @@ constexpr double least_sinking = 1e-4, most_sinking = 1e-3;  ///< m; as Pick say
 
 using Path = std::vector<Configuration>;
 
-/// Whether a way is free; `why` says what stands in it, of its first waypoint that is not.
+/// Whether a way is free; else `farthest` hears what stands in it, of its first waypoint that is not.
 bool require_free(bool is_free, const std::string& what, const ConfigurationSpace& space, const Path& path,
-                  std::string& why) {
+                  int step, Farthest& farthest) {
   if (is_free) return true;
+  if (step <= farthest.step) return false;  // a sentence that nobody reads
   const auto blocked =
       std::find_if(path.begin(), path.end(), [&](const Configuration& q) { return !space.is_free(q); });
-  why = what + ": " +
-        (blocked == path.end() ? "it cannot be proved between waypoints" : space.check(*blocked).sentence());
+  farthest.fail(step, what + ": " +
+                          (blocked == path.end() ? "it cannot be proved between waypoints"
+                                                 : space.check(*blocked).sentence()));
   return false;
 }
 
@@ -38,24 +40,26 @@ StraightLegs::StraightLegs(PickScene& scene, const ConfigurationSpace& space, co
       contact_(contact_length(pick, space.map().resolution(), padding_)),
       step_(straight_step * robot_.scale) {}
 
-std::optional<Taking> StraightLegs::take(const Hold& grasp, std::string& why) {
+std::optional<Taking> StraightLegs::take(const Hold& grasp, Farthest& farthest) {
   const Configuration open = with_grip(robot_, pick_, grasp.q, false),
                       closed = with_grip(robot_, pick_, grasp.q, true);
   for (const auto& [space, q] : {std::pair(&scene_.reaching(), &open), {&scene_.grasping(), &closed}})
-    if (!require_free(space->is_free(*q), "no grasp is free", *space, {*q}, why)) return std::nullopt;
+    if (!require_free(space->is_free(*q), "no grasp is free", *space, {*q}, 0, farthest)) return std::nullopt;
   const auto back = straight_motion(robot_, open, -pick_.approach, step_);
   const auto up = upwards(closed);
-  why = "no arm configuration at the grasp can go the straight ways of approach and lift";
-  if (!back || !up) return std::nullopt;
+  if (!back || !up) {
+    farthest.fail(1, "no arm configuration at the grasp can go the straight ways of approach and lift");
+    return std::nullopt;
+  }
   Path reach(back->rbegin(), back->rend());
   const ConfigurationSpace &before = scene_.before(), &reaching = scene_.reaching(),
                            &grasping = scene_.grasping();
   if (!require_free(before.is_free(reach.front()), "no free configuration before the grasp", before,
-                    {reach.front()}, why) ||
+                    {reach.front()}, 2, farthest) ||
       !require_free(is_path_free(reaching, reach), "the straight way to the grasp is not free", reaching,
-                    reach, why) ||
-      !require_free(grasping.is_edge_free(open, closed), "the hand cannot close", grasping, {open, closed},
-                    why))
+                    reach, 3, farthest) ||
+      !require_free(grasping.is_edge_free(open, closed), "the hand cannot close", grasping, {open, closed}, 4,
+                    farthest))
     return std::nullopt;
   if (closed != open) reach.push_back(closed);
   const Eigen::Isometry3d turned =
@@ -63,33 +67,35 @@ std::optional<Taking> StraightLegs::take(const Hold& grasp, std::string& why) {
   scene_.hold(link_pose(closed).inverse() * turned, closed);
   const std::string lift = "the straight way up from the grasp is not free" + margin_hint();
   const ConfigurationSpace &lifting = scene_.lifting(), &carrying = scene_.carrying();
-  if (!require_free(is_contact_free(lifting, pick_.map_from_object, up->first), lift, lifting, up->first,
-                    why) ||
-      !require_free(is_path_free(carrying, up->second), lift, carrying, up->second, why))
+  if (!require_free(is_contact_free(lifting, pick_.map_from_object, up->first), lift, lifting, up->first, 5,
+                    farthest) ||
+      !require_free(is_path_free(carrying, up->second), lift, carrying, up->second, 5, farthest))
     return std::nullopt;
   return Taking{grasp, reach, joined(up->first, up->second)};
 }
 
 std::optional<Putting> StraightLegs::put(const Taking& taking, const Configuration& placed,
-                                         std::string& why) {
+                                         Farthest& farthest) {
   const auto up = upwards(placed);
   const Eigen::Matrix3d turned =
       tip_pose(robot_, placed).linear() * tip_pose(robot_, taking.grasp.q).linear().transpose();
   const Eigen::Vector3d back = -(turned * pick_.approach);
   const Configuration open = with_grip(robot_, pick_, placed, false);
   auto retreat = straight_motion(robot_, open, back, step_);
-  why = "no arm configuration at the place can go the straight ways of lowering and retreat";
-  if (!up || !retreat) return std::nullopt;
+  if (!up || !retreat) {
+    farthest.fail(0, "no arm configuration at the place can go the straight ways of lowering and retreat");
+    return std::nullopt;
+  }
   const std::string down = "the straight way down to the place is not free";
   const ConfigurationSpace &lowering = scene_.lowering(), &carrying = scene_.carrying(),
                            &releasing = scene_.releasing(), &retreating = scene_.retreating();
-  if (!require_free(is_contact_free(lowering, pick_.map_from_place, up->first), down, lowering, up->first,
-                    why) ||
-      !require_free(is_path_free(carrying, up->second), down, carrying, up->second, why) ||
+  if (!require_free(is_contact_free(lowering, pick_.map_from_place, up->first), down, lowering, up->first, 1,
+                    farthest) ||
+      !require_free(is_path_free(carrying, up->second), down, carrying, up->second, 1, farthest) ||
       !require_free(releasing.is_edge_free(placed, open), "the hand cannot open", releasing, {placed, open},
-                    why) ||
+                    2, farthest) ||
       !require_free(is_path_free(retreating, *retreat), "the straight way back from the place is not free",
-                    retreating, *retreat, why))
+                    retreating, *retreat, 3, farthest))
     return std::nullopt;
   if (open != placed) retreat->insert(retreat->begin(), placed);
   const Path upward = joined(up->first, up->second);

@@ -27,19 +27,32 @@ struct Putting {
   Eigen::Vector3d back;  ///< away from the place as the hand retreats, map frame
 };
 
+/// Why nothing was found: of all that was tried, what the first of those that got farthest failed of.
+struct Farthest {
+  std::string why;
+  int step = -1;  ///< how far it got
+
+  void fail(int at, const std::string& reason) {
+    if (at <= step) return;
+    step = at;
+    why = reason;
+  }
+};
+
 /// The straight legs of a pick, where they are free.
 class StraightLegs {
  public:
   /// @param scene of the same pick; outlives this one, as do `space`, of the robot without loads, and `pick`
   StraightLegs(PickScene& scene, const ConfigurationSpace& space, const Pick& pick);
 
-  /// Reach and lift with that grasp; `why` says what they fail of. From where they are tried for being free
-  /// with the object, the scene's robot holds it so.
-  std::optional<Taking> take(const Hold& grasp, std::string& why);
+  /// Reach and lift with that grasp; `farthest` hears what they fail of. From where they are tried for being
+  /// free with the object, the scene's robot holds it so.
+  std::optional<Taking> take(const Hold& grasp, Farthest& farthest);
 
-  /// Lower and retreat where the robot at `placed` has the object at its place; `why` says what they fail of.
+  /// Lower and retreat where the robot at `placed` has the object at its place; `farthest` hears what they
+  /// fail of.
   /// @pre the scene's robot holds the object as in `taking`
-  std::optional<Putting> put(const Taking& taking, const Configuration& placed, std::string& why);
+  std::optional<Putting> put(const Taking& taking, const Configuration& placed, Farthest& farthest);
 
   /// As far straight `way` (metres, map frame) as the robot with the object is free; `from` alone where it
   /// cannot move.

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "planning/picks/straight_motion.hpp"
 #include "planning/robot/goal_configurations.hpp"
 #include "planning/robot_files/load_robot.hpp"
@@ -23,10 +25,10 @@ class StraightLegsOfACan : public ::testing::Test {
 
   /// The first grasp whose legs are free.
   Taking taking() {
-    std::string why;
+    Farthest farthest;
     for (const Configuration& q : at(pick_.map_from_object))
-      if (const auto found = legs_.take({q, 0.0}, why)) return *found;
-    throw std::runtime_error(why);
+      if (const auto found = legs_.take({q, 0.0}, farthest)) return *found;
+    throw std::runtime_error(farthest.why);
   }
 
   /// Each waypoint lies between the ends, and the tip does not turn.
@@ -59,11 +61,11 @@ TEST_F(StraightLegsOfACan, LeadToTheGraspAndUpFromIt) {
 
 TEST_F(StraightLegsOfACan, LeadDownToThePlaceAndAwayFromIt) {
   const Taking taken = taking();
-  std::string why;
+  Farthest farthest;
   std::optional<Putting> put;
   for (const Configuration& q : at(pick_.map_from_place))
-    if ((put = legs_.put(taken, q, why))) break;
-  ASSERT_TRUE(put) << why;
+    if ((put = legs_.put(taken, q, farthest))) break;
+  ASSERT_TRUE(put) << farthest.why;
   EXPECT_EQ(put->lower.back(), put->retreat.front());
   expect_straight(put->lower, -pick_.lift * Eigen::Vector3d::UnitZ());
   expect_straight(put->retreat, put->back);
@@ -85,11 +87,24 @@ TEST(StraightLegs, SayWhatTheyFailOf) {
   const ConfigurationSpace space(load_robot("arm6"), table().snapshot(), anywhere(), {.padding = 0.001});
   PickScene scene(space, pick, {});
   StraightLegs legs(scene, space, pick);
-  std::string why;
-  const Path grasps = goal_configurations(space.robot(), pick.map_from_object * pick.object_from_tip, home);
+  Path grasps = goal_configurations(space.robot(), pick.map_from_object * pick.object_from_tip, home);
   ASSERT_FALSE(grasps.empty());
-  for (const Configuration& q : grasps) EXPECT_FALSE(legs.take({q, 0.0}, why));
-  EXPECT_NE(why.find("grasp"), std::string::npos) << why;
+  const Configuration nowhere = Configuration::Zero(6);  // straight up, the tip is not at the can
+  grasps.push_back(nowhere);
+  // A grasp that fails sooner does not hide how far another one came, whichever comes first.
+  for (int order = 0; order < 2; ++order) {
+    Farthest farthest;
+    for (const Configuration& q : grasps) EXPECT_FALSE(legs.take({q, 0.0}, farthest));
+    EXPECT_EQ(farthest.step, 1);
+    EXPECT_EQ(farthest.why,
+              "no arm configuration at the grasp can go the straight ways of approach and lift");
+    std::reverse(grasps.begin(), grasps.end());
+  }
+  Farthest farthest;
+  farthest.fail(2, "the way");
+  farthest.fail(1, "no grasp");
+  farthest.fail(2, "another way");
+  EXPECT_EQ(farthest.why, "the way");
 }
 
 }  // namespace straight_legs_test
