@@ -181,6 +181,8 @@ std::string name_of(const JsonField& line, TeachAction action) {
 double time_of(const JsonField& field) {
   const double time = field.number();
   if (time < 0.0) field.refuse("seconds after the first frame, 0 or more");
+  constexpr double longest = 1e6;  // eleven days
+  if (time > longest) field.refuse("seconds after the first frame, at most 1000000, and not since 1970");
   return time;
 }
 

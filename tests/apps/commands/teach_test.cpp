@@ -29,6 +29,7 @@ TEST(Teach, WhatIsWrongIsReportedInOneSentence) {
   expect("{\"time\": 0}", "e.jsonl', line 1: field 'action'");
   expect("{\"time\": 0, \"action\": \"pant_on\"}", "an action, did you mean 'paint_on'?");
   expect("{\"time\": -1, \"action\": \"paint_on\"}", "seconds after the first frame, 0 or more");
+  expect("{\"time\": 1700000000.5, \"action\": \"paint_on\"}", "not since 1970");
   expect("{\"time\": 0, \"action\": \"paint_on\", \"lable\": \"x\"}", "no such field with action 'paint_on'");
   expect("{\"time\": 2, \"action\": \"paint_on\"}\n{\"time\": 1, \"action\": \"paint_off\"}",
          "line 2: field 'time': expected a time not before the last line's");
