@@ -40,7 +40,8 @@ void warn_of_leftovers(Fusion& fusion) {
         (is_any ? "painting was off while the ball was seen" : "no sample was accepted") + " (" +
         refusals_of(counts) + ")");
   }
-  for (const std::string& lost : counts.lost_poses) fusion.warnings.push_back(lost);
+  for (const auto* clauses : {&counts.lost_poses, &counts.range_spikes})
+    fusion.warnings.insert(fusion.warnings.end(), clauses->begin(), clauses->end());
   if (counts.scans_without_pose > 0) {
     fusion.warnings.push_back(std::to_string(counts.scans_without_pose) +
                               " scans have no pose at their time and were left out");

@@ -43,6 +43,8 @@ struct FusionCounts {
   std::set<std::string> placed_sensors;  ///< of the setup: those that scans were of
   /// Of the scans that none of the setup's sensors placed: label and kind, the first of them.
   std::set<std::pair<std::string, std::string>> unplaced_scans;
+  std::vector<std::string>
+      range_spikes;  ///< a clause for each laser that may call its largest range what it did not see
   std::size_t scans_without_pose = 0;    ///< at their time nothing shows where their sensor was: left out
   std::size_t scans_without_probe = 0;   ///< no image near in time shows the probe: taken as not in the way
   std::size_t scans_probe_hidden = 0;    ///< probe or gripper is not seen for a moment: left out

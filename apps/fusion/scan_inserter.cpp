@@ -1,5 +1,6 @@
 #include "apps/fusion/scan_inserter.hpp"
 
+#include <cmath>
 #include <stdexcept>
 
 #include "apps/console/parse.hpp"
@@ -84,6 +85,28 @@ void require_metres(const Scan& scan, const MapSetup& map) {
                                 " m, expected metres, or map.max_range in the setup");
 }
 
+/// Some lasers, and programs that convert their logs, call what they did not see the largest range, and
+/// sound: the clause that says so where many readings are of one range and few are nearly as far; else empty.
+std::string range_spike(const std::string& sensor, const ScanInserter::RangeCounts& ranges) {
+  constexpr std::size_t least = 100;
+  constexpr double least_share = 1e-3;
+  std::size_t all = 0;
+  for (const auto& [range, count] : ranges) all += count;
+  const auto& [largest, at_largest] = *ranges.rbegin();
+  std::size_t nearly = 0;
+  for (auto it = ranges.lower_bound(static_cast<int>(0.9 * largest)); it->first != largest; ++it)
+    nearly += it->second;
+  if (at_largest < least || static_cast<double>(at_largest) < least_share * static_cast<double>(all) ||
+      2 * at_largest > all || nearly > at_largest)
+    return "";
+  const std::string range = short_text(0.001 * largest, 6);
+  return grouped(at_largest) + " of " + grouped(all) + " readings of laser " + quote(sensor) + " are " +
+         range + " m, its largest, and " + grouped(nearly) +
+         " others more than 0.9 of it: some lasers say so where nothing came "
+         "back; `max_range` below " +
+         range + " of `map` in the setup makes them no obstacles";
+}
+
 }  // namespace
 
 ScanInserter::ScanInserter(const Setup& setup, FreeSpaceMap& map, FusionCounts& counts,
@@ -122,6 +145,10 @@ void ScanInserter::take(const Frame& frame, const CloudFrame& cloud) {
   if (setup_.source.clear_infinite)
     for (const Eigen::Vector3f& end : cloud.clear_to)
       if (setup_.map.max_range || end.norm() <= farthest) waiting.scan.clear_to.push_back(end);
+  if (cloud.kind == "laser2d")
+    for (const Eigen::Vector3f& point : cloud.points)
+      if (const float range = point.norm(); range < 1e6F)
+        ++laser_ranges_[frame.sensor][static_cast<int>(std::lround(1000.0F * range))];
   waiting_.push_back(std::move(waiting));
   release();
 }
@@ -145,6 +172,9 @@ void ScanInserter::release() {
 void ScanInserter::finish() {
   for (Waiting& waiting : waiting_) insert(waiting);
   waiting_.clear();
+  for (const auto& [sensor, ranges] : laser_ranges_)
+    if (const std::string spike = range_spike(sensor, ranges); !spike.empty())
+      counts_.range_spikes.push_back(spike);
 }
 
 /// map_from_sensor when the scan was taken.

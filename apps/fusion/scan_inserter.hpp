@@ -18,6 +18,9 @@ namespace clearway {
 /// show wait for that image, 32 of them at most. A scan without a place is counted, never guessed.
 class ScanInserter {
  public:
+  /// Readings of a laser, by their range in whole millimetres.
+  using RangeCounts = std::map<int, std::size_t>;
+
   /// @throws std::invalid_argument: a file of poses that cannot be read, joints that are not the robot's.
   /// @param robot that moves, and is taken out of each scan; may be null
   /// @param observer hears of scans that have a place; may be null
@@ -52,6 +55,7 @@ class ScanInserter {
   std::map<std::string, int> links_;           ///< by sensor, those on the robot
   std::vector<Capsule> robot_;                 ///< map frame
   std::deque<Waiting> waiting_;
+  std::map<std::string, RangeCounts> laser_ranges_;  ///< by sensor
 };
 
 }  // namespace clearway

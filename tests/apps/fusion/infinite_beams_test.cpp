@@ -64,6 +64,27 @@ TEST_F(InfiniteBeams, AreLeftOutAndToldUnlessTheSetupLetsThemFreeSpace) {
   EXPECT_NE(clear.warnings[0].find("free space up to range_max"), std::string::npos);
 }
 
+/// As a converted log has them (aces.rawlog: 11,139 readings of 50 m that its driver did not see).
+TEST_F(InfiniteBeams, ThatAreCalledAReturnOfTheLargestRangeAreTold) {
+  for (const bool is_spike : {true, false}) {
+    worlds::ScanBag bag(folder_ / "a.mcap");
+    bag.transform(9, "map", "laser", Eigen::Isometry3d(Eigen::Translation3d(0, 0, 0.5)), true);
+    std::vector<float> ranges;
+    for (int i = 0; i < beams; ++i)  // walls as far as 20 m
+      ranges.push_back(i % 5 == 0 ? (is_spike ? 50.0F : 20.0F + 0.1F * static_cast<float>(i % 97))
+                                  : 1.0F + 0.019F * static_cast<float>(i));
+    bag.sweep("/scan", 10, "laser", {-1.0F, static_cast<float>(step), 0.0F, 80.0F}, ranges);
+    bag.sort();
+    bag.write();
+    const Fusion fusion = fused("");
+    ASSERT_EQ(fusion.warnings.size(), is_spike ? 1U : 0U);
+    if (!is_spike) continue;
+    EXPECT_NE(fusion.warnings[0].find("201 of 1,001 readings of laser '/scan' are 50 m, its largest"),
+              std::string::npos)
+        << fusion.warnings[0];
+  }
+}
+
 TEST_F(InfiniteBeams, ThatReadTheLargestRangeAreTheSameAndTold) {
   worlds::ScanBag bag(folder_ / "a.mcap");
   bag.transform(9, "map", "laser", Eigen::Isometry3d(Eigen::Translation3d(0, 0, 0.5)), true);
