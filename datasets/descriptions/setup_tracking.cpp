@@ -10,6 +10,9 @@
 namespace clearway {
 namespace {
 
+// m; in millimetres nearly all are beyond.
+constexpr Bounds tag_sizes{0.0005, 10}, ball_radii{0.0005, 2};
+
 constexpr Bounds share{0, 0.5};
 
 /// `otherwise` is what holds for all boards.
@@ -35,7 +38,7 @@ BoardSetup read_board(const YamlFields& fields, const BoardErrorsSetup& errors, 
   for (const auto& entry : fields.list_of_maps("tags")) {
     TagSetup tag;
     tag.id = entry.integer("id", {0, static_cast<double>(last_id)});
-    tag.size = entry.number("size", above_zero);
+    tag.size = entry.number("size", tag_sizes);
     tag.board_from_tag = entry.pose("pose", tag.board_from_tag);
     entry.finish();
     board.tags.push_back(tag);
@@ -144,7 +147,7 @@ ProbeSetup read_probe(const YamlFields& fields, const Setup& setup) {
   if (!setup.board(probe.board))
     fields.fail("board", "expected the name of one of the boards, got '" + probe.board + "'");
   probe.ball_center = fields.vector("ball_center");
-  probe.ball_radius = fields.number("ball_radius", above_zero);
+  probe.ball_radius = fields.number("ball_radius", ball_radii);
   probe.robot_error = fields.number("robot_error", not_negative, 0);
   probe.tracking_error = fields.number("tracking_error", not_negative, 0);
   probe.modelling_error = fields.number("modelling_error", not_negative, 0);

@@ -228,6 +228,10 @@ TEST(Setup, EveryMistakeIsOneSentenceNamingFileLineKeyAndExpectation) {
       {"boards: [{name: a, tags: [{id: 1}]}]", "line 1", "boards[0].tags[0].size", "missing"},
       {"boards: [{name: a, tags: [{id: 587, size: 1}]}]", "line 1", "boards[0].tags[0].id", "0 to 586"},
       {"boards: [{name: a, tags: [{id: 1.5, size: 1}]}]", "line 1", "boards[0].tags[0].id", "whole number"},
+      {"boards: [{name: a, tags: [{id: 1, size: 60}]}]", "line 1", "boards[0].tags[0].size", "10"},
+      {"boards: [{name: b, tags: [{id: 1, size: 1}]}]\nprobe: {board: b, ball_center: [0, 0, 0], "
+       "ball_radius: 25}",
+       "line 2", "probe.ball_radius", "2"},
       {"boards: [{name: a, tags: [{id: 1, size: 1}, {id: 1, size: 1}]}]", "line 1", "boards[0].tags",
        "used twice"},
       {"probe: {board: b, ball_center: [0, 0, 0], ball_radius: 1}", "line 1", "probe.board", "got 'b'"},
