@@ -148,7 +148,7 @@ DepthOptions read_depth(const YamlFields& fields, const std::filesystem::path& f
     const YamlFields camera = fields.map("camera");
     depth.camera = read_camera_of_setup(camera, folder, is_depth_rectified(bag, depth), notes,
                                         bag.depth.empty() ? CameraAxes::y_down_or_up : CameraAxes::y_down);
-    if (camera.has("file")) depth.scale_file = folder / camera.file("file");
+    if (camera.has("file")) depth.mount_file = depth.scale_file = folder / camera.file("file");
     if (camera.has("name")) depth.scale_camera = camera.text("name");
   }
   if (fields.has("poses")) depth.poses = folder / fields.file("poses");
@@ -225,11 +225,13 @@ void read_cameras(const YamlFields& fields, const std::filesystem::path& folder,
   const bool of_depth = is_depth_rectified(bag, source.depth);
   const bool of_images = is_depth_alone ? of_depth : !bag.images.empty() && are_images_rectified(bag);
   setup.camera = read_camera_of_setup(fields, folder, of_images, source.notes);
+  const bool has_own = source.depth.camera.has_value();
   const bool has_depth = bag.images.empty() || !bag.depth.empty();
   if (has_depth && !source.depth.camera && bag.depth_camera_info.empty() && of_depth != of_images)
     source.depth.camera = read_camera_of_setup(fields, folder, of_depth, source.notes);
   const bool is_of_depth = fields.has("file") && source.depth.scale_file.empty();
   if (is_of_depth) source.depth.scale_file = folder / fields.file("file");
+  if (is_of_depth && !has_own) source.depth.mount_file = source.depth.scale_file;
   if (is_of_depth && fields.has("name")) source.depth.scale_camera = fields.text("name");
 }
 

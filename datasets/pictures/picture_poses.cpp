@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "datasets/camera_files/body_poses.hpp"
 #include "datasets/cameras/lower_case.hpp"
 #include "datasets/pictures/arkit_folder.hpp"
 #include "datasets/pictures/camera_path.hpp"
@@ -227,7 +228,8 @@ std::optional<std::string> name_beside(const fs::path& file, const std::string& 
 }
 
 PicturePoses::PicturePoses(const fs::path& file, fs::path folder, std::string word,
-                           const std::vector<fs::path>& pictures, double tolerance, bool have_times)
+                           const std::vector<fs::path>& pictures, double tolerance, bool have_times,
+                           const fs::path& camera)
     : folder_(std::move(folder)), word_(std::move(word)) {
   if (file.empty()) return;
   folder_.clear();
@@ -246,6 +248,11 @@ PicturePoses::PicturePoses(const fs::path& file, fs::path folder, std::string wo
     return;
   }
   require_columns(text, name);
+  if (are_poses_of_body(text)) {
+    CameraOnBody on_body = camera_on_body(file, camera);
+    body_from_camera_ = on_body.body_from_camera;
+    notes_.push_back(std::move(on_body.note));
+  }
   // Between two poses at most twice the tolerance apart each time has one within the tolerance.
   std::size_t left_out = 0;
   between_.emplace(parse_tum_poses(text, name, 2.0 * tolerance, &left_out));
@@ -309,8 +316,10 @@ std::optional<Eigen::Isometry3d> PicturePoses::of(const TimedFile& picture) cons
   if (between_) {
     const auto number = times_.find(picture.file);
     const double time = number == times_.end() ? picture.time : number->second;
-    const auto pose = between_->at(time);
-    return pose ? pose : nearest_->nearest(time);
+    auto pose = between_->at(time);
+    if (!pose) pose = nearest_->nearest(time);
+    if (pose) *pose = *pose * body_from_camera_;
+    return pose;
   }
   if (!by_file_.empty()) {
     const auto found = by_file_.find(picture.file);

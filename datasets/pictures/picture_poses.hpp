@@ -47,9 +47,11 @@ class PicturePoses {
   /// @param tolerance s between a picture and its pose, as in DepthOptions
   /// @param have_times false: times of pictures are their places, so that whole numbers as times of poses
   /// belong to the numbers in their names
+  /// @param camera its file, which says where it is on a body whose poses they are (camera_on_body)
   /// @throws std::invalid_argument when the file cannot be read, or numbered poses are not for these pictures
   PicturePoses(const std::filesystem::path& file, std::filesystem::path folder, std::string word,
-               const std::vector<std::filesystem::path>& pictures, double tolerance, bool have_times = true);
+               const std::vector<std::filesystem::path>& pictures, double tolerance, bool have_times = true,
+               const std::filesystem::path& camera = {});
 
   bool are_there() const { return between_ || !by_file_.empty() || !folder_.empty(); }
 
@@ -75,6 +77,7 @@ class PicturePoses {
   std::string word_;
   std::vector<std::string> notes_;
   std::optional<PoseStream> between_, nearest_;
+  Eigen::Isometry3d body_from_camera_ = Eigen::Isometry3d::Identity();  ///< of those in time
   std::map<std::filesystem::path, std::optional<Eigen::Isometry3d>> by_file_;
   std::map<std::filesystem::path, double> times_;  ///< where the numbers in names are the poses' times
 };

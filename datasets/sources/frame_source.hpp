@@ -85,9 +85,10 @@ struct DepthOptions {
   double max_range = 0;              ///< m, of the sensor; 0: not known
   std::optional<CameraIntrinsics> camera;  ///< of the depth pictures; empty: the setup's camera
   std::filesystem::path camera_file;       ///< where `camera` is from, if it was found in the folder
-  std::filesystem::path scale_file;        ///< the setup's camera file, which may say `scale` of a folder's
-  std::string scale_camera;                ///< the one of several cameras in it
-  std::optional<double> scale_of_file;     ///< what a camera's file says of `scale`; others come before
+  std::filesystem::path mount_file;     ///< the setup's file of `camera`, which may say where it is on a body
+  std::filesystem::path scale_file;     ///< the setup's camera file, which may say `scale` of a folder's
+  std::string scale_camera;             ///< the one of several cameras in it
+  std::optional<double> scale_of_file;  ///< what a camera's file says of `scale`; others come before
   std::string scale_note;  ///< what is to be told where that counts; without it, why the file's cannot be
   bool rectified = false;  ///< pictures of a folder were freed of the lens's distortion
   std::filesystem::path poses;  ///< TUM text, world_from_camera; empty: what lies in the folder
