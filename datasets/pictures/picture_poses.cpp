@@ -27,10 +27,14 @@ namespace fs = std::filesystem;
 constexpr std::size_t largest_pose_file = 256U << 20U;
 constexpr char expected_matrix[] = "expected four rows of four numbers, a rigid transform";
 
-/// "frame-000012" of frame-000012.depth.png and of frame-000012.pose.txt.
+/// "frame-000012" of frame-000012.depth.png and of frame-000012.pose.txt, but all of 1305031102.160407: the
+/// digits before a point say what several pictures have in common.
 std::string first_part(const fs::path& file) {
-  const std::string name = file.filename().string();
-  return name.substr(0, name.find('.'));
+  const std::string stem = file.stem().string();
+  const std::size_t point = stem.find('.');
+  const bool is_of_number =
+      point != std::string::npos && std::isdigit(static_cast<unsigned char>(stem[point + 1])) != 0;
+  return is_of_number ? stem : stem.substr(0, point);
 }
 
 std::vector<std::string> words_of(const std::string& line) {
@@ -325,7 +329,9 @@ std::optional<Eigen::Isometry3d> PicturePoses::of(const TimedFile& picture) cons
     const auto found = by_file_.find(picture.file);
     return found == by_file_.end() ? std::nullopt : found->second;
   }
-  std::vector<std::string> names{first_part(picture.file) + ".txt", first_part(picture.file) + ".pose.txt"};
+  std::vector<std::string> names;
+  for (const std::string& part : {picture.file.stem().string(), first_part(picture.file)})
+    for (const char* end : {".txt", ".pose.txt"}) names.push_back(part + end);
   if (const auto beside = name_beside(picture.file, word_))
     for (const char* form :
          {"@.txt", "@.pose.txt", "pose_@.txt", "pose-@.txt", "pose@.txt", "@_pose.txt", "@-pose.txt"})

@@ -256,6 +256,23 @@ TEST_F(PosesOfPictures, LieInFilesCalledLikeTheirPictures) {
   EXPECT_FALSE(poses.of({pictures_[4], 0}));
 }
 
+/// TUM's times: what stands before the point is the same for all pictures of a second.
+TEST_F(PosesOfPictures, LieInFilesWhoseNamesHoldAPointToo) {
+  const char* const names[] = {"1305031102.160407", "1305031102.194330", "frame.2", "1305031102.9"};
+  folder_.write("1305031102.160407.txt", rows(truth_[0], 4, "\n"));
+  folder_.write("1305031102.194330.pose.txt", rows(truth_[1], 4, "\n"));
+  folder_.write("frame.2.txt", rows(truth_[2], 4, "\n"));
+  folder_.write("1305031102.txt", rows(truth_[3], 4, "\n"));  // of none of them
+  const PicturePoses poses("", folder_.path(), "depth", pictures_, 0.02);
+  for (const std::size_t i : {0U, 1U, 2U}) {
+    const auto pose = poses.of({std::string(names[i]) + ".png", 0});
+    ASSERT_TRUE(pose) << names[i];
+    EXPECT_TRUE(pose->isApprox(truth_[i], 1e-6)) << names[i];
+  }
+  EXPECT_FALSE(poses.of({std::string(names[3]) + ".png", 0}));
+  EXPECT_TRUE(poses.of({"1305031102.160407.depth.png", 0}).value().isApprox(truth_[0], 1e-6));
+}
+
 TEST(NameBeside, IsWhatIsLeftWithoutTheWord) {
   for (const auto& [name, rest] : {std::pair<const char*, const char*>{"depth_000012.png", "000012"},
                                    {"depth000012.png", "000012"},
