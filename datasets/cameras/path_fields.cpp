@@ -26,6 +26,13 @@ PathFields PathFields::at(const char* key) const {
   return {value_[key], where_ + " " + quote(key)};
 }
 
+std::vector<std::string> PathFields::keys() const {
+  std::vector<std::string> keys;
+  if (value_.is_object())
+    for (const auto& [key, value] : value_.items()) keys.push_back(key);
+  return keys;
+}
+
 std::vector<PathFields> PathFields::items() const {
   if (!value_.is_array()) fail("a list");
   std::vector<PathFields> items;

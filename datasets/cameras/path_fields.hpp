@@ -19,6 +19,7 @@ class PathFields {
 
   bool has(const char* key) const;
   PathFields at(const char* key) const;
+  std::vector<std::string> keys() const;  ///< none of what is no object
   std::vector<PathFields> items() const;  ///< the elements of a list
   std::string text() const;
   bool is_true() const;

@@ -14,9 +14,10 @@ namespace clearway {
 
 /// One picture of a camera that moved.
 struct CameraShot {
-  std::string picture, depth;  ///< files, relative to where the path lies; empty: not stated
-  Eigen::Isometry3d world_from_camera = Eigen::Isometry3d::Identity();  ///< optical frame, m
-  std::optional<CameraIntrinsics> camera;  ///< empty: not stated, or not its size
+  /// Files, relative to where the path lies, or the picture's number; empty: not stated.
+  std::string picture, depth;
+  std::optional<Eigen::Isometry3d> world_from_camera;  ///< optical frame, m; empty: not stated (BOP's alone)
+  std::optional<CameraIntrinsics> camera;              ///< empty: not stated, or not its size
 };
 
 /// The way of a camera as programs write it as JSON that look for it, or that are to show it.
@@ -24,10 +25,12 @@ struct CameraPath {
   std::vector<CameraShot> shots;
   std::optional<double> depth_scale;  ///< m per step of depth pictures; empty: not stated
   bool is_named = false;              ///< shots name their pictures; else they are in the order of these
+  bool is_numbered = false;           ///< shots state their pictures' numbers (BOP)
   bool is_scale_of_integers = false;  ///< depth_scale is that of whole numbers alone
 
-  /// Whether all of them state their camera.
+  /// Whether all of them state their camera, or any of them its pose.
   bool has_cameras() const;
+  bool has_poses() const;
 };
 
 /// Whether a text begins as such a file does, with `{`.
@@ -39,15 +42,18 @@ bool is_camera_path(const std::string& text);
 ///   file. A pixel's middle is at 0.5 there, at 0 here.
 /// - Open3D's PinholeCameraTrajectory: `parameters`, each with `extrinsic`, camera_from_world column by
 ///   column, and `intrinsic`.
+/// - BOP's scene_camera.json: by the picture's number `cam_K` (row by row), `depth_scale` (mm per step) and,
+/// not
+///   in all of them, `cam_R_w2c` (row by row) and `cam_t_w2c` (mm), camera_from_world.
 /// @param name what errors call the file @param sizes of pictures, for a file that does not say it: lengths
 /// in pixels are of colour pictures, angles of any; without sizes such a file states no camera
 /// @throws std::invalid_argument in one sentence naming the file, the place and what was expected
 CameraPath parse_camera_path(const std::string& text, const std::string& name,
                              const std::optional<PictureSizes>& sizes = {});
 
-/// The shot of each of these depth pictures that has one: by the file that it names as its depth or, where
-/// none does, by a picture whose name differs by words such as "depth" and "color" alone; without names, each
-/// in its order. @param file where the path is from @param pictures in the order of names
+/// The shot of each of these depth pictures that has one: by its number; by the file that it names as its
+/// depth or, where none does, by a picture whose name differs by words such as "depth" and "color" alone;
+/// without names, each in its order. @param file where the path is from @param pictures in the order of names
 /// @throws std::invalid_argument naming `file` when they cannot be matched, or a picture has two shots
 std::map<std::filesystem::path, CameraShot> shots_of_pictures(
     const CameraPath& path, const std::filesystem::path& file,

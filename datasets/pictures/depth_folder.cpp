@@ -87,7 +87,7 @@ class DepthFolder final : public FrameSource {
           "depth of no confidence (0 in " + quote_path(layout.confidence.string()) + ") was left out.";
     if (!camera)
       camera_note_ = "the depth pictures' cameras are those of " +
-                     quote_path((path.shots.empty() ? layout.camera_folder : layout.poses).string()) +
+                     quote_path((path.shots.empty() ? layout.camera_folder : layout.path_file()).string()) +
                      "; `source: {depth: {camera: …}}` states another.";
     if (extension_of(layout.poses) == ".freiburg" && camera && camera->fy > 0.0)
       icl_note_ =
@@ -155,10 +155,16 @@ class DepthFolder final : public FrameSource {
   DepthCameras cameras_of(const CameraPath& path, const DepthLayout& layout) const {
     if (path.shots.empty() || !path.has_cameras())
       return {cameras_of_arkit(layout.camera_folder, names_of(timed_)), false};
-    DepthCameras cameras{{}, path.is_named};
-    const auto shots = shots_of_pictures(path, layout.poses, in_order_of_names(layout.depth));
+    DepthCameras cameras{{}, path.is_named && !path.is_numbered};
+    const bool places_all = layout.path_file() == layout.poses && !options_.places_depth;
+    const auto shots = shots_of_pictures(path, layout.path_file(), in_order_of_names(layout.depth));
     for (const TimedFile& picture : timed_.files) {
       const auto shot = shots.find(picture.file);
+      if (shot == shots.end() && !places_all && path.is_numbered)
+        throw std::invalid_argument("camera file " + quote_path(layout.path_file().string()) +
+                                    ": it has no camera of depth picture " +
+                                    quote_path(picture.file.filename().string()) +
+                                    ", expected `cam_K` for each");
       // One without a pose is left out, whatever its camera.
       cameras.of_picture.push_back(*(shot == shots.end() ? shots.begin() : shot)->second.camera);
     }
@@ -254,13 +260,18 @@ std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const Dep
   const auto head = depth_picture_head(in_order_of_names(layout.depth));
   DepthNumbers numbers{head && head->is_real};
   const auto depth_size = head ? std::optional(head->size) : std::nullopt;
-  const auto path = path_of(
-      layout.poses, {depth_size, layout.colour.empty() ? depth_size : picture_size(layout.colour.front())});
+  const auto path =
+      path_of(layout.path_file(),
+              {depth_size, layout.colour.empty() ? depth_size : picture_size(layout.colour.front())});
   SourceOptions whole = path ? with_path(options, *path, numbers.is_real) : options;
   if (whole.depth.scale || numbers.is_real)
     whole.depth.scale_note.clear();  // nobody asks the camera's file, which speaks of steps
   else
     whole.depth.scale = whole.depth.scale_of_file;
+  if (path && path->is_numbered && !options.depth.scale && whole.depth.scale)
+    whole.depth.scale_note = "steps of depth are " + short_text(*whole.depth.scale) + " m, by " +
+                             quote_path(layout.path_file().string()) +
+                             "; `source: {depth: {scale: …}}` states others.";
   if (!whole.depth.scale && !whole.depth.scale_note.empty())  // the file says what no camera has
     throw std::invalid_argument(whole.depth.scale_note);
   if (layout.camera.filename() == "camera_matrix.csv" && !options.depth.camera && !options.camera &&

@@ -145,6 +145,27 @@ void take_stated_pictures(const CameraPath& path, const fs::path& folder, DepthL
   layout.colour.assign(colour.begin(), colour.end());
 }
 
+/// Cameras and scale count whatever the poses are.
+void take_bop_scene(const fs::path& scene, const fs::path& stated_poses, DepthLayout& layout) {
+  const CameraPath path = parse_camera_path(read_input(scene, "poses", largest_poses),
+                                            "camera file " + quote_path(scene.string()));
+  layout.scene_camera = scene;
+  layout.camera.clear();
+  if (!stated_poses.empty() || !path.has_poses()) return;
+  layout.other_poses = layout.poses.empty() ? layout.pose_folder : layout.poses;
+  layout.poses = scene;
+}
+
+/// BOP's file of the camera of all scenes, which lies above them.
+fs::path bop_camera_above(const fs::path& above) {
+  const fs::path file = first_there(above, {"camera.json", "../camera.json"});
+  if (file.empty()) return {};
+  const std::string text = read_input(file, "camera file", largest_poses);
+  const bool is_of_bop = text.find("\"depth_scale\"") != std::string::npos &&
+                         text.find("\"fx\"") != std::string::npos && text.find("\"cx\"") != std::string::npos;
+  return is_of_bop ? file.lexically_normal() : fs::path();
+}
+
 }  // namespace
 
 bool is_of_tum(const fs::path& poses) {
@@ -205,6 +226,7 @@ std::optional<DepthLayout> depth_layout(const fs::path& folder, const fs::path& 
   const fs::path above = fs::weakly_canonical(folder, error).parent_path();
   if (layout.camera.empty())
     layout.camera = first_there(above, {"cam_params.json"});  // Replica's, of all its rooms
+  if (layout.camera.empty()) layout.camera = bop_camera_above(above);
   layout.poses = first_there(folder, {"groundtruth.txt", "poses.txt", "trajectory.txt", "trajectory.log",
                                       "traj.txt", "scene/trajectory.log"});
   for (const char* kind : {".log", ".freiburg"})
@@ -218,7 +240,11 @@ std::optional<DepthLayout> depth_layout(const fs::path& folder, const fs::path& 
     layout.poses = first_there(folder, {"odometry.csv"});  // Stray Scanner's
   if (layout.poses.empty() && layout.pose_folder.empty())
     layout.poses = first_there(folder, {"trajectory.json"});
-  if (!path) return layout;
+  if (!path) {
+    if (const fs::path scene = first_there(folder, {"scene_camera.json"}); !scene.empty())
+      take_bop_scene(scene, stated_poses, layout);
+    return layout;
+  }
   layout.other_poses = layout.poses.empty() ? layout.pose_folder : layout.poses;
   layout.poses = transforms;
   if (path->has_cameras()) layout.camera.clear();

@@ -17,9 +17,12 @@ struct DepthLayout {
   std::filesystem::path other_poses;    ///< beside transforms.json: which of the two counts is not known
   std::filesystem::path pose_folder;    ///< of a matrix for each depth picture; empty: none
   std::filesystem::path camera;         ///< a file of the depth pictures' camera; empty: none
+  std::filesystem::path scene_camera;   ///< BOP's, of cameras and scale, maybe of poses; empty: none
   std::filesystem::path camera_folder;  ///< of a .pincam for each picture (ARKitScenes); empty: none
   std::filesystem::path confidence;  ///< folder of pictures of 0, 1 and 2, called as the depth's; empty: none
   std::filesystem::path tum_table;   ///< that lists the pictures of `depth/` as TUM does; empty: none
+  /// The file that may be a CameraPath with the pictures' cameras.
+  const std::filesystem::path& path_file() const { return scene_camera.empty() ? poses : scene_camera; }
   std::size_t unnamed = 0;  ///< depth pictures that transforms.json, which names others, does not name
 };
 
@@ -35,12 +38,12 @@ bool is_of_tum(const std::filesystem::path& poses);
 /// `.log` or `.freiburg`, or a folder `pose/` or `poses/`, or NAME.pose.txt; or the pictures that the
 /// `transforms.json` of nerfstudio or instant-ngp names, or is of; or as SUN3D's with `extrinsics/`,
 /// ARKitScenes' (`lowres_depth/` and a `.traj`) or Stray Scanner's
-/// (`odometry.csv` beside `camera_matrix.csv`); and `intrinsic/intrinsic_depth.txt`
-/// (ScanNet), `camera_intrinsic.json` (Open3D) or another file that is called like a camera's. None when it
-/// holds no depth pictures.
+/// (`odometry.csv` beside `camera_matrix.csv`), or a scene of BOP's (`scene_camera.json`); and
+/// `intrinsic/intrinsic_depth.txt` (ScanNet), `camera_intrinsic.json` (Open3D) or another file that is called
+/// like a camera's. None when it holds no depth pictures.
 /// @param stated_poses the file that a setup names: no other transforms.json counts then; empty: none
 /// @throws std::filesystem::filesystem_error when one of the folders cannot be read
-/// @throws std::invalid_argument for a transforms.json that is none (parse_camera_path)
+/// @throws std::invalid_argument for a transforms.json or scene_camera.json that is none (parse_camera_path)
 std::optional<DepthLayout> depth_layout(const std::filesystem::path& folder,
                                         const std::filesystem::path& stated_poses = {});
 

@@ -241,7 +241,11 @@ PicturePoses::PicturePoses(const fs::path& file, fs::path folder, std::string wo
   std::string text = read_input(file, "poses", largest_pose_file);
   if (is_arkit_poses(file, text)) text = tum_of_arkit(text, name);
   if (is_camera_path(text)) {
-    for (const auto& [picture, shot] : shots_of_pictures(parse_camera_path(text, name), file, pictures))
+    const CameraPath path = parse_camera_path(text, name);
+    if (!path.has_poses())
+      throw std::invalid_argument(name +
+                                  ": none of its pictures has a pose, expected `cam_R_w2c` and `cam_t_w2c`");
+    for (const auto& [picture, shot] : shots_of_pictures(path, file, pictures))
       by_file_[picture] = shot.world_from_camera;
     return;
   }

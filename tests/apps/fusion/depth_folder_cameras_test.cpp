@@ -110,6 +110,33 @@ TEST(DepthFolderCameras, OfReplicaSayTheScaleToo) {
   }
 }
 
+/// One file for all scenes, two folders above the pictures of one; what is none of BOP's there is not looked
+/// at.
+TEST(DepthFolderCameras, OfBopMayLieAboveTheirScenes) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "lm/test/000001/depth");
+  folder.write("lm/test/000001/depth/000000.png",
+               picture_bytes(cv::Mat(36, 48, CV_16UC1, cv::Scalar(20000)), ".png"));
+  folder.write("lm/test/000001/poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n");
+  const std::string numbers = R"({"cx": 24, "cy": 18, "fx": 50, "fy": 52, "height": 36, "width": 48)";
+  folder.write("lm/camera.json", numbers + "}");
+  EXPECT_NE(refusal(folder / "lm/test/000001").find("a file of it beside them"), std::string::npos);
+  for (const char* name : {"lm/camera.json", "lm/test/camera.json"}) {
+    folder.write("lm/camera.json", "{}");
+    folder.write(name, numbers + R"(, "depth_scale": 0.1})");
+    const auto source = open_frames(folder / "lm/test/000001", {});
+    const auto frame = source->next();
+    ASSERT_TRUE(frame);
+    const Eigen::Vector3f expected(2.0F, -2.0F * 10 / 50, 2.0F * 8 / 52);
+    EXPECT_LT((std::get<CloudFrame>(frame->content).points.at(10 * 48 + 34) - expected).norm(), 1e-5F);
+    std::string told;
+    for (const std::string& warning : source->warnings()) told += warning + "\n";
+    EXPECT_NE(told.find("the depth pictures' camera is that of"), std::string::npos) << told;
+    EXPECT_NE(told.find("steps of depth are 0.0001 m, by"), std::string::npos) << told;
+    EXPECT_EQ(told.find("/../"), std::string::npos) << told;
+  }
+}
+
 /// Beside the pictures, or the file that the setup names as their camera; the setup's own word comes first.
 TEST(DepthFolderCameras, FilesThatSayTheScaleAreHeardInTheWordsOfTheirTools) {
   const std::string open3d =
