@@ -23,13 +23,13 @@ std::optional<double> redwood_time(const std::string& stem) {
   return 1e-6 * finite_number(stem.substr(dash + 1)).value_or(0.0);
 }
 
-/// Ten digits of seconds and nine of nanoseconds.
+/// Ten digits of seconds and nine of nanoseconds, at the end or the beginning.
 std::optional<double> stamp_time(const std::string& stem) {
-  if (stem.size() != 20 || (stem[10] != '_' && stem[10] != '-')) return std::nullopt;
-  if (stem.find_first_not_of(name_digits) != 10 ||
-      stem.find_first_not_of(name_digits, 11) != std::string::npos)
-    return std::nullopt;
-  return *finite_number(stem.substr(0, 10)) + 1e-9 * *finite_number(stem.substr(11));
+  static const std::regex pattern("(?:.*[^0-9])?(\\d{10})[_-](\\d{9})|(\\d{10})[_-](\\d{9})[^0-9].*");
+  std::smatch found;
+  if (stem.size() > 100 || !std::regex_match(stem, found, pattern)) return std::nullopt;
+  const std::size_t at = found[1].matched ? 1 : 3;
+  return *finite_number(found[at].str()) + 1e-9 * *finite_number(found[at + 1].str());
 }
 
 /// A date and a time of day at the end of the name: eight digits and six, with marks between their numbers or

@@ -11,7 +11,7 @@ namespace clearway {
 
 /// The time that a name without its end says: the number that it is (see make_seconds); that of a clock at
 /// its end or beginning, as depth_1305031102.160 (ten digits before a point, or 13, 16 or 19 digits), or as
-/// 1305031102_160123456 (ten digits and nine of nanoseconds); Redwood's microseconds behind a
+/// cloud_1305031102_160123456 (ten digits and nine of nanoseconds); Redwood's microseconds behind a
 /// number, as 0000012-000000400000; ARKitScenes' seconds, as 47331606_74.512; else a date at its end, as
 /// 2026-11-23_07-15-30.066, 20261123_071530 or 20261123071530066 (UTC is taken). Empty for another name.
 std::optional<double> time_in_name(const std::string& stem);

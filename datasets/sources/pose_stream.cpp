@@ -167,6 +167,31 @@ std::optional<bool> is_w_first_in(const Head& head) {
                                          : std::nullopt;
 }
 
+/// How many columns, of a counter and of seconds, stand before nanoseconds in a head such as Newer College's
+/// "#sec,nsec,x,y,…" or "# counter, sec, nsec, x, …"; 0: it has no such time.
+std::size_t columns_before_nanoseconds(std::string line) {
+  for (char& c : line) c = c == '#' ? ' ' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::vector<std::string> words = words_of(line);
+  const auto is_one_of = [&](std::size_t at, std::initializer_list<const char*> names) {
+    return at < words.size() && std::find(names.begin(), names.end(), words[at]) != names.end();
+  };
+  for (std::size_t at : {0U, 1U})
+    if (is_one_of(at, {"sec", "secs"}) && is_one_of(at + 1, {"nsec", "nsecs", "nanosec"})) return at + 1;
+  return 0;
+}
+
+/// Takes what stands before the seconds, and the nanoseconds, away. @return these, as seconds; nothing when
+/// they are none
+std::optional<double> take_nanoseconds(std::vector<std::string>& words, std::size_t before) {
+  if (before == 0) return 0.0;
+  if (words.size() <= before) return std::nullopt;
+  const auto nanoseconds = finite_number(words[before]);
+  if (!nanoseconds || *nanoseconds < 0.0 || *nanoseconds >= 1e9) return std::nullopt;
+  words.erase(words.begin() + static_cast<std::ptrdiff_t>(before));
+  words.erase(words.begin(), words.begin() + static_cast<std::ptrdiff_t>(before) - 1);
+  return 1e-9 * *nanoseconds;
+}
+
 struct TimedPose {
   double time;
   Eigen::Isometry3d pose;
@@ -207,7 +232,8 @@ PoseStream parse_tum_poses(const std::string& text, const std::string& name, dou
   std::vector<TimedPose> poses;
   int number = 0;
   bool is_w_first = false;
-  std::size_t columns = 0;  // of a head that names more than a time and a pose
+  std::size_t columns = 0;             // of a head that names more than a time and a pose
+  std::size_t before_nanoseconds = 0;  // of a head that names them
   for (std::string line; std::getline(lines, line);) {
     ++number;
     const auto refuse = [&](const std::string& why) {
@@ -223,14 +249,18 @@ PoseStream parse_tum_poses(const std::string& text, const std::string& name, dou
       is_w_first = *said;
       const bool is_pose_first = head->letters.starts_with(is_w_first ? "xyzwxyz" : "xyzxyzw");
       const auto commas = static_cast<std::size_t>(std::count(line.begin(), line.end(), ','));
-      columns = is_pose_first && commas > 7 ? commas + 1 : 0;
+      before_nanoseconds = columns_before_nanoseconds(line);
+      const std::size_t with_one_time = commas + 1 - std::min(commas, before_nanoseconds);
+      columns = is_pose_first && with_one_time > 8 ? with_one_time : 0;
       continue;
     }
     line.resize(std::min(line.find('#'), line.size()));
     std::vector<std::string> words = words_of(line);
     if (words.empty()) continue;
+    const auto nanoseconds = take_nanoseconds(words, before_nanoseconds);
     if (words.size() == columns) words.resize(8);
-    const auto pose = timed_pose(words, is_w_first);
+    auto pose = nanoseconds ? timed_pose(words, is_w_first) : std::nullopt;
+    if (pose) pose->time += *nanoseconds;
     const std::streamoff next = lines.tellg();
     const bool is_last =
         next < 0 || text.find_first_not_of(" \t\r\n", static_cast<std::size_t>(next)) == std::string::npos;
@@ -240,8 +270,8 @@ PoseStream parse_tum_poses(const std::string& text, const std::string& name, dou
       continue;
     }
     if (!pose)
-      refuse(std::string("expected 'time x y z ") + (is_w_first ? "qw qx qy qz" : "qx qy qz qw") +
-             "' with a unit quaternion");
+      refuse(std::string(before_nanoseconds > 0 ? "expected 'sec nsec x y z " : "expected 'time x y z ") +
+             (is_w_first ? "qw qx qy qz" : "qx qy qz qw") + "' with a unit quaternion");
     poses.push_back(*pose);
   }
   if (poses.empty()) throw std::invalid_argument(name + ": expected at least one pose");

@@ -111,6 +111,30 @@ TEST(PoseStream, ReadsEurocsGroundTruth) {
   EXPECT_THROW(parse_tum_poses(line + "\n", "p", 1.0), std::invalid_argument);
 }
 
+TEST(PoseStream, ReadsNewerCollegesSecondsAndNanoseconds) {
+  for (const auto& [head, counter, more] : std::vector<std::tuple<std::string, std::string, std::string>>{
+           {"#sec,nsec,x,y,z,qx,qy,qz,qw\n", "", ""},
+           {"# counter, sec, nsec, x, y, z, qx, qy, qz, qw\n", "4,", ""},
+           {"sec,nsec,x,y,z,qx,qy,qz,qw,error\n", "", ",7"}}) {
+    std::size_t left_out = 0;
+    const std::string cut = counter + "1583836594,0,1";
+    const PoseStream poses =
+        parse_tum_poses(head + counter + "1583836591,182590976,1,2,3,0,0,0.6,0.8" + more + "\n" + counter +
+                            "1583836592,082590976,2,2,3,0,0,0.6,0.8" + more + "\n" + cut,
+                        "p", 1.0, &left_out);
+    ASSERT_EQ(poses.size(), 2U) << head;
+    EXPECT_EQ(left_out, 1U);
+    EXPECT_NEAR(poses.first_time().value(), 1583836591.182590976, 1e-6);
+    EXPECT_NEAR(poses.last_time().value(), 1583836592.082590976, 1e-6);
+    const Eigen::Isometry3d expected = Eigen::Translation3d(1.5, 2, 3) * Eigen::Quaterniond(0.8, 0, 0, 0.6);
+    EXPECT_TRUE(poses.at(1583836591.632590976).value().isApprox(expected, 1e-5)) << head;
+    for (const char* wrong : {"1583836591,1e9,", "1583836591,-1,", "1583836591,"})
+      EXPECT_THROW(parse_tum_poses(head + counter + wrong + "1,2,3,0,0,0.6,0.8" + more + "\n", "p", 1.0),
+                   std::invalid_argument)
+          << head << wrong;
+  }
+}
+
 TEST(PoseStream, ReadsTheTumFormat) {
   const PoseStream stream = parse_tum_poses(
       "# time x y z qx qy qz qw\n1.0 1 2 3 0 0 0 1\n\n1.2 1 2 5 0 0 0.70710678 0.70710678  # turned\n", "t",
