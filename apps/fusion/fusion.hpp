@@ -38,13 +38,14 @@ struct FusionCounts {
   std::size_t infinite_beams = 0;  ///< of 2D lasers: they said +inf, or range_max
   std::size_t beams_at_range = 0;  ///< of these, those that did not say +inf
   Eigen::Vector3d scan_origin_sum =
-      Eigen::Vector3d::Zero();           ///< of the scans, metres: from where they looked
-  std::vector<std::string> lost_poses;   ///< a sentence for each file of poses that has lines without one
+      Eigen::Vector3d::Zero();  ///< of the scans, metres: from where they looked
+  std::vector<std::string>
+      lost_poses;  ///< sentences about files of poses: of lines without one, of metres that are none
   std::set<std::string> placed_sensors;  ///< of the setup: those that scans were of
   /// Of the scans that none of the setup's sensors placed: label and kind, the first of them.
   std::set<std::pair<std::string, std::string>> unplaced_scans;
-  std::vector<std::string>
-      range_spikes;  ///< a clause for each laser that may call its largest range what it did not see
+  /// A clause for each laser that may call its largest range what it did not see.
+  std::vector<std::string> range_spikes;
   std::size_t scans_without_pose = 0;    ///< at their time nothing shows where their sensor was: left out
   std::size_t scans_without_probe = 0;   ///< no image near in time shows the probe: taken as not in the way
   std::size_t scans_probe_hidden = 0;    ///< probe or gripper is not seen for a moment: left out

@@ -123,6 +123,8 @@ ScanInserter::ScanInserter(const Setup& setup, FreeSpaceMap& map, FusionCounts& 
       std::size_t left_out = 0;
       streams_.emplace(sensor.name, load_tum_poses(sensor.poses, sensor.max_gap, &left_out));
       if (left_out > 0) counts_.lost_poses.push_back(left_out_poses(sensor.poses, left_out));
+      if (const auto fast = too_fast_poses(sensor.poses, streams_.at(sensor.name)))
+        counts_.lost_poses.push_back(*fast);
     }
     if (!sensor.link.empty()) links_.emplace(sensor.name, link_of(sensor, robot->robot()));
   }

@@ -265,6 +265,7 @@ PicturePoses::PicturePoses(const fs::path& file, fs::path folder, std::string wo
   std::size_t left_out = 0;
   between_.emplace(parse_tum_poses(text, name, 2.0 * tolerance, &left_out));
   if (left_out > 0) notes_.push_back(left_out_poses(file, left_out));
+  if (const auto fast = too_fast_poses(file, *between_)) notes_.push_back(*fast);
   nearest_.emplace(parse_tum_poses(text, name, tolerance, &left_out));
   if (!have_times) take_times_for_numbers(text, pictures, name);
 }

@@ -94,6 +94,22 @@ std::optional<double> PoseStream::last_time() const {
 
 std::size_t PoseStream::size() const { return state_->poses.size(); }
 
+std::optional<double> PoseStream::usual_speed() const {
+  constexpr std::size_t least = 5;
+  std::vector<double> speeds;
+  if (state_->poses.empty()) return std::nullopt;
+  for (auto next = std::next(state_->poses.begin()); next != state_->poses.end(); ++next) {
+    const auto before = std::prev(next);
+    const double way = (next->second - before->second).translation().norm();
+    const double time = mrpt::Clock::toDouble(next->first) - mrpt::Clock::toDouble(before->first);
+    if (way > 0.0 && time > 0.0) speeds.push_back(way / time);
+  }
+  if (speeds.size() < least) return std::nullopt;
+  const auto middle = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2);
+  std::nth_element(speeds.begin(), middle, speeds.end());
+  return *middle;
+}
+
 namespace {
 
 /// Words of a line, with commas for blanks.
@@ -287,6 +303,14 @@ PoseStream load_tum_poses(const std::filesystem::path& file, double max_gap, std
   const std::string name = "poses " + quote_path(file.string());
   const std::string text = read_input(file, "poses", 256U << 20U);
   return parse_tum_poses(text, name, max_gap, left_out);
+}
+
+std::optional<std::string> too_fast_poses(const std::filesystem::path& file, const PoseStream& poses) {
+  constexpr double fastest = 60.0;  // m/s
+  const auto speed = poses.usual_speed();
+  if (!speed || *speed <= fastest) return std::nullopt;
+  return "poses " + quote_path(file.string()) + " usually move at " + std::to_string(std::lround(*speed)) +
+         " m/s from line to line, which are hardly metres and seconds: expected metres, not millimetres";
 }
 
 std::string left_out_poses(const std::filesystem::path& file, std::size_t left_out) {

@@ -41,6 +41,9 @@ class PoseStream {
   std::optional<double> last_time() const;
   std::size_t size() const;
 
+  /// m/s from one reading to the next, the middle of those that moved; empty: fewer than five did.
+  std::optional<double> usual_speed() const;
+
  private:
   struct State;
   std::unique_ptr<State> state_;
@@ -59,6 +62,10 @@ PoseStream parse_tum_poses(const std::string& text, const std::string& name, dou
 
 /// The same from a file of at most 256 MB. @throws std::invalid_argument also when it cannot be read.
 PoseStream load_tum_poses(const std::filesystem::path& file, double max_gap, std::size_t* left_out = nullptr);
+
+/// The sentence about poses that can hardly be metres, as those in millimetres are: they usually move at more
+/// than 60 m/s. Empty: they do not.
+std::optional<std::string> too_fast_poses(const std::filesystem::path& file, const PoseStream& poses);
 
 /// The sentence about so many lines that were left out.
 std::string left_out_poses(const std::filesystem::path& file, std::size_t left_out);

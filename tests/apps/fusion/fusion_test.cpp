@@ -189,6 +189,21 @@ TEST(Fusion, AFileOfPosesCarriesASensorAndScansBeyondItsTimeAreCounted) {
   EXPECT_THROW(fused(folder / "r.rawlog", folder / "bad.yaml"), std::invalid_argument);
 }
 
+TEST(Fusion, AFileOfPosesInMillimetresIsTold) {
+  const TemporaryFolder folder;
+  RecordingWriter writer(folder / "r.rawlog");
+  writer.write(scan_frame(100.25, "laser", {ahead}));
+  writer.finish();
+  std::string walk;
+  for (int i = 0; i < 10; ++i)  // 0.2 m/s
+    walk += std::to_string(100 + 0.1 * i) + " " + std::to_string(20 * i) + " 0 0.01 0 0 0 1\n";
+  write_text(folder / "walk.txt", walk);
+  write_text(folder / "s.yaml", "sensors: [{name: laser, poses: walk.txt}]\n");
+  const Fusion fusion = fused(folder / "r.rawlog", folder / "s.yaml");
+  ASSERT_EQ(fusion.warnings.size(), 1U);
+  EXPECT_NE(fusion.warnings[0].find("usually move at 200 m/s"), std::string::npos) << fusion.warnings[0];
+}
+
 TEST(Fusion, TheStandingRobotDoesNotSeeItself) {
   const TemporaryFolder folder;
   Robot robot = load_robot("puma560");

@@ -273,6 +273,18 @@ TEST_F(PosesOfPictures, LieInFilesWhoseNamesHoldAPointToo) {
   EXPECT_TRUE(poses.of({"1305031102.160407.depth.png", 0}).value().isApprox(truth_[0], 1e-6));
 }
 
+TEST_F(PosesOfPictures, InMillimetresAreTold) {
+  std::string metres, millimetres;
+  for (int i = 0; i < 12; ++i) {
+    metres += std::to_string(i) + " " + std::to_string(0.5 * i) + " 0 0 0 0 0 1\n";
+    millimetres += std::to_string(i) + " " + std::to_string(500 * i) + " 0 0 0 0 0 1\n";
+  }
+  EXPECT_TRUE(open(metres).notes().empty());
+  const PicturePoses poses = open(millimetres);
+  ASSERT_EQ(poses.notes().size(), 1U);
+  EXPECT_NE(poses.notes()[0].find("usually move at 500 m/s"), std::string::npos) << poses.notes()[0];
+}
+
 TEST(NameBeside, IsWhatIsLeftWithoutTheWord) {
   for (const auto& [name, rest] : {std::pair<const char*, const char*>{"depth_000012.png", "000012"},
                                    {"depth000012.png", "000012"},

@@ -135,6 +135,25 @@ TEST(PoseStream, ReadsNewerCollegesSecondsAndNanoseconds) {
   }
 }
 
+/// A walk at 0.8 m/s, ten poses a second, also where it stands still for most of the time.
+TEST(PoseStream, ThatCanHardlyBeMetresIsTold) {
+  const auto walk = [](double unit, int steps, int standing) {
+    std::string text;
+    for (int i = 0; i < steps + standing; ++i)
+      text += std::to_string(1700000000 + i / 10) + "." + std::to_string(i % 10) + " " +
+              std::to_string(0.08 * unit * std::min(i, steps)) + " 0 0 0 0 0 1\n";
+    return too_fast_poses("walk.txt", parse_tum_poses(text, "p", 1.0));
+  };
+  EXPECT_FALSE(walk(1.0, 20, 0));
+  EXPECT_EQ(
+      walk(1000.0, 20, 0),
+      "poses 'walk.txt' usually move at 800 m/s from line to line, which are hardly metres and seconds: "
+      "expected metres, not millimetres");
+  EXPECT_TRUE(walk(1000.0, 20, 100));
+  EXPECT_FALSE(walk(1.0, 20, 100));
+  EXPECT_FALSE(walk(1000.0, 3, 0));  // too few to say so
+}
+
 TEST(PoseStream, ReadsTheTumFormat) {
   const PoseStream stream = parse_tum_poses(
       "# time x y z qx qy qz qw\n1.0 1 2 3 0 0 0 1\n\n1.2 1 2 5 0 0 0.70710678 0.70710678  # turned\n", "t",
