@@ -24,24 +24,37 @@ CalibrationReport report_board(const CalibrateOptions& options, const Setup& set
                  {"images", grouped(chosen.seen) + " show it; " + grouped(found.views) + " used, " +
                                 grouped(chosen.moving) + " moving, " + grouped(chosen.alike) + " alike"}};
   if (found.tags.empty()) return report;
-  report.rows.push_back({"residuals", significant(found.rms_px, 3) + " px rms"});
+  report.rows.insert(
+      report.rows.end(),
+      {{"residuals", significant(found.rms_px, 3) + " px rms"},
+       {"distances", significant(found.places_scale, 5) + " of what is stated, +- " +
+                         significant(found.scale_tolerance / 5.0, 2) + ", if most sizes are as stated"}});
   BoardSetup measured = board;
-  std::size_t wrong = 0;
+  std::size_t wrong = 0, misplaced = 0;
   for (const TagChange& tag : found.tags) {
     const double size = found.board.tags.at(tag.id).size;
     std::string text = significant(1e3 * size, 5) + " +- " + significant(1e3 * size * tag.size_sigma, 2) +
                        " mm, moved by " + significant(1e3 * tag.moved, 3) + " +- " +
                        significant(1e3 * tag.place_sigma, 2) + " mm and " +
                        significant(180.0 / M_PI * tag.turned, 2) + " degrees";
-    if (tag.is_size_wrong)
+    if (found.is_scale_contradicted)
+      text += "; its size is " + significant(tag.size_ratio, 4) + " of what is stated by most sizes, " +
+              significant(tag.size_ratio / found.places_scale, 4) + " by the distances";
+    else if (tag.is_size_wrong)
       text += "; ITS SIZE IS NOT AS STATED: " + significant(1e3 * size / tag.size_ratio, 5) + " mm";
+    if (tag.is_place_wrong) text += "; ITS PLACE IS NOT AS STATED";
+    if (tag.is_turn_wrong) text += "; IT IS NOT TURNED AS STATED";
     wrong += tag.is_size_wrong ? 1 : 0;
+    misplaced += tag.is_place_wrong || tag.is_turn_wrong ? 1 : 0;
     report.rows.push_back({"tag " + std::to_string(tag.id), text});
   }
   report.figures = {{"rms_px", found.rms_px},
                     {"place_sigma_m", found.board.errors.place},
                     {"size_sigma", found.board.errors.size},
+                    {"places_scale", found.places_scale},
+                    {"places_scale_tolerance", found.scale_tolerance},
                     {"wrong_sizes", static_cast<double>(wrong)},
+                    {"wrong_places", static_cast<double>(misplaced)},
                     {"views", static_cast<double>(found.views)}};
   for (const TagChange& tag : found.tags)
     report.figures.push_back({"size_ratio_" + std::to_string(tag.id), tag.size_ratio});

@@ -1,53 +1,15 @@
 #include "tracking/calibration/calibrate_board.hpp"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
+#include "tracking/calibration/places_scale.hpp"
 #include "tracking/calibration/words.hpp"
 
 namespace clearway {
 namespace {
 
 std::string mm_text(double metres) { return words(1e3 * metres, " mm"); }
-
-/// The transform that brings the measured tags onto the stated ones, most of them: iterated Cauchy weights.
-Eigen::Isometry3d stated_from_measured(const TagBody& stated, const TagBody& measured, double place) {
-  std::vector<Eigen::Vector3d> from, to;
-  for (const auto& [id, tag] : measured.tags) {
-    const MountedTag& other = stated.tags.at(id);
-    for (const Eigen::Vector3d& axis : {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0),
-                                        Eigen::Vector3d(-1, 0, 0), Eigen::Vector3d(0, -1, 0)}) {
-      from.push_back(tag.body_from_tag * (0.5 * other.size * axis));
-      to.push_back(other.body_from_tag * (0.5 * other.size * axis));
-    }
-  }
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  std::vector<double> weights(from.size(), 1.0);
-  for (int round = 0; round < 20; ++round) {
-    Eigen::Vector3d mean_from = Eigen::Vector3d::Zero(), mean_to = mean_from;
-    double sum = 0.0;
-    for (std::size_t i = 0; i < from.size(); ++i) {
-      mean_from += weights[i] * from[i];
-      mean_to += weights[i] * to[i];
-      sum += weights[i];
-    }
-    mean_from /= sum;
-    mean_to /= sum;
-    Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();
-    for (std::size_t i = 0; i < from.size(); ++i)
-      cross += weights[i] * (to[i] - mean_to) * (from[i] - mean_from).transpose();
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    Eigen::Vector3d signs(1.0, 1.0,
-                          (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1.0 : 1.0);
-    pose.linear() = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
-    pose.translation() = mean_to - pose.linear() * mean_from;
-    const double scale = std::max(place, 1e-4);
-    for (std::size_t i = 0; i < from.size(); ++i)
-      weights[i] = 1.0 / (1.0 + (pose * from[i] - to[i]).squaredNorm() / (scale * scale));
-  }
-  return pose;
-}
 
 /// Sizes held by what is stated over the square root of their weights; the rest free within the board.
 BundlePriors priors_of_sizes(const Camera& camera, const TagBody& board, const std::vector<double>& weights) {
@@ -104,6 +66,32 @@ int tag_apart(const Bundle& bundle) {
   return -1;
 }
 
+/// How well the images know the scale of the places, sizes held by what is stated: relative.
+double scale_sigma(const PlacesScale& places, const Eigen::MatrixXd& covariance) {
+  Eigen::VectorXd by = Eigen::VectorXd::Zero(covariance.rows());
+  int column = kSharedUnknowns + 1;
+  for (const auto& [id, by_place] : places.by_place) {
+    by.segment<3>(column) = by_place;
+    column += kTagUnknowns;
+  }
+  return std::sqrt(by.dot(covariance * by));
+}
+
+/// A sentence, when stated sizes and stated places cannot both be right.
+std::string contradiction(const BoardCalibration& found) {
+  if (!found.is_scale_contradicted) return "";
+  const auto percent = [](double ratio) {
+    return words(100.0 * std::abs(ratio - 1.0), ratio < 1.0 ? " % smaller" : " % larger");
+  };
+  return "stated sizes and stated places of the tags contradict each other: if the sizes are right, "
+         "distances "
+         "between tags are " +
+         percent(found.places_scale) + " than stated, if the distances are, the tags are " +
+         percent(1.0 / found.places_scale) + ", expected agreement within " +
+         words(100.0 * found.scale_tolerance, " %") +
+         ": measure a tag's side and the distance between two tags, and state what is measured";
+}
+
 double worst_of(const Eigen::VectorXd& variances, int first) {
   return std::sqrt(variances.segment<3>(first).maxCoeff());
 }
@@ -151,7 +139,15 @@ BoardCalibration calibrate_board(const Camera& camera, const TagBody& board, std
   }
   found.noise_px = fit.noise_px;
   found.rms_px = fit.rms_px;
-  const Eigen::Isometry3d back = stated_from_measured(board, bundle.board, board.errors.place);
+  // Printed and glued boards are never better than these.
+  const double stated_place = std::max(board.errors.place, 1e-4),
+               stated_turn = std::max(board.errors.turn, 1e-3),
+               stated_size = std::max(board.errors.size, 1e-4);
+  const PlacesScale places = scale_of_places(board, bundle.board, stated_place, stated_size);
+  constexpr double sigmas = 5.0;
+  found.places_scale = places.scale;
+  found.scale_tolerance = sigmas * std::hypot(places.sigma, scale_sigma(places, fit.covariance));
+  found.is_scale_contradicted = std::abs(std::log(places.scale)) > found.scale_tolerance;
   const Eigen::VectorXd variances = fit.covariance.diagonal();
   double place = 0.0, turn = 0.0, size = 0.0;
   std::string blurred;
@@ -159,8 +155,8 @@ BoardCalibration calibrate_board(const Camera& camera, const TagBody& board, std
   for (const auto& [id, measured] : bundle.board.tags) {
     const MountedTag& stated = board.tags.at(id);
     MountedTag& tag = found.board.tags.at(id);
-    tag = {measured.size, back * measured.body_from_tag};
-    const Vector6d moved = difference(stated.body_from_tag, tag.body_from_tag);
+    tag = {measured.size, places.stated_from_measured * measured.body_from_tag};
+    const Vector6d moved = difference(stated.body_from_tag, places.scaled(measured.body_from_tag));
     TagChange change{id,
                      views_of(bundle, id),
                      tag.size / stated.size,
@@ -169,8 +165,9 @@ BoardCalibration calibrate_board(const Camera& camera, const TagBody& board, std
                      worst_of(variances, column + 1),
                      moved.tail<3>().norm(),
                      worst_of(variances, column + 4)};
-    change.is_size_wrong = std::abs(std::log(change.size_ratio)) >
-                           5.0 * std::hypot(std::max(board.errors.size, 1e-4), change.size_sigma);
+    change.is_size_wrong =
+        std::abs(std::log(change.size_ratio)) > sigmas * std::hypot(stated_size, change.size_sigma);
+    change.is_turn_wrong = change.turned > sigmas * std::hypot(stated_turn, change.turn_sigma);
     found.tags.push_back(change);
     place = std::max(place, change.place_sigma);
     turn = std::max(turn, change.turn_sigma);
@@ -181,8 +178,10 @@ BoardCalibration calibrate_board(const Camera& camera, const TagBody& board, std
                 " or better: take more and nearer images of it beside its neighbours";
     column += kTagUnknowns;
   }
+  // Which tag has the frame, and is known exactly, is arbitrary: places hold as well as the worst one.
+  for (TagChange& tag : found.tags) tag.is_place_wrong = tag.moved > sigmas * std::hypot(stated_place, place);
   found.board.errors = {board.errors.scale, size, place, turn};
-  found.refusal = blurred;
+  found.refusal = found.is_scale_contradicted ? contradiction(found) : blurred;
   return found;
 }
 

@@ -170,6 +170,20 @@ TEST_F(CalibratePictures, BoardWhoseSetupStatesAWrongSizeIsNamedAndMeasured) {
   for (const TagSetup& one : right.board("calibration")->tags)
     EXPECT_NEAR(one.size, 0.0238, 0.0238 * 0.004) << one.id;
   EXPECT_LT(*right.board("calibration")->errors.place, 0.0005);
+
+  // All sizes are 5 % too small, the places are not: either may be wrong, and nothing is written.
+  text = read_file(setup_);
+  const std::string size = "size: 0.0238";
+  for (std::size_t at = text.find("name: calibration"); (at = text.find(size, at)) != std::string::npos;)
+    text.replace(at, size.size(), "size: 0.0226");
+  folder_.write("small.yaml", camera + text);
+  const CommandRun small = run_command({"calibrate", "board", folder_.file("pictures"), "--setup",
+                                        folder_.file("small.yaml"), "--out", folder_.file("none.yaml")});
+  EXPECT_EQ(small.status, exit_no);
+  EXPECT_NE(small.log.find("distances between tags are 5.0"), std::string::npos) << small.log;
+  EXPECT_TRUE(small.complains_in_one_sentence()) << small.log;
+  EXPECT_EQ(small.out.find("SIZE IS NOT AS STATED"), std::string::npos) << small.out;
+  EXPECT_FALSE(std::filesystem::exists(folder_.file("none.yaml")));
 }
 
 }  // namespace calibrate_test
