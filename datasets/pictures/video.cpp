@@ -16,6 +16,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "datasets/pictures/video_times.hpp"
 #include "datasets/sources/decoding_child.hpp"
 #include "datasets/sources/frame_bytes.hpp"
 #include "mapping/system/input_file.hpp"
@@ -77,59 +78,37 @@ void send_picture(const ChildReport& report, double time, const cv::Mat& picture
   report.send(ChildMessage::frame, static_cast<std::uint64_t>(1e6 * share), frame_to_bytes(decoded));
 }
 
-std::uint64_t big_endian(const std::string& bytes, std::size_t at, std::size_t size) {
-  std::uint64_t number = 0;
-  for (std::size_t i = 0; i < size; ++i) number = number << 8U | static_cast<unsigned char>(bytes[at + i]);
-  return number;
-}
-
-/// Whether an AVI or MP4 ends before its outermost chunk or box does.
-bool is_cut_video(const std::string& file) {
-  const InputFile input(file, "video");
-  std::string head;
-  input.read_at(0, 16, head);
-  if (head.size() == 16 && head.starts_with("RIFF")) {
-    const std::uint64_t length = big_endian({head[7], head[6], head[5], head[4]}, 0, 4);
-    return length + 8 > input.size();
-  }
-  if (head.size() < 16 || head.substr(4, 4) != "ftyp") return false;
-  for (std::uint64_t at = 0; at + 16 <= input.size();) {
-    input.read_at(at, 16, head);
-    std::uint64_t length = big_endian(head, 0, 4);
-    if (length == 1) length = big_endian(head, 8, 8);
-    if (length == 0) return false;  // up to the end
-    if (length < 8 || length > input.size() - at) return true;
-    at += length;
-  }
-  return false;
-}
-
 /// What reads the video, in the child. `offset` of its messages is the share that is read, in millionths.
 /// @throws std::runtime_error a clause that says why it cannot be decoded.
 void decode_video(const ChildReport& report, const std::string& file, std::optional<double> rate) {
   LoadedCapture capture;
   if (!capture->open(file, cv::CAP_FFMPEG)) throw std::runtime_error("it cannot be decoded");
   capture->set(cv::CAP_PROP_ORIENTATION_AUTO, 0);  // a calibration belongs to the sensor, as with EXIF
-  const double count = capture->get(cv::CAP_PROP_FRAME_COUNT);
-  const double own_rate = std::max(capture->get(cv::CAP_PROP_FPS), 1e-3);
-  double last = -1.0;
-  std::uint64_t number = 0;
+  const VideoTimes video = read_video_times(file);
+  PictureClock clock(video, std::max(capture->get(cv::CAP_PROP_FPS), 1e-3));
+  const auto expected = static_cast<double>(std::max<std::size_t>(video.shown, 1));
+  std::size_t number = 0, timeless = 0;
   cv::Mat picture;
   for (; capture->read(picture) && !picture.empty(); ++number) {
-    const double reported = capture->get(cv::CAP_PROP_POS_MSEC) / 1000.0;
-    // Some containers have no times: then those of a constant rate.
-    const bool is_rising = std::isfinite(reported) && reported > last && (number == 0 || reported > 0.0);
-    last = is_rising ? reported : static_cast<double>(number) / own_rate;
-    send_picture(report, rate ? static_cast<double>(number) / *rate : last, picture,
-                 count > 0.0 ? std::min(1.0, static_cast<double>(number) / count) : 0.0);
+    const auto time = clock.next(capture->get(cv::CAP_PROP_POS_MSEC) / 1000.0);
+    if (rate || time)
+      send_picture(report, rate ? static_cast<double>(number) / *rate : *time, picture,
+                   std::min(1.0, static_cast<double>(number) / expected));
+    else
+      ++timeless;
   }
   if (number == 0) throw std::runtime_error("it holds no picture that can be decoded");
-  if (static_cast<double>(number) < count - 1.0) {
-    const std::string fewer = "it says that it holds " + std::to_string(std::llround(count)) +
-                              " pictures, and " + std::to_string(number) + " could be decoded";
-    // Where a container has no count it is guessed from the rate, and an edit of a whole one hides pictures.
-    constexpr double most_hidden = 0.1;
-    if (is_cut_video(file) || static_cast<double>(number) < (1.0 - most_hidden) * count)
+  if (timeless > 0)
+    report.send(ChildMessage::skipped, 0,
+                "it holds no times of its last " + std::to_string(timeless) + " pictures, they are left out");
+  if (video.is_cut && video.stated == 0)
+    throw std::runtime_error("the file ends within it, after " + std::to_string(number) + " pictures");
+  const std::size_t said = video.is_cut ? video.stated : video.shown;
+  if (number + 1 < said) {
+    const std::string fewer = "it says that it holds " + std::to_string(said) + " pictures, and " +
+                              std::to_string(number) + " could be decoded";
+    constexpr double most_broken = 0.1;
+    if (video.is_cut || static_cast<double>(number) < (1.0 - most_broken) * expected)
       throw std::runtime_error(fewer);
     report.send(ChildMessage::skipped, 0, fewer);
   }
@@ -238,13 +217,18 @@ bool is_video_file(const std::filesystem::path& file) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) return false;
   const InputFile input(file, "recording");
-  std::string head(12, '\0');
-  if (::pread(input.descriptor(), head.data(), head.size(), 0) != static_cast<ssize_t>(head.size()))
-    return false;
+  // A transport stream has no head: packets of 188 bytes, or 192 with a time before each, begin with 0x47.
+  std::string head(400, '\0');
+  const ssize_t size = ::pread(input.descriptor(), head.data(), head.size(), 0);
+  if (size < 12) return false;
+  head.resize(static_cast<std::size_t>(size));
   const std::string_view bytes(head);
+  const auto is_packet = [&](std::size_t at) { return at < bytes.size() && bytes[at] == 0x47; };
   return bytes.substr(4, 4) == "ftyp" || bytes.starts_with("\x1a\x45\xdf\xa3") ||
-         (bytes.starts_with("RIFF") && bytes.substr(8) == "AVI ") || bytes.starts_with("OggS") ||
-         bytes.starts_with(std::string_view("\0\0\1\xba", 4));
+         (bytes.starts_with("RIFF") && bytes.substr(8, 4) == "AVI ") || bytes.starts_with("OggS") ||
+         bytes.starts_with(std::string_view("\0\0\1\xba", 4)) ||
+         (is_packet(0) && is_packet(188) && is_packet(376)) ||
+         (is_packet(4) && is_packet(196) && is_packet(388));
 }
 
 std::unique_ptr<FrameSource> open_video(const std::filesystem::path& file, const SourceOptions& options) {

@@ -7,8 +7,8 @@
 
 namespace clearway {
 
-/// True for a file that begins as MP4, MOV, Matroska, WebM, AVI, MPEG or Ogg. Nothing else is given to the
-/// video library: a playlist could name other files.
+/// True for a file that begins as MP4, MOV, Matroska, WebM, AVI, MPEG, MPEG-TS or Ogg. Nothing else is given
+/// to the video library: a playlist could name other files.
 bool is_video_file(const std::filesystem::path& file);
 
 /// The pictures of a video (OpenCV's videoio, in a DecodingChild) as the images of one camera, which is the

@@ -76,6 +76,47 @@ TEST(Video, WhatIsCutIsDamageAndNeverACrash) {
   }
 }
 
+/// Twelve pictures at uneven times, stored in another order than they are shown in (H.264 with B-frames, by
+/// ffmpeg's libx264): in each a bright square, 8 x 8, five pixels further right. Matroska has no count of
+/// them.
+std::filesystem::path reordered(const std::string& ending) {
+  return std::filesystem::path(CLEARWAY_SOURCE_DIR) / "tests/datasets/pictures/videos" /
+         ("reordered." + ending);
+}
+
+TEST(Video, PicturesHaveTheTimesOfTheContainerToTheLastOneInAnyOrder) {
+  // What `ffprobe -show_entries frame=pts_time` says of all three.
+  const std::vector<double> times{0.0, 0.04, 0.08, 0.12, 0.16, 0.2, 0.24, 0.28, 0.6, 0.92, 1.24, 1.56};
+  for (const char* ending : {"mp4", "mkv", "ts"}) {
+    ASSERT_TRUE(is_video_file(reordered(ending))) << ending;
+    const auto source = open_video(reordered(ending), {});
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      const auto frame = source->next();
+      ASSERT_TRUE(frame) << ending << ' ' << i << ' ' << source->damage().value_or("");
+      EXPECT_NEAR(frame->time, times[i], 1e-6) << ending << ' ' << i;
+      const GrayImage& image = std::get<ImageFrame>(frame->content).image;
+      EXPECT_GT(image.pixels[20 * 64 + 5 * i + 4], 200) << ending << ' ' << i;
+    }
+    EXPECT_FALSE(source->next()) << ending;
+    EXPECT_FALSE(source->damage()) << ending << ' ' << *source->damage();
+    EXPECT_TRUE(source->warnings().empty()) << ending;
+  }
+}
+
+TEST(Video, AMatroskaThatIsCutIsDamaged) {
+  const TemporaryFolder folder;
+  const std::string whole = read_file(reordered("mkv"));
+  for (const std::size_t missing : {50U, 300U}) {
+    folder.write("cut.mkv", whole.substr(0, whole.size() - missing));
+    const auto source = open_video(folder / "cut.mkv", {});
+    while (source->next()) {
+    }
+    ASSERT_TRUE(source->damage()) << missing;
+    EXPECT_NE(source->damage()->find("is damaged: the file ends within it"), std::string::npos)
+        << *source->damage();
+  }
+}
+
 TEST(Video, APlaylistIsNone) {
   const TemporaryFolder folder;
   folder.write("v.mp4", "#EXTM3U\n#EXTINF:1,\nfile:///etc/passwd\n");
