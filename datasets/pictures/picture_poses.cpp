@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "datasets/camera_files/body_poses.hpp"
+#include "datasets/cameras/body_poses.hpp"
 #include "datasets/cameras/lower_case.hpp"
 #include "datasets/pictures/arkit_folder.hpp"
 #include "datasets/pictures/camera_path.hpp"

@@ -1,5 +1,5 @@
 // Poses of the body that carries the camera, as EuRoC's data.csv has them beside sensor.yaml.
-#include "datasets/camera_files/body_poses.hpp"
+#include "datasets/cameras/body_poses.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "datasets/camera_files/body_poses.hpp"
+#include "datasets/cameras/body_poses.hpp"
 
 #include <Eigen/LU>
 #include <cctype>
