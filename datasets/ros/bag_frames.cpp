@@ -55,10 +55,11 @@ bool is_odometry(const BagTopic& topic) {
   return topic.wire && (topic.type == "nav_msgs/Odometry" || topic.type == "nav_msgs/Path");
 }
 
-/// REP 105's frames, and those that programs register clouds in (LOAM and its heirs: camera_init).
+/// Frames of the world that something drives in: REP 105's, and that of programs that register clouds (LOAM
+/// and its heirs).
+bool is_start_name(const std::string& frame) { return frame == "odom" || frame == "camera_init"; }
 bool is_world_name(const std::string& frame) {
-  constexpr std::array names{"map", "odom", "world", "earth", "camera_init"};
-  return std::find(names.begin(), names.end(), frame) != names.end();
+  return frame == "map" || frame == "world" || frame == "earth";
 }
 
 constexpr std::size_t most_held_bytes = std::size_t{64} << 20U;  ///< of messages that wait for their turn
@@ -403,11 +404,16 @@ void BagFrames::note_origin(CloudFrame& cloud, const std::string& topic, const s
   const auto [known, is_new] = are_driven_in_.try_emplace(frame, false);
   if (is_new) known->second = is_no_sensors(frame);
   cloud.is_origin_known = !known->second || is_placed(topic, "points");
-  if (!cloud.is_origin_known) account_.note_unseen(topic, frame);
+  if (!cloud.is_origin_known)
+    account_.note_unseen(topic, frame);
+  else if (is_world_name(frame) && !is_placed(topic, "points"))
+    account_.note_standing(topic, frame);
 }
 
 bool BagFrames::is_no_sensors(const std::string& frame) const {
-  return is_world_name(frame) || odometry_frames_.contains(frame) ||
+  const bool are_poses_there = !transforms_.frames().empty() || !odometry_frames_.empty();
+  return is_start_name(frame) || (is_world_name(frame) && are_poses_there) ||
+         odometry_frames_.contains(frame) ||
          (!options_.bag.fixed_frame.empty() && is_driven_in(transforms_, options_.bag.fixed_frame, frame));
 }
 

@@ -49,6 +49,10 @@ void LeftOut::note_stamp(const std::string& topic, double stamp) {
 
 void LeftOut::note_unseen(const std::string& topic, const std::string& frame) { note(unseen_, topic, frame); }
 
+void LeftOut::note_standing(const std::string& topic, const std::string& frame) {
+  note(standing_, topic, frame);
+}
+
 void LeftOut::note_motion(const std::string& topic, const std::string& field, double farthest) {
   Motion& motion = moved_[topic];
   if (motion.count++ == 0) motion.field = field;
@@ -97,6 +101,12 @@ std::vector<std::string> LeftOut::clauses(const std::vector<std::string>& frames
                       "where the sensor was; `source: {bag: {sensor_frame: …}}` of the setup lets their rays "
                       "begin at that frame; frames of the bag: " +
                       list_of_frames(frames));
+  for (const auto& [topic, standing] : standing_)
+    clauses.push_back(
+        "holds " + std::to_string(standing.count) + " clouds in topic " + quote(topic) + " in frame " +
+        quote(standing.first) +
+        ", and nothing that says where a sensor was: it is taken to stand at that frame's origin; "
+        "`sensors` of the setup places it elsewhere");
   for (const auto& [topic, motion] : moved_)
     clauses.push_back(
         "holds " + std::to_string(motion.count) + " clouds in topic " + quote(topic) +

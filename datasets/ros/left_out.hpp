@@ -26,6 +26,8 @@ class LeftOut {
   void note_stamp(const std::string& topic, double stamp);
   /// A cloud in a frame in which others drive: where its sensor was is not known.
   void note_unseen(const std::string& topic, const std::string& frame);
+  /// Of a cloud in a frame of the world, of a bag without poses.
+  void note_standing(const std::string& topic, const std::string& frame);
   /// A cloud during which the sensor moved. @param field of its points' times @param farthest m, of a point
   void note_motion(const std::string& topic, const std::string& field, double farthest);
   /// A cloud whose bytes have the other order than it states.
@@ -60,7 +62,7 @@ class LeftOut {
 
   // Of the topic.
   std::map<std::string, Missing> unusable_, cut_, jumped_, odd_times_, unseen_, other_order_,
-      opposite_angles_;
+      opposite_angles_, standing_;
   std::map<std::string, Stamps> stamps_;
   std::map<std::string, Motion> moved_;
 };

@@ -243,7 +243,9 @@ TEST_F(BagFramesTest, CloudsInAFrameInWhichTheSensorDrivesHaveNoOriginUntilItIsN
 /// As FAST-LIO and others publish them; the bag has no transforms.
 TEST_F(BagFramesTest, CloudsInAFrameOfTheWorldHaveNoOriginWithoutTransformsEither) {
   for (const auto& [frame, odometry, is_sensors] :
-       std::vector<std::tuple<std::string, std::string, bool>>{{"map", "", false},
+       std::vector<std::tuple<std::string, std::string, bool>>{{"map", "", true},
+                                                               {"map", "odom", false},
+                                                               {"odom", "", false},
                                                                {"camera_init", "", false},
                                                                {"camera_init", "camera_init", false},
                                                                {"start", "start", false},
@@ -262,6 +264,9 @@ TEST_F(BagFramesTest, CloudsInAFrameOfTheWorldHaveNoOriginWithoutTransformsEithe
     EXPECT_EQ(std::get<CloudFrame>(reading.frames[0].content).is_origin_known, is_sensors)
         << frame << odometry;
     EXPECT_EQ(reading.warnings.find("free nothing") == std::string::npos, is_sensors) << reading.warnings;
+    EXPECT_EQ(reading.warnings.find("is taken to stand at that frame's origin") != std::string::npos,
+              is_sensors && frame == "map")
+        << reading.warnings;
     fixed.sensor_frame = frame;
     const Reading named = read(bag, "a.mcap", false, fixed);
     EXPECT_TRUE(std::get<CloudFrame>(named.frames.at(0).content).is_origin_known) << frame << odometry;
