@@ -7,6 +7,7 @@
 #include "datasets/bags/bag_files.hpp"
 #include "datasets/bags/bag_topics.hpp"
 #include "datasets/ros/bag_frames.hpp"
+#include "datasets/ros/bag_readings.hpp"
 #include "datasets/ros/cut_bag.hpp"
 #include "datasets/ros/transform_faults.hpp"
 #include "datasets/ros/wire_writer.hpp"

@@ -1,12 +1,13 @@
 #include "datasets/ros/bag_frames.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iomanip>
 #include <sstream>
 #include <stdexcept>
 
+#include "datasets/ros/bag_clocks.hpp"
+#include "datasets/ros/bag_readings.hpp"
 #include "datasets/ros/compressed_depth.hpp"
 #include "datasets/ros/cut_bag.hpp"
 #include "datasets/ros/depth_units.hpp"
@@ -14,15 +15,12 @@
 #include "datasets/ros/sensor_sweep.hpp"
 #include "datasets/ros/stamp_order.hpp"
 #include "datasets/ros/transform_faults.hpp"
-#include "datasets/sources/clock_restart.hpp"
 #include "datasets/sources/lens.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
-
-bool is_fixed(const BagTopic& topic) { return topic.name.ends_with("tf_static"); }
 
 bool holds(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -33,11 +31,6 @@ std::string time_text(double time) {
   std::ostringstream text;
   text << std::fixed << std::setprecision(3) << time;
   return text.str();
-}
-
-/// A message's own time, or that of its recording where it has none.
-double time_of(const RosHeader& header, double recorded) {
-  return std::isfinite(header.time) && header.time > 0.0 ? header.time : recorded;
 }
 
 /// The header of a sensor's message; a damaged one has that time and nothing else.
@@ -156,12 +149,7 @@ void BagFrames::learn() {
     read_.push_back(topic.wire && (sensors_.back() || is_camera || tells_step ||
                                    (is_transforms(topic) && are_frames_read) || is_pose(topic)));
   }
-  std::map<std::string, Stream> streams;
-  const auto note = [&](const std::string& name, double stamp, const BagMessage& message) {
-    Stream& stream = streams[name];
-    stream.stamps.push_back(stamp);
-    stream.recorded.emplace_back(message.place, message.time);
-  };
+  BagClocks clocks;
   std::vector<bool> learned = read_;
   for (std::size_t i = 0; i < learned.size(); ++i) learned[i] = learned[i] || is_odometry(bag_.topics()[i]);
   bag_.visit(learned, [&](const BagMessage& message) {
@@ -175,7 +163,7 @@ void BagFrames::learn() {
       stamps_.push_back(header.time);
       delays_.push_back(message.time - header.time);
       sensor_frames_.insert(header.frame);
-      note(quote(topic.name), header.time, message);
+      clocks.note(quote(topic.name), header.time, message);
       return true;
     }
     try {
@@ -198,14 +186,15 @@ void BagFrames::learn() {
         }
         transforms_.add(transform, is_fixed(topic), message.time);
         if (!is_fixed(topic) && std::isfinite(transform.header.time))
-          note(quote(topic.name) + ", frame " + quote(transform.child) + ",", transform.header.time, message);
+          clocks.note(quote(topic.name) + ", frame " + quote(transform.child) + ",", transform.header.time,
+                      message);
       }
     } catch (const std::runtime_error& error) {
       account_.leave_out(topic.name, error);
     }
     return true;
   });
-  refuse_restarts(streams);
+  clocks.refuse_restarts(bag_.first_time().value_or(0.0));
   add_beyond();
   for (const auto& [topic, path] : paths_)
     for (const RosTransform& pose : path.first) transforms_.add(pose, false, path.second);
@@ -225,31 +214,6 @@ void BagFrames::add_beyond() {
     if (stamp >= *first - reach && stamp <= *last + reach && delay >= *least - most_apart &&
         delay <= *most + most_apart)
       transforms_.add(transform, false, recorded);
-  }
-}
-
-/// Names the stream that starts again first.
-void BagFrames::refuse_restarts(const std::map<std::string, Stream>& streams) const {
-  std::string clause;
-  double first = HUGE_VAL;
-  for (const auto& [name, stream] : streams) {
-    std::vector<double> recorded;
-    for (const auto& [place, time] : stream.recorded) recorded.push_back(time);
-    const auto restart = find_restart(stream.stamps);
-    if (!restart || recorded[*restart] >= first) continue;
-    first = recorded[*restart];
-    clause = restart_clause(name, stream.stamps, "the stamps", *restart,
-                            cut_before(recorded, *restart, bag_.first_time().value_or(0.0)));
-  }
-  if (!clause.empty()) throw ContradictoryBag(clause);
-  for (const auto& [name, stream] : streams) {
-    auto recorded = stream.recorded;
-    std::stable_sort(recorded.begin(), recorded.end(),
-                     [](const auto& a, const auto& b) { return a.first < b.first; });
-    std::vector<double> times;
-    for (const auto& [place, time] : recorded) times.push_back(time);
-    if (const auto restart = find_restart(times))
-      throw ContradictoryBag(restart_clause(name, times, "the times of recording", *restart, {}));
   }
 }
 
@@ -457,38 +421,6 @@ std::vector<std::string> BagFrames::left_out() const {
     clauses.push_back("holds " + std::to_string(transforms_.left_out()) +
                       " transforms that are no turns, not finite, or of a frame in itself");
   return clauses;
-}
-
-std::vector<BagFrame> frames_of(MessageBag& bag) {
-  TransformTree tree;
-  std::vector<bool> wanted;
-  for (const BagTopic& topic : bag.topics()) wanted.push_back(topic.wire && is_transforms(topic));
-  bag.visit(wanted, [&](const BagMessage& message) {
-    const BagTopic& topic = bag.topics()[message.topic];
-    try {
-      WireReader in(message.bytes, *topic.wire);
-      for (const RosTransform& transform : read_transforms(in))
-        tree.add(transform, is_fixed(topic), message.time);
-    } catch (const std::runtime_error&) {
-    }
-    return true;
-  });
-  return tree.edges();
-}
-
-void visit_joints(MessageBag& bag, const std::string& topic,
-                  const std::function<void(double time, const RosJointState& state)>& take) {
-  std::vector<bool> wanted;
-  for (const BagTopic& candidate : bag.topics()) wanted.push_back(candidate.name == topic && candidate.wire);
-  bag.visit(wanted, [&](const BagMessage& message) {
-    try {
-      WireReader in(message.bytes, *bag.topics()[message.topic].wire);
-      const RosJointState state = read_joint_state(in);
-      take(time_of(state.header, message.time), state);
-    } catch (const std::runtime_error&) {
-    }
-    return true;
-  });
 }
 
 }  // namespace clearway

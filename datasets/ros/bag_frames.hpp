@@ -33,12 +33,6 @@ class BagFrames {
   std::string damage() const { return account_.damage(); }
 
  private:
-  /// Times of the messages of a sensor, or of one frame's transforms.
-  struct Stream {
-    std::vector<double> stamps;                         ///< s
-    std::vector<std::pair<BagPlace, double>> recorded;  ///< where, and when, s
-  };
-  void refuse_restarts(const std::map<std::string, Stream>& streams) const;
   /// Of the transforms beyond the part that is wanted, those within a gap's reach of what sensors saw, if
   /// they came as late as that did: others are of another run of the clock.
   void add_beyond();
@@ -91,13 +85,5 @@ class BagFrames {
   std::set<std::string> odometry_frames_;           ///< in which odometry says where something is
   LeftOut account_;
 };
-
-/// The frames that the transforms of a bag join; leaves out damaged ones.
-std::vector<BagFrame> frames_of(MessageBag& bag);
-
-/// Calls `take` with the readings of a JointState topic, their own time where they have one; leaves out
-/// damaged ones.
-void visit_joints(MessageBag& bag, const std::string& topic,
-                  const std::function<void(double time, const RosJointState& state)>& take);
 
 }  // namespace clearway

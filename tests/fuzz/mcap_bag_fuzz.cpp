@@ -6,6 +6,7 @@
 
 #include "datasets/bags/mcap_format.hpp"
 #include "datasets/ros/bag_frames.hpp"
+#include "datasets/ros/bag_readings.hpp"
 #include "mapping/system/file_descriptor.hpp"
 #include "tests/fuzz/fuzzed_input.hpp"
 #include "tests/worlds/bag_topics.hpp"

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "datasets/ros/message_bag.hpp"
+#include "datasets/ros/ros_messages.hpp"
+#include "datasets/ros/transform_tree.hpp"
+
+namespace clearway {
+
+/// Whether transforms of a topic hold for ever.
+bool is_fixed(const BagTopic& topic);
+
+/// A message's own time, or that of its recording where it has none.
+double time_of(const RosHeader& header, double recorded);
+
+/// The frames that the transforms of a bag join; leaves out damaged ones.
+std::vector<BagFrame> frames_of(MessageBag& bag);
+
+/// Calls `take` with the readings of a JointState topic, their own time where they have one; leaves out
+/// damaged ones.
+void visit_joints(MessageBag& bag, const std::string& topic,
+                  const std::function<void(double time, const RosJointState& state)>& take);
+
+}  // namespace clearway
