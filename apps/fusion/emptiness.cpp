@@ -128,18 +128,22 @@ std::string unpainted_reason(const Fusion& fusion) {
 }
 
 void require_sensors(Fusion& fusion, const std::filesystem::path& recording) {
+  const FusionCounts& counts = fusion.counts;
   std::vector<std::string> scans;
-  for (const auto& [label, kind] : fusion.counts.unplaced_scans)
+  for (const auto& [label, kind] : counts.unplaced_scans)
     scans.push_back(label.empty() ? "kind " + quote(kind) : quote(label) + " (kind " + quote(kind) + ")");
+  const std::string others =
+      scans.empty() ? "" : "; the scans that no sensor of it places are of " + listed(scans);
+  const bool is_none_placed = counts.placed_sensors.empty() && !scans.empty() && !counts.has_poses_of_scans;
   for (const SensorSetup& sensor : fusion.setup.sensors) {
-    if (fusion.counts.placed_sensors.contains(sensor.name)) continue;
-    if (!scans.empty())
-      throw std::invalid_argument(recording.string() + ": no scan of it is of sensor " + quote(sensor.name) +
-                                  ", which the setup (" + fusion.setup_source +
-                                  ") places, and others are of " + listed(scans) +
-                                  ", which it does not: expected the label or kind of scans that there are");
+    if (counts.placed_sensors.contains(sensor.name)) continue;
+    if (is_none_placed)
+      throw std::invalid_argument(recording.string() + ": the setup (" + fusion.setup_source +
+                                  ") places no scan of it: none that was used is of sensor " +
+                                  quote(sensor.name) + others +
+                                  ": expected the label or kind of scans that there are");
     fusion.warnings.push_back("the setup's sensor " + quote(sensor.name) +
-                              " placed nothing: no scan is of it");
+                              " placed nothing: no scan is of it" + others);
   }
 }
 

@@ -10,8 +10,8 @@ namespace clearway {
 /// that put nothing at all into its map. @throws std::invalid_argument
 void require_content(const Fusion& fusion, const std::filesystem::path& recording);
 
-/// Refuses a setup with a sensor of which there is no scan, where there are scans that no sensor of the setup
-/// placed: their poses are not theirs. Where all are placed, each such sensor is a warning.
+/// Tells of each sensor of the setup that no scan was of. Refuses the setup where it placed no scan at all,
+/// and the recording has no poses either: then all lie at the origin that were to be placed.
 /// @throws std::invalid_argument in one sentence with the names that there are
 void require_sensors(Fusion& fusion, const std::filesystem::path& recording);
 

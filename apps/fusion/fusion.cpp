@@ -208,7 +208,7 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   fusion.cameras = cameras.all(*frames);
   if (!fusion.damage && !is_taught) {
     require_content(fusion, recording);
-    require_sensors(fusion, recording);
+    if (!frames->is_live()) require_sensors(fusion, recording);
   }
   if (const std::string none = unpainted_reason(fusion); !none.empty()) fusion.warnings.push_back(none);
   if (const std::string caveat = frames->time_caveat(); !caveat.empty()) fusion.warnings.push_back(caveat);

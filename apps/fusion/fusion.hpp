@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/fusion/recording_timeline.hpp"
@@ -44,6 +45,7 @@ struct FusionCounts {
   std::set<std::string> placed_sensors;  ///< of the setup: those that scans were of
   /// Of the scans that none of the setup's sensors placed: label and kind, the first of them.
   std::set<std::pair<std::string, std::string>> unplaced_scans;
+  bool has_poses_of_scans = false;  ///< the recording places one of them elsewhere than at its origin
   /// A clause for each laser that may call its largest range what it did not see.
   std::vector<std::string> range_spikes;
   std::size_t scans_without_pose = 0;    ///< at their time nothing shows where their sensor was: left out

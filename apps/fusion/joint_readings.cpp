@@ -26,10 +26,14 @@ std::string reading_of(const Joint& joint, double value) {
 
 }  // namespace
 
+bool is_possible(const Joint& joint, double value) {
+  if (joint.kind == JointKind::revolute) return excess(joint, value) <= turn + 0.1;
+  return excess(joint, value) == 0.0 || std::abs(value) <= std::max(5.0, 10.0 * (joint.upper - joint.lower));
+}
+
 void require_possible(const Joint& joint, double value, const std::string& where) {
   const bool turns = joint.kind == JointKind::revolute;
-  const double slack = turns ? turn + 0.1 : joint.upper - joint.lower + 0.1;
-  if (excess(joint, value) <= slack) return;
+  if (is_possible(joint, value)) return;
   throw std::invalid_argument(
       where + ": " + reading_of(joint, value) +
       (turns ? ": expected radians; are these degrees?" : ": expected metres; are these millimetres?"));

@@ -89,11 +89,27 @@ void MovingRobot::take(const Joint& joint) {
   // One that cannot turn past itself does not wrap.
   if (joint.kind == JointKind::revolute && joint.upper - joint.lower > whole_turn - 0.1)
     joints_.let_wrap(joint.name);
-  for (const auto& [time, position] : joints_.extremes(joint.name)) {
-    require_possible(joint, position, "the recorded joint positions at " + short_text(time, 15) + " s");
+  const std::map<double, double> readings = joints_.readings(joint.name);
+  std::vector<double> impossible;
+  for (const auto& [time, position] : readings)
+    if (!is_possible(joint, position)) impossible.push_back(time);
+  constexpr std::size_t share = 100;  // of the readings: fewer are glitches, more are in other units
+  const auto where = [](double time) {
+    return "the recorded joint positions at " + short_text(time, 15) + " s";
+  };
+  if (!impossible.empty() && impossible.size() * share >= readings.size())
+    require_possible(joint, readings.at(impossible.front()), where(impossible.front()));
+  for (const double time : impossible) joints_.leave_out(joint.name, time);
+  if (!impossible.empty())
+    doubts_.push_back(std::to_string(impossible.size()) + " of " + std::to_string(readings.size()) +
+                      " readings of joint " + quote(joint.name) + " cannot be, the first at " +
+                      short_text(impossible.front(), 15) + " s (" +
+                      short_text(readings.at(impossible.front())) + "), and were left out");
+  for (const auto& [time, position] : joints_.readings(joint.name)) {
     const auto doubt = beyond_limits(joint, position);
-    if (doubt && doubts_.size() < 2 * robot_.dof())
-      doubts_.push_back("of the recorded joint positions at " + short_text(time, 15) + " s, " + *doubt);
+    if (!doubt) continue;
+    doubts_.push_back("of " + where(time) + ", " + *doubt);
+    break;
   }
 }
 

@@ -28,7 +28,7 @@ std::optional<JointStream> recorded_joints(const Setup& setup, const std::filesy
 class MovingRobot {
  public:
   /// @throws std::invalid_argument naming a joint of the robot that the stream does not have, or where the
-  /// stream has it in other units than radians and metres (require_possible)
+  /// stream has it in other units than radians and metres (is_possible), one reading in a hundred or more
   MovingRobot(const RobotSetup& setup, JointStream joints);
 
   /// Takes the robot's points out of a scan in its place. @return how many; empty where the joints are not
@@ -57,7 +57,7 @@ class MovingRobot {
 
   const Robot& robot() const { return robot_; }
 
-  /// A clause for each joint that the stream has beyond its limits.
+  /// Clauses: the first reading of each joint that is beyond its limits, and readings that were left out.
   const std::vector<std::string>& doubts() const { return doubts_; }
 
  private:

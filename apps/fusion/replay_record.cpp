@@ -1,6 +1,7 @@
 #include "apps/fusion/replay_record.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "datasets/ros/ros_encoders.hpp"
@@ -73,11 +74,35 @@ void ReplayRecord::see(const Sighting& sighting) {
   write_pose(probe_pose_, probe);
 }
 
+/// Scans of one label may be of several sensors: one that is elsewhere than the last of a frame could have
+/// moved belongs to another frame.
+std::string ReplayRecord::frame_of(const Scan& scan) {
+  constexpr double way = 0.1, speed = 2.0;  // m, m/s
+  std::vector<ScanFrame>& frames = scan_frames_[scan.sensor];
+  const auto is_near = [&](const ScanFrame& last) {
+    const double since = std::abs(scan.time - last.time);
+    return since > 0.0 && (last.map_from_sensor.translation() - scan.map_from_sensor.translation()).norm() <=
+                              way + speed * since;
+  };
+  constexpr std::ptrdiff_t most =
+      16;  // of the last ones: a sensor that drives fast has a frame for each scan
+  const auto count = static_cast<std::ptrdiff_t>(frames.size());
+  auto found = std::find_if(frames.end() - std::min(count, most), frames.end(), is_near);
+  if (found == frames.end()) {
+    const bool is_apart = scan.sensor.empty() || scan.sensor.starts_with('/');
+    const std::string name = (is_apart ? "scan" : "scan/") + scan.sensor;
+    const std::string number = frames.empty() ? "" : "/" + std::to_string(frames.size() + 1);
+    found = frames.insert(frames.end(), {name + number, scan.time, scan.map_from_sensor});
+  }
+  found->time = scan.time;
+  found->map_from_sensor = scan.map_from_sensor;
+  return found->name;
+}
+
 void ReplayRecord::see(const Scan& scan) {
   time_ = std::max(time_, scan.time);
   if (!scan.has_hits_only) {
-    const bool is_apart = scan.sensor.empty() || scan.sensor.starts_with('/');
-    const std::string frame = (is_apart ? "scan" : "scan/") + scan.sensor;
+    const std::string frame = frame_of(scan);
     const std::vector<PlacedFrame> placed{{frame, scan.map_from_sensor}};
     mcap_.write(transforms_, scan.time, encode_transforms(scan.time, map_frame, placed));
     mcap_.write(scans_, scan.time, encode_points(scan.time, frame, scan.points));

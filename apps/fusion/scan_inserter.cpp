@@ -97,14 +97,14 @@ std::string range_spike(const std::string& sensor, const ScanInserter::RangeCoun
   for (auto it = ranges.lower_bound(static_cast<int>(0.9 * largest)); it->first != largest; ++it)
     nearly += it->second;
   if (at_largest < least || static_cast<double>(at_largest) < least_share * static_cast<double>(all) ||
-      2 * at_largest > all || nearly > at_largest)
+      nearly > at_largest || all - at_largest < least)  // of the last, a round room may be all that there is
     return "";
   const std::string range = short_text(0.001 * largest, 6);
   return grouped(at_largest) + " of " + grouped(all) + " readings of laser " + quote(sensor) + " are " +
          range + " m, its largest, and " + grouped(nearly) +
          " others more than 0.9 of it: some lasers say so where nothing came "
-         "back; `max_range` below " +
-         range + " of `map` in the setup makes them no obstacles";
+         "back; with `max_range` below " +
+         range + " of `map` in the setup they are no obstacles, but free the space up to it";
 }
 
 }  // namespace
@@ -138,10 +138,14 @@ void ScanInserter::take(const Frame& frame, const CloudFrame& cloud) {
                   cloud.unusable};
   waiting.scan.has_hits_only = !cloud.is_origin_known;
   constexpr std::size_t most_named = 20;
-  if (waiting.sensor != nullptr)
+  if (waiting.sensor != nullptr) {
     counts_.placed_sensors.insert(waiting.sensor->name);
-  else if (counts_.unplaced_scans.size() < most_named)
-    counts_.unplaced_scans.emplace(frame.sensor, cloud.kind);
+  } else {
+    if (counts_.unplaced_scans.size() < most_named) counts_.unplaced_scans.emplace(frame.sensor, cloud.kind);
+    const Eigen::Isometry3d& own = cloud.world_from_sensor;
+    counts_.has_poses_of_scans =
+        counts_.has_poses_of_scans || !own.isApprox(Eigen::Isometry3d::Identity(), 1e-9);
+  }
   counts_.infinite_beams += cloud.infinite;
   counts_.beams_at_range += cloud.at_range;
   if (setup_.source.clear_infinite)
@@ -149,7 +153,7 @@ void ScanInserter::take(const Frame& frame, const CloudFrame& cloud) {
       if (setup_.map.max_range || end.norm() <= farthest) waiting.scan.clear_to.push_back(end);
   if (cloud.kind == "laser2d")
     for (const Eigen::Vector3f& point : cloud.points)
-      if (const float range = point.norm(); range < 1e6F)
+      if (const float range = point.norm(); range < setup_.map.max_range.value_or(1e6))
         ++laser_ranges_[frame.sensor][static_cast<int>(std::lround(1000.0F * range))];
   waiting_.push_back(std::move(waiting));
   release();

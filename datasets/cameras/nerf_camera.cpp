@@ -94,7 +94,7 @@ std::optional<CameraIntrinsics> nerf_camera(const PathFields& file, const PathFi
 bool is_nerf_file(const std::string& text) {
   const std::size_t at = text.find_first_not_of(" \t\r\n", text.starts_with("\xEF\xBB\xBF") ? 3 : 0);
   if (at == std::string::npos || text[at] != '{') return false;
-  constexpr std::array<const char*, 3> words{"\"fl_x\"", "\"camera_angle_x\"", "\"transform_matrix\""};
+  constexpr std::array<const char*, 2> words{"\"fl_x\"", "\"camera_angle_x\""};
   return std::any_of(words.begin(), words.end(),
                      [&](const char* word) { return text.find(word) != std::string::npos; });
 }

@@ -87,8 +87,8 @@ SceneDepth read_depth(const YamlFields& fields, uint64_t seed) {
   depth.dropout = fields.number("dropout", {0, 1}, depth.dropout);
   depth.max_range = fields.number("max_range", above_zero, depth.max_range);
   depth.unit = fields.number("unit", {1e-6, 1}, depth.unit);
-  if (depth.max_range > 65535 * depth.unit)
-    fields.fail("unit", "expected at least max_range / 65535, because ranges are stored in 16 bits");
+  if (depth.max_range > 65534 * depth.unit)
+    fields.fail("unit", "expected at least max_range / 65534, because ranges are stored in 16 bits");
   depth.beside_pictures = fields.has("beside_pictures") && fields.boolean("beside_pictures");
   if (depth.beside_pictures && fields.has("passes"))
     fields.fail("passes", "expected it or 'beside_pictures', which makes as many as there is time");

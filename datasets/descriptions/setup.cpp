@@ -121,7 +121,7 @@ std::vector<VolumeSetup> read_volumes(const YamlFields& fields) {
     VolumeSetup volume;
     volume.label = entry.text("label");
     if (!labels.insert(volume.label).second) entry.fail("label", "this label is given twice");
-    volume.critical_parts = entry.texts("critical_parts");
+    volume.critical_parts = entry.full_texts("critical_parts");
     volume.from = entry.number("from", not_negative, volume.from);
     volume.to = entry.number("to", not_negative, volume.to);
     if (volume.to <= volume.from) entry.fail("to", "expected a time after 'from'");

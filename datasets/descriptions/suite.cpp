@@ -21,7 +21,7 @@ constexpr Bounds generated_resolutions{0.002, 100};
 SuiteVolume read_volume(const YamlFields& fields) {
   SuiteVolume volume;
   volume.label = fields.text("label");
-  volume.critical_parts = fields.texts("critical_parts");
+  volume.critical_parts = fields.full_texts("critical_parts");
   for (const auto& entry : fields.list_of_maps("strokes")) volume.strokes.push_back(read_suite_stroke(entry));
   if (volume.strokes.empty()) fields.fail("strokes", "expected at least one stroke");
   fields.finish();

@@ -44,9 +44,7 @@ RosHeader header_of(const BagTopic& topic, const BagMessage& message) {
 }
 
 /// Its header names a frame of the world: what is in it was moved there.
-bool is_odometry(const BagTopic& topic) {
-  return topic.wire && (topic.type == "nav_msgs/Odometry" || topic.type == "nav_msgs/Path");
-}
+bool is_odometry(const BagTopic& topic) { return topic.wire && topic.type == "nav_msgs/Odometry"; }
 
 /// Frames of the world that something drives in: REP 105's, and that of programs that register clouds (LOAM
 /// and its heirs).
@@ -154,7 +152,8 @@ void BagFrames::learn() {
   for (std::size_t i = 0; i < learned.size(); ++i) learned[i] = learned[i] || is_odometry(bag_.topics()[i]);
   bag_.visit(learned, [&](const BagMessage& message) {
     const BagTopic& topic = bag_.topics()[message.topic];
-    if (is_odometry(topic)) odometry_frames_.insert(header_of(topic, message).frame);
+    if (const std::string frame = is_odometry(topic) ? header_of(topic, message).frame : ""; !frame.empty())
+      odometry_frames_.insert(frame);
     if (!read_[message.topic]) return true;
     if (sensors_[message.topic]) {
       RosHeader header = header_of(topic, message);
@@ -365,7 +364,7 @@ void BagFrames::place(CloudFrame& cloud, const std::string& topic, const RosHead
 
 void BagFrames::note_origin(CloudFrame& cloud, const std::string& topic, const std::string& frame) {
   if (options_.bag.sensor_frame == frame && !frame.empty()) return;
-  const auto [known, is_new] = are_driven_in_.try_emplace(frame, false);
+  const auto [known, is_new] = no_sensors_.try_emplace(frame, false);
   if (is_new) known->second = is_no_sensors(frame);
   cloud.is_origin_known = !known->second || is_placed(topic, "points");
   if (!cloud.is_origin_known)

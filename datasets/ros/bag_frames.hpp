@@ -81,7 +81,7 @@ class BagFrames {
   std::vector<Eigen::Vector2d> depth_rays_;         ///< of the depth camera
   std::optional<double> depth_step_;                ///< m, where the setup or the bag states it
   std::string depth_units_;                         ///< the topic that does
-  std::map<std::string, bool> are_driven_in_;       ///< of a cloud's frame: is_no_sensors
+  std::map<std::string, bool> no_sensors_;          ///< of a cloud's frame: is_no_sensors
   std::set<std::string> odometry_frames_;           ///< in which odometry says where something is
   LeftOut account_;
 };

@@ -98,8 +98,9 @@ std::vector<std::string> LeftOut::clauses(const std::vector<std::string>& frames
     clauses.push_back("holds " + std::to_string(unseen.count) + " clouds in topic " + quote(topic) +
                       " in frame " + quote(unseen.first) +
                       ", which is no sensor's: they mark what is occupied and free nothing, as nothing says "
-                      "where the sensor was; `source: {bag: {sensor_frame: …}}` of the setup lets their rays "
-                      "begin at that frame; frames of the bag: " +
+                      "where the sensor was; `source: {bag: {fixed_frame: …, sensor_frame: …}}` of the setup "
+                      "lets their rays begin at a "
+                      "frame, `sensors` places them; frames of the bag: " +
                       list_of_frames(frames));
   for (const auto& [topic, standing] : standing_)
     clauses.push_back(

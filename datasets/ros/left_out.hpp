@@ -24,7 +24,7 @@ class LeftOut {
   void leave_out(const std::string& topic, const std::runtime_error& error);
   /// The stamp of a sensor's message, s; 0: none. @throws ContradictoryBag for one before 1970
   void note_stamp(const std::string& topic, double stamp);
-  /// A cloud in a frame in which others drive: where its sensor was is not known.
+  /// Of a cloud whose frame is no sensor's.
   void note_unseen(const std::string& topic, const std::string& frame);
   /// Of a cloud in a frame of the world, of a bag without poses.
   void note_standing(const std::string& topic, const std::string& frame);

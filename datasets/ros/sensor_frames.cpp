@@ -309,6 +309,8 @@ CloudFrame points_cloud(const RosPointCloud& cloud) {
 
 namespace {
 
+constexpr double turn = 2.0 * std::numbers::pi;
+
 bool has_range(const RosLaserScan& scan) { return std::isfinite(scan.range_max) && scan.range_max > 0.0F; }
 
 /// +inf (REP 117), or no less than range_max, which many drivers write where nothing came back.
@@ -325,8 +327,7 @@ void require_beams(const RosLaserScan& scan) {
                              ", expected metres, more than 0");
   const double beams = static_cast<double>(scan.ranges.size()), step = std::abs(double{scan.angle_increment});
   if (beams > 1.0 && step == 0.0) throw std::runtime_error("its angle_increment is 0, expected radians");
-  constexpr double turn = 2.0 * std::numbers::pi;
-  if (step * (beams - 1.0) > turn + std::max(2.0 * step, 0.1) || (beams > 1.0 && step > turn))
+  if (step * (beams - 1.0) > 1.5 * turn || (beams > 1.0 && step > turn))
     throw std::runtime_error("its beams span " + short_text(step * (beams - 1.0)) +
                              " rad, expected a turn at most; are its angles degrees?");
 }
@@ -334,8 +335,11 @@ void require_beams(const RosLaserScan& scan) {
 }  // namespace
 
 bool has_opposite_angles(const RosLaserScan& scan) {
-  return std::abs(scan.angle_max - scan.angle_min) > std::abs(scan.angle_increment) &&
-         (scan.angle_max > scan.angle_min) != (scan.angle_increment > 0.0F);
+  const double step = scan.angle_increment, way = double{scan.angle_max} - double{scan.angle_min};
+  if (step == 0.0 || std::abs(way) <= std::abs(step) || (way > 0.0) == (step > 0.0)) return false;
+  // A window across the back of the sensor has both ends within a turn.
+  const double last = scan.angle_min + step * (static_cast<double>(scan.ranges.size()) - 1.0);
+  return std::abs(std::remainder(last - double{scan.angle_max}, turn)) > 2.0 * std::abs(step) + 0.02;
 }
 
 std::vector<LaserReturn> laser_returns(const RosLaserScan& scan, bool with_clear) {

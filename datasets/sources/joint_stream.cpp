@@ -101,13 +101,6 @@ std::vector<double> JointStream::deviations(const std::vector<std::string>& name
   return result;
 }
 
-std::array<std::pair<double, double>, 2> JointStream::extremes(const std::string& name) const {
-  const Readings& readings = readings_.at(name);
-  const auto [least, largest] = std::minmax_element(
-      readings.begin(), readings.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  return {*least, *largest};
-}
-
 std::vector<double> JointStream::times(const std::vector<std::string>& names) const {
   std::vector<double> times;
   const auto first = names.empty() ? readings_.end() : readings_.find(names.front());

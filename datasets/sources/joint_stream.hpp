@@ -1,13 +1,11 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <set>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace clearway {
@@ -39,8 +37,10 @@ class JointStream {
   std::string why_unknown(const std::vector<std::string>& names, double time) const;
 
   std::vector<std::string> names() const;  ///< sorted
-  /// The least and the largest reading of a joint, and when. @pre it is one of names()
-  std::array<std::pair<double, double>, 2> extremes(const std::string& name) const;  ///< time, position
+  /// A joint's readings: position by time. @pre it is one of names()
+  const std::map<double, double>& readings(const std::string& name) const { return readings_.at(name); }
+  /// Takes one of them out. @pre it is there, and not the only one
+  void leave_out(const std::string& name, double time) { readings_.at(name).erase(time); }
   /// At which each of these joints was read itself, rising.
   std::vector<double> times(const std::vector<std::string>& names) const;
   bool empty() const { return readings_.empty(); }

@@ -75,8 +75,10 @@ std::vector<Eigen::Vector3f> range_points(const mrpt::obs::CObservation3DRangeSc
   std::vector<Eigen::Vector3f> points;
   for (int row = 0; row < scan.rangeImage.rows(); ++row) {
     for (int column = 0; column < scan.rangeImage.cols(); ++column) {
-      const double range = scan.rangeImage(row, column) * static_cast<double>(scan.rangeUnits);
-      if (!(range > 0)) continue;
+      constexpr std::uint16_t saturated = 65535;  // of cameras' pictures: no return
+      const std::uint16_t steps = scan.rangeImage(row, column);
+      const double range = steps * static_cast<double>(scan.rangeUnits);
+      if (!(range > 0) || steps == saturated) continue;
       const auto optical = lens.pixel_ray({column, row});
       if (!optical) continue;
       const Eigen::Vector3d ray(1, -optical->x(), -optical->y());

@@ -172,7 +172,7 @@ class RecordingWriter {
   /// y and yaw. @throws std::invalid_argument for an image whose size does not fit its pixels,
   /// std::runtime_error when the disk refuses.
   void write(const Frame& frame);
-  /// Appends a depth image; reads back as a cloud of kind "depth". Ranges beyond 65535 units are dropped.
+  /// Appends a depth image; reads back as a cloud of kind "depth". Ranges beyond 65534 units are dropped.
   void write(double time, const std::string& sensor, const DepthImage& depth);
   /// Ends the log, still under its temporary name. Nothing may be written afterwards but by `finish`.
   RecordingSum end();

@@ -107,7 +107,7 @@ mrpt::obs::CObservation::Ptr observation(const DepthImage& depth) {
   for (int row = 0; row < camera.height; ++row)
     for (int column = 0; column < camera.width; ++column) {
       const double steps = std::round(depth.ranges[size_t(row) * camera.width + column] / depth.unit);
-      result->rangeImage(row, column) = static_cast<uint16_t>(steps > 0 && steps <= 65535 ? steps : 0);
+      result->rangeImage(row, column) = static_cast<uint16_t>(steps > 0 && steps < 65535 ? steps : 0);
     }
   result->cameraParams = result->cameraParamsIntensity = mrpt_camera(camera);
   result->maxRange = static_cast<float>(depth.max_range);

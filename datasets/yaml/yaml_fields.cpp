@@ -256,13 +256,19 @@ std::vector<std::string> YamlFields::texts_of(const YAML::Node& node, const std:
   for (const auto& item : node) {
     if (!item.IsScalar()) fail(key, "expected a list of words, got " + shown_node(item) + " in it");
     result.push_back(checked_text(item.Scalar(), key, 80));
-    if (result.back().empty()) fail(key, "expected a list of words, got an empty one in it");
   }
   return result;
 }
 
 std::vector<std::string> YamlFields::texts(const std::string& key) const {
   return has(key) ? texts_of(find(key), key) : std::vector<std::string>();
+}
+
+std::vector<std::string> YamlFields::full_texts(const std::string& key) const {
+  std::vector<std::string> result = texts(key);
+  if (std::find(result.begin(), result.end(), "") != result.end())
+    fail(key, "expected a list of words, got an empty one in it");
+  return result;
 }
 
 std::vector<std::vector<std::string>> YamlFields::lists_of_texts(const std::string& key,

@@ -61,8 +61,10 @@ class YamlFields {
   /// The name of a shipped robot as it is; a robot's file from `folder`.
   std::string robot(const std::string& key, const std::filesystem::path& folder) const;
   std::string prose(const std::string& key, const std::string& otherwise) const;  ///< lines; up to 10,000
-  std::string text_or_numbers(const std::string& key) const;     ///< of a list of numbers: "0.1, 0.2"
-  std::vector<std::string> texts(const std::string& key) const;  ///< a list, empty when absent
+  std::string text_or_numbers(const std::string& key) const;  ///< of a list of numbers: "0.1, 0.2"
+  std::vector<std::string> texts(const std::string& key) const;
+  /// The same, of which none may be empty.
+  std::vector<std::string> full_texts(const std::string& key) const;  ///< a list, empty when absent
   /// Lists of words, each as it is or under `name` in a map of its own; empty when absent.
   std::vector<std::vector<std::string>> lists_of_texts(const std::string& key, const std::string& name) const;
   std::vector<double> numbers(const std::string& key, Bounds) const;  ///< a list of any length

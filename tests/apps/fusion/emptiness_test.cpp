@@ -120,15 +120,25 @@ TEST_F(Emptiness, ScansWithoutPointsOrWithoutAPoseAreReported) {
 TEST_F(Emptiness, ASensorOfTheSetupThatNoScanIsOfIsRefusedOrTold) {
   write_scan("r.rawlog", {{1.0F, 0.0F, 0.0F}});
   const std::string sentence = refusal("r.rawlog", "sensors: [{name: lazer, pose: [0, 0, 1, 0, 0, 0]}]\n");
-  EXPECT_NE(sentence.find("no scan of it is of sensor 'lazer'"), std::string::npos) << sentence;
-  EXPECT_NE(sentence.find("others are of 'laser' (kind '"), std::string::npos) << sentence;
+  EXPECT_NE(sentence.find("none that was used is of sensor 'lazer'"), std::string::npos) << sentence;
+  EXPECT_NE(sentence.find("are of 'laser' (kind '"), std::string::npos) << sentence;
   EXPECT_EQ(refusal("r.rawlog", "{}\n"), "");
-  folder_.write("s.yaml", "sensors: [{name: laser}, {name: camera, pose: [0, 0, 1, 0, 0, 0]}]\n");
-  const CommandRun run = run_command({"replay", folder_.file("r.rawlog"), "--setup", folder_.file("s.yaml"),
-                                      "--out", folder_.file("both"), "--no-plan"});
-  EXPECT_EQ(run.status, exit_done) << run.log;
-  EXPECT_NE((run.out + run.log).find("the setup's sensor 'camera' placed nothing"), std::string::npos)
-      << run.out << run.log;
+  const auto expect_told = [&](const std::string& recording, const std::string& sensors) {
+    folder_.write("s.yaml", "sensors: [" + sensors + "{name: camera, pose: [0, 0, 1, 0, 0, 0]}]\n");
+    const CommandRun run = run_command({"replay", folder_.file(recording), "--setup", folder_.file("s.yaml"),
+                                        "--out", folder_.file("both"), "--no-plan"});
+    EXPECT_EQ(run.status, exit_done) << run.log;
+    EXPECT_NE((run.out + run.log).find("the setup's sensor 'camera' placed nothing"), std::string::npos)
+        << run.out << run.log;
+  };
+  expect_told("r.rawlog", "{name: laser}, ");
+  RecordingWriter writer(folder_ / "placed.rawlog");  // a recording that says itself where its laser was
+  CloudFrame cloud;
+  cloud.points = {{1.0F, 0.0F, 0.0F}};
+  cloud.world_from_sensor.translation() = Eigen::Vector3d(0, 0, 0.5);
+  writer.write(Frame{10.0, "laser", cloud});
+  writer.finish();
+  expect_told("placed.rawlog", "");
 }
 
 /// A hand of 45 mm, of which the error that is left open takes nearly all.

@@ -37,6 +37,8 @@ TEST(JointReadings, DegreesAndMillimetresAreRefused) {
                 .find("reads 40 m, its limits are 0 and 0.04 m: expected metres; are these millimetres?"),
             std::string::npos);
   EXPECT_EQ(refusal(finger, 0.041), "");
+  EXPECT_EQ(refusal(joint_of(JointKind::prismatic, 0.9, 1.1), 0.2), "")
+      << "a way that is narrowed for planning";
   constexpr double endless = std::numeric_limits<double>::infinity();
   EXPECT_EQ(refusal(joint_of(JointKind::revolute, -endless, endless), 500.0), "");
 }

@@ -210,8 +210,27 @@ TEST(MovingRobot, ReadingsInDegreesAreRefusedAndThoseBeyondALimitAreTold) {
   EXPECT_NE(sentence.find("are these degrees?"), std::string::npos) << sentence;
   const double to_upper = robot.joints[1].upper + 0.5 - place_at(robot, 0.0)[1];
   const MovingRobot beyond(setup, stream(1.0, to_upper));
-  ASSERT_FALSE(beyond.doubts().empty());
+  ASSERT_EQ(beyond.doubts().size(), 1U);
   EXPECT_NE(beyond.doubts()[0].find("joint '" + robot.joints[1].name + "' reads "), std::string::npos);
+}
+
+/// A bit that flipped, or a driver before it found its zero.
+TEST(MovingRobot, SingleReadingsThatCannotBeAreLeftOut) {
+  const Robot robot = load_robot("arm6");
+  RobotSetup setup;
+  setup.name = "arm6";
+  JointStream joints = stream_of(robot);
+  joints.add(3.005, {robot.joints[2].name}, {1e9});
+  const MovingRobot moving(setup, joints);
+  ASSERT_EQ(moving.doubts().size(), 1U);
+  EXPECT_NE(moving.doubts()[0].find("1 of 601 readings of joint '" + robot.joints[2].name +
+                                    "' cannot be, the first at 3.005 s"),
+            std::string::npos)
+      << moving.doubts()[0];
+  const auto poses = moving.poses(3.005);
+  ASSERT_TRUE(poses);
+  const LinkPoses expected = forward_kinematics(robot, place_at(robot, 3.005));
+  EXPECT_LT((poses->back().translation() - expected.back().translation()).norm(), 1e-3);
 }
 
 TEST(MovingRobot, NamesAJointThatTheStreamDoesNotHave) {

@@ -135,6 +135,41 @@ WireReader reader_of(const std::string& message) {
   return {{reinterpret_cast<const std::uint8_t*>(message.data()), message.size()}, RosWire::cdr};
 }
 
+/// As of rawlogs whose sensors have no labels, or the same one.
+TEST(ReplayRecord, ScansOfSensorsOfOneLabelAreWhereTheyWere) {
+  const TemporaryFolder folder;
+  const auto scan_at = [](const char* label, double time, double x) {
+    Scan scan;
+    scan.sensor = label;
+    scan.time = time;
+    scan.map_from_sensor.translation() = Eigen::Vector3d(x, 0, 1);
+    scan.points.emplace_back(1.0F, 2.0F, 3.0F);
+    return scan;
+  };
+  std::vector<double> places;
+  {
+    ReplayRecord record(folder / "a.mcap");
+    for (int i = 0; i < 20; ++i) {
+      const double time = 10.0 + 0.1 * i, later = time + (i % 2 == 0 ? 0.0 : 0.03);
+      for (const auto& [at, x] : {std::pair{time, 0.02 * i}, {later, 5.0 + 0.02 * i}}) {
+        record.see(scan_at(i % 3 == 0 ? "" : "laser", at, x));
+        places.push_back(x);
+      }
+    }
+    record.finish();
+  }
+  const std::vector<Frame> frames = frames_of(folder / "a.mcap", "/scans", "map");
+  ASSERT_EQ(frames.size(), places.size());
+  std::vector<double> read;
+  for (const Frame& frame : frames)
+    read.push_back(std::get<CloudFrame>(frame.content).world_from_sensor.translation().x());
+  for (std::size_t i = 0; i < read.size(); i += 2) {  // of one stamp, in any order
+    if (read[i] > read[i + 1]) std::swap(read[i], read[i + 1]);
+    EXPECT_NEAR(read[i], places[i], 1e-9) << i;
+    EXPECT_NEAR(read[i + 1], places[i + 1], 1e-9) << i;
+  }
+}
+
 TEST(ReplayRecord, HoldsTheTagsByWhichPosesWereFound) {
   const TemporaryFolder folder;
   write(folder / "a.mcap");

@@ -96,6 +96,14 @@ TEST(SensorFrames, LaserScansWhoseBeamsCanBeNowhereAreRefused) {
   EXPECT_TRUE(has_opposite_angles(turned));
   std::swap(turned.angle_min, turned.angle_max);
   EXPECT_FALSE(has_opposite_angles(turned));
+  RosLaserScan back = fine;  // from 2 rad over pi to -2 rad
+  back.angle_min = 2.0F;
+  back.angle_max = -2.0F;
+  back.ranges.assign(101, 2.0F);
+  back.angle_increment = static_cast<float>((2.0 * M_PI - 4.0) / 100.0);
+  EXPECT_FALSE(has_opposite_angles(back));
+  back.angle_increment = 0.0F;
+  EXPECT_FALSE(has_opposite_angles(back));
   turned.ranges.resize(1);
   turned.angle_max = turned.angle_min;
   EXPECT_FALSE(has_opposite_angles(turned));

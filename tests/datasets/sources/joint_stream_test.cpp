@@ -43,9 +43,10 @@ TEST(JointStream, OneThatWrapsGoesTheShorterWayRound) {
   }
   EXPECT_NEAR(stream.deviations({"wrist"}, 10.05, 1.0)[0], M_PI - 3.1, 1e-9);
   EXPECT_NEAR(stream.deviations({"elbow"}, 10.05, 1.0)[0], 3.1, 1e-9);
-  const auto [least, largest] = stream.extremes("wrist");
-  EXPECT_EQ(least, (std::pair{10.1, -3.1}));
-  EXPECT_EQ(largest, (std::pair{10.0, 3.1}));
+  EXPECT_EQ(stream.readings("wrist"), (std::map<double, double>{{10.0, 3.1}, {10.1, -3.1}}));
+  stream.add(10.05, {"wrist"}, {0.5});
+  stream.leave_out("wrist", 10.05);
+  EXPECT_NEAR(std::cos((*stream.at({"wrist"}, 10.05))[0]), -1.0, 1e-9);
 }
 
 TEST(JointStream, DeviationsHoldEveryPlaceOfTheSpan) {
