@@ -208,6 +208,16 @@ std::unique_ptr<FrameSource> open_other(const fs::path& folder, const FolderCont
   return nullptr;
 }
 
+/// The folder of scans of KITTI's raw data, in that of a drive or in its velodyne_points; empty: none.
+fs::path scans_within(const fs::path& folder) {
+  try {
+    for (const char* inner : {"data", "velodyne_points/data"})
+      if (velodyne_layout(folder / inner)) return (folder / inner).lexically_normal();
+  } catch (const fs::filesystem_error&) {  // it cannot be read
+  }
+  return {};
+}
+
 std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOptions& options) {
   std::error_code error;
   const std::string name = fs::weakly_canonical(folder, error).filename().string();
@@ -245,6 +255,9 @@ std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOpt
     throw std::invalid_argument("recording " + quote_path(folder.string()) +
                                 " is what `teach` wrote: expected its session, " +
                                 quote_path(session.string()));
+  if (const fs::path scans = scans_within(folder); !scans.empty())
+    throw std::invalid_argument("recording " + quote_path(folder.string()) +
+                                " has its scans in a folder within: expected " + quote_path(scans.string()));
   throw std::invalid_argument("recording " + quote_path(folder.string()) +
                               " is a folder without pictures and clouds; expected " + kinds_of_recordings);
 }

@@ -59,6 +59,22 @@ fs::path poses_file(const DepthLayout& layout, const SourceOptions& options) {
   return options.depth.poses.empty() ? layout.poses : options.depth.poses;
 }
 
+/// A sentence where ScanNet's file says something: its published scenes have the identity, and what else
+/// would mean, for poses of the depth or of the colour camera, its tools do not say.
+std::string extrinsic_note(const fs::path& file) {
+  if (file.empty()) return "";
+  const std::string name = quote_path(file.string());
+  try {
+    const auto pose = parse_pose_matrix(read_input(file, "extrinsic", 64U << 10U), name);
+    if (pose && pose->isApprox(Eigen::Isometry3d::Identity(), 1e-6)) return "";
+  } catch (const std::invalid_argument&) {  // no rigid transform
+  }
+  return name +
+         " is not the identity and is not applied: poses are taken as the depth camera's own; those of "
+         "another "
+         "camera need `sensors: [{name: depth, poses: …, pose: …}]` in the setup.";
+}
+
 class DepthFolder final : public FrameSource {
  public:
   /// @param path of the camera, where the poses are one @param camera of all pictures; empty: the path's
@@ -82,6 +98,7 @@ class DepthFolder final : public FrameSource {
       camera_note_ = "the depth pictures' camera is that of " +
                      quote_path(options.depth.camera_file.string()) +
                      ", which lies beside them; `source: {depth: {camera: …}}` states another.";
+    if (!options.places_depth) extrinsic_note_ = extrinsic_note(layout.extrinsic);
     if (!layout.confidence.empty())
       confidence_note_ =
           "depth of no confidence (0 in " + quote_path(layout.confidence.string()) + ") was left out.";
@@ -113,7 +130,7 @@ class DepthFolder final : public FrameSource {
     std::vector<std::string> sentences = timed_.warnings;
     if (!options_.depth.scale_note.empty()) sentences.push_back(options_.depth.scale_note);
     if (!camera_note_.empty()) sentences.push_back(camera_note_);
-    for (const std::string* note : {&icl_note_, &confidence_note_})
+    for (const std::string* note : {&icl_note_, &confidence_note_, &extrinsic_note_})
       if (!note->empty()) sentences.push_back(*note);
     if (!is_scale_stated_ && !why_of_tum_.empty())
       sentences.push_back("steps of depth are 0.0002 m, as " + why_of_tum_ +
@@ -222,7 +239,7 @@ class DepthFolder final : public FrameSource {
   std::unique_ptr<FrameSource> colour_;
   std::optional<Frame> next_depth_, next_colour_;
   std::size_t at_ = 0, unposed_ = 0, unnamed_ = 0;
-  std::string camera_note_, icl_note_, confidence_note_;
+  std::string camera_note_, icl_note_, confidence_note_, extrinsic_note_;
   FolderDamage damage_;
 };
 

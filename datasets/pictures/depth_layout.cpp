@@ -222,6 +222,7 @@ std::optional<DepthLayout> depth_layout(const fs::path& folder, const fs::path& 
                                        "sequence/_info.txt",
                                        "calibration.txt",
                                        "camera_matrix.csv"});
+  layout.extrinsic = first_there(folder, {"intrinsic/extrinsic_depth.txt", "extrinsic_depth.txt"});
   std::error_code error;
   const fs::path above = fs::weakly_canonical(folder, error).parent_path();
   if (layout.camera.empty())

@@ -18,6 +18,7 @@ struct DepthLayout {
   std::filesystem::path pose_folder;    ///< of a matrix for each depth picture; empty: none
   std::filesystem::path camera;         ///< a file of the depth pictures' camera; empty: none
   std::filesystem::path scene_camera;   ///< BOP's, of cameras and scale, maybe of poses; empty: none
+  std::filesystem::path extrinsic;      ///< ScanNet's extrinsic_depth.txt; empty: none
   std::filesystem::path camera_folder;  ///< of a .pincam for each picture (ARKitScenes); empty: none
   std::filesystem::path confidence;  ///< folder of pictures of 0, 1 and 2, called as the depth's; empty: none
   std::filesystem::path tum_table;   ///< that lists the pictures of `depth/` as TUM does; empty: none

@@ -196,6 +196,17 @@ TEST_F(VelodyneFolders, ADamagedScanIsNamedAndTheOthersAreFusedWithPointsAtTheOr
   EXPECT_EQ(fusion.map.snapshot().state({4, 1, 0.5}), VoxelState::occupied);
 }
 
+TEST_F(VelodyneFolders, OfKittisRawDataAreNamedWhereTheyLieDeeper) {
+  const TemporaryFolder drive;
+  std::filesystem::create_directories(drive / "velodyne_points/data");
+  drive.write("velodyne_points/data/0000000000.bin", scan_bytes({4, 1, 0.5F, 0}));
+  const std::string expected =
+      " has its scans in a folder within: expected '" + drive.file("velodyne_points/data") + "'";
+  for (const std::filesystem::path& folder : {drive.path(), drive / "velodyne_points"})
+    EXPECT_EQ(complaint([&] { open_frames(folder, {}); }), "recording '" + folder.string() + "'" + expected);
+  EXPECT_EQ(complaint([&] { open_frames(drive / "velodyne_points/data", {}); }), "");
+}
+
 TEST_F(VelodyneFolders, AMapsFolderIsNoRecording) {
   const TemporaryFolder map;
   map.write("provenance.bin", std::string(32, 'x'));

@@ -343,5 +343,30 @@ TEST_F(DepthFolders, LayoutsOfPublishedDataAreFound) {
   }
 }
 
+/// In its published scenes it is the identity.
+TEST_F(DepthFolders, AnExtrinsicOfScanNetThatSaysSomethingIsTold) {
+  make("depth");
+  make("pose");
+  make("intrinsic");
+  folder_.write("depth/0.png", depth_png(2000));
+  folder_.write("pose/0.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+  const auto told = [&](const SourceOptions& with) {
+    for (const std::string& warning : open(with)->warnings())
+      if (warning.find("extrinsic_depth.txt' is not the identity and is not applied") != std::string::npos)
+        return true;
+    return false;
+  };
+  EXPECT_FALSE(told(options(0.001)));
+  folder_.write("intrinsic/extrinsic_depth.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+  EXPECT_FALSE(told(options(0.001)));
+  for (const char* text : {"1 0 0 0.3\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", "0 0 0 0\n"}) {
+    folder_.write("intrinsic/extrinsic_depth.txt", text);
+    EXPECT_TRUE(told(options(0.001))) << text;
+  }
+  SourceOptions placed = options(0.001);
+  placed.places_depth = true;
+  EXPECT_FALSE(told(placed));
+}
+
 }  // namespace depth_folder_test
 }  // namespace clearway

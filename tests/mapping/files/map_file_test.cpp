@@ -321,5 +321,20 @@ TEST(MapFile, ReadsPclsTutorialClouds) {
   }
 }
 
+TEST(MapFile, OfAFolderOfCloudsSaysThatItIsARecording) {
+  const TemporaryFolder folder;
+  folder.write("cloud_1.pcd", "");
+  std::string told;
+  try {
+    load_map(folder.path());
+  } catch (const std::invalid_argument& error) {
+    told = error.what();
+  }
+  EXPECT_EQ(told,
+            "map directory '" + folder.path().string() +
+                "' holds no map.ot: expected a folder that `replay` wrote; one of clouds, scans or pictures "
+                "is a recording, which `replay` reads");
+}
+
 }  // namespace map_file_test
 }  // namespace clearway
