@@ -10,9 +10,9 @@
 #include <stdexcept>
 #include <variant>
 
-#include "datasets/pictures/exr_file.hpp"
+#include "datasets/depth_files/exr_file.hpp"
+#include "datasets/depth_files/npy_file.hpp"
 #include "datasets/pictures/files_in_child.hpp"
-#include "datasets/pictures/npy_file.hpp"
 #include "datasets/pictures/picture_file.hpp"
 #include "mapping/system/input_file.hpp"
 

@@ -1,7 +1,7 @@
 // libFuzzer on depth as arrays of NumPy and as PFM.
 #include "datasets/pictures/depth_picture.hpp"
 
-#include "datasets/pictures/npy_file.hpp"
+#include "datasets/depth_files/npy_file.hpp"
 #include "tests/fuzz/fuzzed_input.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

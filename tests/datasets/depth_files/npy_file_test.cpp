@@ -1,4 +1,4 @@
-#include "datasets/pictures/npy_file.hpp"
+#include "datasets/depth_files/npy_file.hpp"
 
 #include <gtest/gtest.h>
 

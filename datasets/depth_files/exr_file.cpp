@@ -1,4 +1,4 @@
-#include "datasets/pictures/exr_file.hpp"
+#include "datasets/depth_files/exr_file.hpp"
 
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
