@@ -21,7 +21,8 @@ namespace fs = std::filesystem;
 
 /// Nothing where the file is of another kind, or has no T_BS.
 std::optional<YamlFields> fields_with_mount(const fs::path& file) {
-  const std::string text = read_text(file, "camera file");
+  std::string text = read_text(file, "camera file");
+  if (text.starts_with("%YAML:1.0")) text.erase(0, text.find('\n'));  // OpenCV's directive
   if (text.find("T_BS") == std::string::npos || is_numbers_alone(text) || is_xml(text)) return std::nullopt;
   YamlFields fields(text, "camera file " + quote_path(file.string()));
   if (!fields.has("T_BS")) return std::nullopt;

@@ -71,6 +71,8 @@ TEST_F(BodyPoses, HaveTheCameraWhereItsFileSays) {
     EXPECT_NE(told.find("p_RS_R in their head): the camera is on it as T_BS of '"), std::string::npos)
         << told;
   }
+  folder_.write("sensor.yaml", std::string("%YAML:1.0\n---\n") + camera_numbers + cam0);
+  EXPECT_LT((middle(*open_by(by_file_)) - expected).norm(), 1e-5);
 }
 
 /// vicon0's poses are of its marker: 0.1 m ahead of the body's origin, the body is 0.1 m behind them.
