@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "datasets/cameras/lower_case.hpp"
-#include "datasets/pictures/picture_file.hpp"
 
 namespace clearway {
 namespace {

@@ -11,7 +11,6 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "datasets/pictures/picture_file.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "datasets/pictures/depth_picture.hpp"
+#include "datasets/depth_files/depth_values.hpp"
 
 namespace clearway {
 

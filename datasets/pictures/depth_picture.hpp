@@ -7,15 +7,9 @@
 #include <vector>
 
 #include "datasets/cameras/image_size.hpp"
+#include "datasets/depth_files/depth_values.hpp"
 
 namespace clearway {
-
-/// A picture of depth, as its file holds it.
-struct DepthPicture {
-  ImageSize size;
-  std::vector<float> values;  ///< row by row; 0: none
-  bool is_real = false;  ///< real numbers, of metres if nothing else is stated; else whole ones, of steps
-};
 
 /// What is known of a depth picture before all of them are read.
 struct DepthPictureHead {

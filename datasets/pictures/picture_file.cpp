@@ -18,9 +18,6 @@
 namespace clearway {
 namespace {
 
-constexpr int longest_side = 20000;
-constexpr std::int64_t most_pixels = 64'000'000;
-
 struct ExifDeleter {
   void operator()(ExifData* data) const { exif_data_unref(data); }
 };
@@ -114,13 +111,6 @@ bool is_whole(const std::string& bytes) {
     at = next;
   }
   return false;
-}
-
-ImageSize require_picture_size(std::int64_t width, std::int64_t height) {
-  if (std::min(width, height) < 1 || std::max(width, height) > longest_side || width * height > most_pixels)
-    throw std::runtime_error("it has " + std::to_string(width) + " x " + std::to_string(height) +
-                             " pixels, expected sides of at most 20,000 and 64 million pixels");
-  return {static_cast<int>(width), static_cast<int>(height)};
 }
 
 GrayImage decode_picture(const std::string& bytes) {

@@ -14,9 +14,6 @@ namespace clearway {
 /// letters.
 bool is_picture_file(const std::filesystem::path& file);
 
-/// @throws std::runtime_error a clause for sides that are not 1 to 20,000, or more than 64 million pixels
-ImageSize require_picture_size(std::int64_t width, std::int64_t height);
-
 /// A picture of one of these formats, or PGM, as grey, its pixels as they are stored (an orientation in EXIF
 /// does not turn them: a calibration belongs to the sensor). OpenCV's decoders may crash on hostile files, so
 /// this is called in a child process alone. @throws std::runtime_error a clause that says why there is no
