@@ -39,6 +39,24 @@ std::vector<TagDetection> of_board(const std::vector<TagDetection>& tags, const 
   return own;
 }
 
+/// Images of the most frequent size stay; of two that are as frequent, that of the first image.
+void keep_most_frequent_size(SearchedImages& found) {
+  std::map<std::pair<int, int>, std::size_t> counts;
+  for (const SearchedImage& image : found.images) ++counts[{image.width, image.height}];
+  std::size_t most = 0;
+  for (const SearchedImage& image : found.images)
+    if (const std::size_t count = counts[{image.width, image.height}]; count > most) {
+      most = count;
+      found.width = image.width;
+      found.height = image.height;
+    }
+  found.other_size = std::erase_if(found.images, [&](const SearchedImage& image) {
+    return image.width != found.width || image.height != found.height;
+  });
+  for (const SearchedImage& image : found.images)
+    if (!found.intrinsics && image.intrinsics.width > 0) found.intrinsics = image.intrinsics;
+}
+
 }  // namespace
 
 SearchedImages search_images(const std::filesystem::path& source, const Setup& setup, int threads,
@@ -55,19 +73,11 @@ SearchedImages search_images(const std::filesystem::path& source, const Setup& s
     const auto* image = std::get_if<ImageFrame>(&searched->frame.content);
     if (image == nullptr) continue;
     ++number;
-    if (found.width == 0) {
-      found.width = image->image.width;
-      found.height = image->image.height;
-    }
-    if (image->image.width != found.width || image->image.height != found.height) {
-      ++found.other_size;
-      continue;
-    }
-    if (!found.intrinsics && image->intrinsics.width > 0) found.intrinsics = image->intrinsics;
     tags += searched->tags.size();
     const std::string& file = searched->frame.file;
     found.images.push_back({searched->frame.time, file.empty() ? "image " + std::to_string(number) : file,
-                            std::move(searched->tags)});
+                            std::move(searched->tags), image->image.width, image->image.height,
+                            image->intrinsics});
   }
   progress(1.0);
   for (const std::string& warning : frames->warnings()) console.warn("warning: " + warning);
@@ -78,6 +88,11 @@ SearchedImages search_images(const std::filesystem::path& source, const Setup& s
   if (tags == 0)
     throw std::invalid_argument("no " + setup.detector.family + " tag is seen in the " +
                                 std::to_string(number) + " images of " + name);
+  keep_most_frequent_size(found);
+  if (found.other_size > 0)
+    console.warn("warning: " + grouped(found.other_size) + " of " + grouped(number) + " images of " + name +
+                 " have another size than most, " + std::to_string(found.width) + " x " +
+                 std::to_string(found.height) + " pixels: they are left out");
   return found;
 }
 
@@ -127,6 +142,16 @@ const BoardSetup& seen_board(const Setup& setup, const SearchedImages& images, c
   throw std::invalid_argument(
       "no tag in the images is on a board of the setup: expected its `boards` to name "
       "the tags that are seen");
+}
+
+std::string ChosenViews::left_out() const {
+  if (moving + alike == 0) return "";
+  const auto verb = [](std::size_t count, const char* one, const char* many) {
+    return grouped(count) + (count == 1 ? one : many);
+  };
+  return "; of " + grouped(seen) + " that show the board " + verb(alike, " is", " are") +
+         " like others and " + verb(moving, " was", " were") +
+         " taken while it moved: show it elsewhere and otherwise tilted in each, " + "and hold it still";
 }
 
 ChosenViews choose_views(const SearchedImages& images, const BoardSetup& board, std::size_t most,

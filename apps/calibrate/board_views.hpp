@@ -17,19 +17,21 @@ struct SearchedImage {
   double time = 0.0;  ///< s
   std::string name;   ///< the file's, else "image N"
   std::vector<TagDetection> tags;
+  int width = 0, height = 0;
+  CameraIntrinsics intrinsics{};  ///< by the source; width 0: it has none
 };
 
 /// All images of a source.
 struct SearchedImages {
-  int width = 0, height = 0;                   ///< of the first one
+  int width = 0, height = 0;                   ///< of most of them
   std::optional<CameraIntrinsics> intrinsics;  ///< by the source, where it has any
   std::vector<SearchedImage> images;
   std::size_t other_size = 0;  ///< images of another size, left out
   std::optional<std::string> damage;
 };
 
-/// Reads a source and searches its images for tags. @throws std::invalid_argument as open_frames does, and
-/// when there is no image or no tag in any
+/// Reads a source and searches its images for tags; those of another size than most are left out, with a
+/// warning. @throws std::invalid_argument as open_frames does, and when there is no image or no tag in any
 SearchedImages search_images(const std::filesystem::path& source, const Setup& setup, int threads,
                              Console& console);
 
@@ -61,6 +63,10 @@ struct ChosenViews {
   std::size_t seen = 0;    ///< images that show two of its tags or more, or all that it has
   std::size_t moving = 0;  ///< of these, taken while the board moved
   std::size_t alike = 0;   ///< of these, as another one that was chosen
+
+  /// "; of 20 images that show the board 19 are like others and 0 were taken while it moved", behind a
+  /// refusal that counts only the others; empty where none is left out.
+  std::string left_out() const;
 };
 
 /// Images of a board that add something new: at most `most` of them. Of a stream (images less than 0.3 s

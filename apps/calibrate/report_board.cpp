@@ -20,6 +20,8 @@ CalibrationReport report_board(const CalibrateOptions& options, const Setup& set
   const BoardCalibration found = calibrate_board(camera, tag_body(board), chosen.views, demands);
   CalibrationReport report;
   report.refusal = found.refusal;
+  if (chosen.views.size() < demands.least_views && !report.refusal.empty())
+    report.refusal += chosen.left_out();
   report.rows = {{"board", board.name},
                  {"images", grouped(chosen.seen) + " show it; " + grouped(found.views) + " used, " +
                                 grouped(chosen.moving) + " moving, " + grouped(chosen.alike) + " alike"}};

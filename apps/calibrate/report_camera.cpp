@@ -109,9 +109,8 @@ CalibrationReport report_camera(const CalibrateOptions& options, const Setup& se
   for (const RefusedView& view : found.refused)
     report.rows.push_back({"left out", view.name + ": " + view.reason});
   report.refusal = found.refusal;
-  if (!report.refusal.empty() && chosen.moving > chosen.views.size())
-    report.refusal += "; " + grouped(chosen.moving) + " of " + grouped(chosen.seen) +
-                      " images were taken while the board moved: hold it still for a moment in each place";
+  const bool are_few = chosen.views.size() < how.least_views || chosen.moving > chosen.views.size();
+  if (are_few && !report.refusal.empty()) report.refusal += chosen.left_out();
   if (found.covariance.size() == 0) return report;
   if (found.camera.errors.distortion) describe_camera(found, report);
   if (!report.refusal.empty()) return report;

@@ -42,6 +42,10 @@ CalibrationReport report_probe(const CalibrateOptions& options, const Setup& set
   const double sigma = UncertainPoint{found.ball, found.covariance}.largest_sigma();
   CalibrationReport report;
   report.refusal = found.refusal;
+  if (const std::size_t unsure = images.images.size() - alone.size();
+      unsure > 0 && found.covariance.isZero() && !report.refusal.empty())
+    report.refusal += "; " + grouped(unsure) + " of " + grouped(images.images.size()) +
+                      " images show no sure pose of the probe";
   report.rows = {
       {"probe", probe.board},
       {"against", has_base ? "board " + fixed->name : "the camera, which has to stand still"},

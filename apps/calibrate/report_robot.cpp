@@ -28,6 +28,11 @@ struct RobotLooks {
   std::vector<RobotLook> looks;
   std::size_t without_joints = 0, moving = 0, unsure = 0;
 
+  std::string left_out() const {
+    return grouped(moving) + " moving, " + grouped(without_joints) + " without joints, " + grouped(unsure) +
+           " without a sure pose of the boards";
+  }
+
   void add(RobotLook look, const StillTip& tip) {
     look.by_joints = tip.by_joints;
     looks.push_back(std::move(look));
@@ -215,12 +220,12 @@ CalibrationReport report_robot(const CalibrateOptions& options, const Setup& set
   const RobotWorldCalibration found = calibrate_robot_world(looks.looks, how);
   CalibrationReport report;
   report.refusal = found.refusal;
+  if (looks.looks.size() < how.least_looks && looks.moving + looks.without_joints + looks.unsure > 0)
+    report.refusal += "; left out are " + looks.left_out();
   report.rows = {{"robot", moving.robot().name},
                  {"images", grouped(looks.looks.size() + looks.moving + looks.without_joints + looks.unsure) +
                                 ", " + grouped(found.looks) + " used, " + grouped(found.contradicted) +
-                                " contradicted; left out: " + grouped(looks.moving) + " moving, " +
-                                grouped(looks.without_joints) + " without joints, " + grouped(looks.unsure) +
-                                " without a sure pose of the boards"},
+                                " contradicted; left out: " + looks.left_out()},
                  {"turned", "by up to " + std::to_string(std::lround(180.0 / M_PI * found.turn)) +
                                 " degrees, about a second axis " +
                                 std::to_string(std::lround(180.0 / M_PI * found.second_turn))}};

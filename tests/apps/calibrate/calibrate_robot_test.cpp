@@ -178,6 +178,8 @@ TEST_F(CalibrateRobot, PlaceIsFoundByABoardOnTheTipAndWhatIsMissingIsReported) {
   const CommandRun few = run_with("base", "", "");
   EXPECT_EQ(few.status, exit_no);
   EXPECT_NE(few.log.find("5 images show"), std::string::npos) << few.log;
+  EXPECT_NE(few.log.find("left out are 0 moving, 9 without joints, 0 without a sure pose"), std::string::npos)
+      << few.log;
   const CommandRun sensor = run_command({"calibrate", "hand-eye", folder_.file("pictures"), "--setup",
                                          folder_.file("setup.yaml"), "--sensor", "lidar"});
   EXPECT_EQ(sensor.status, exit_bad_input);

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "datasets/descriptions/setup.hpp"
@@ -146,6 +147,37 @@ TEST_F(CalibratePictures, FrontalPicturesAndBadInputAreRefusedWithTheReasonAndWr
     EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
     EXPECT_NE(run.log.find(words), std::string::npos) << run.log;
   }
+}
+
+TEST_F(CalibratePictures, ImagesOfAnotherSizeThanMostAreLeftOutAndToldWhicheverComesFirst) {
+  render("pictures", 16, 0.7);
+  for (int i = 0; i < 3; ++i) {
+    const std::string name = std::to_string(i);
+    cv::Mat turned;
+    cv::rotate(cv::imread(folder_.file("pictures/00" + name + ".png"), cv::IMREAD_GRAYSCALE), turned,
+               cv::ROTATE_90_CLOCKWISE);
+    cv::imwrite(folder_.file("pictures/000_" + name + ".png"), turned);
+  }
+  std::filesystem::rename(folder_ / "pictures/000_0.png", folder_ / "pictures/000.png");  // the first one
+  const CommandRun run = run_command({"calibrate", "camera", folder_.file("pictures"), "--board", setup_,
+                                      "--out", folder_.file("mine.yaml"), "--threads", "2"});
+  ASSERT_EQ(run.status, exit_done) << run.log << run.out;
+  EXPECT_NE(run.log.find("warning: 3 of 18 images"), std::string::npos) << run.log;
+  EXPECT_NE(run.log.find("another size than most, 640 x 480 pixels"), std::string::npos) << run.log;
+  EXPECT_EQ(load_setup(folder_.file("mine.yaml")).camera->width, camera_.width);
+}
+
+TEST_F(CalibratePictures, ThatEqualPicturesDoNotCountIsSaid) {
+  render("pictures", 1, 0.7);
+  for (int i = 1; i < 12; ++i)
+    std::filesystem::copy(folder_ / "pictures/000.png",
+                          folder_ / ("pictures/copy" + std::to_string(i) + ".png"));
+  const CommandRun run =
+      run_command({"calibrate", "camera", folder_.file("pictures"), "--board", setup_, "--threads", "2"});
+  EXPECT_EQ(run.status, exit_no);
+  EXPECT_NE(run.log.find("of 12 that show the board 11 are like others and 0 were taken while it moved"),
+            std::string::npos)
+      << run.log;
 }
 
 TEST_F(CalibratePictures, BoardWhoseSetupStatesAWrongSizeIsNamedAndMeasured) {
