@@ -9,13 +9,13 @@
 #include <string>
 #include <utility>
 
+#include "datasets/cameras/image_size.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
 
 constexpr std::size_t parameter_bytes = 12, rvl_header_bytes = 8;
-constexpr std::uint32_t longest_side = 20'000;
 constexpr std::size_t most_pixels = 64'000'000;
 
 using Bytes = std::span<const std::uint8_t>;
@@ -69,7 +69,8 @@ Steps unpack_rvl(Bytes bytes) {
   if (bytes.size() < rvl_header_bytes) throw std::runtime_error("it is cut off");
   Steps steps{number_at<std::uint32_t>(bytes, 0), number_at<std::uint32_t>(bytes, 4), {}};
   const std::size_t count = std::size_t{steps.width} * steps.height;
-  if (count == 0 || steps.width > longest_side || steps.height > longest_side || count > most_pixels)
+  if (count == 0 || steps.width > std::uint32_t{longest_side} || steps.height > std::uint32_t{longest_side} ||
+      count > most_pixels)
     throw std::runtime_error("its RVL has no size of an image");
   RvlNumbers numbers(bytes.subspan(rvl_header_bytes));
   steps.of_pixel.reserve(count);
