@@ -337,9 +337,9 @@ void require_beams(const RosLaserScan& scan) {
 bool has_opposite_angles(const RosLaserScan& scan) {
   const double step = scan.angle_increment, way = double{scan.angle_max} - double{scan.angle_min};
   if (step == 0.0 || std::abs(way) <= std::abs(step) || (way > 0.0) == (step > 0.0)) return false;
-  // A window across the back of the sensor has both ends within a turn.
-  const double last = scan.angle_min + step * (static_cast<double>(scan.ranges.size()) - 1.0);
-  return std::abs(std::remainder(last - double{scan.angle_max}, turn)) > 2.0 * std::abs(step) + 0.02;
+  // Of a window across the back of the sensor, the beams are what is left of a turn.
+  const double span = std::abs(step) * (static_cast<double>(scan.ranges.size()) - 1.0);
+  return std::abs(span + std::abs(way) - turn) > 2.0 * std::abs(step) + 0.02;
 }
 
 std::vector<LaserReturn> laser_returns(const RosLaserScan& scan, bool with_clear) {
