@@ -98,6 +98,13 @@ void decode_video(const ChildReport& report, const std::string& file, std::optio
       ++timeless;
   }
   if (number == 0) throw std::runtime_error("it holds no picture that can be decoded");
+  if (video.leading > 0)
+    report.send(ChildMessage::skipped, 0,
+                "its first " + std::to_string(video.leading) +
+                    " pictures need ones that are not in it, and are left out");
+  if (video.times.empty() && !rate)
+    report.send(ChildMessage::skipped, 0,
+                "it does not say when its pictures are shown: they are taken as evenly apart");
   if (timeless > 0)
     report.send(ChildMessage::skipped, 0,
                 "it holds no times of its last " + std::to_string(timeless) + " pictures, they are left out");
@@ -105,10 +112,13 @@ void decode_video(const ChildReport& report, const std::string& file, std::optio
     throw std::runtime_error("the file ends within it, after " + std::to_string(number) + " pictures");
   const std::size_t said = video.is_cut ? video.stated : video.shown;
   if (number + 1 < said) {
-    const std::string fewer = "it says that it holds " + std::to_string(said) + " pictures, and " +
-                              std::to_string(number) + " could be decoded";
-    constexpr double most_broken = 0.1;
-    if (video.is_cut || static_cast<double>(number) < (1.0 - most_broken) * expected)
+    const std::string fewer =
+        "it says that it holds " + std::to_string(said) + " pictures, and " + std::to_string(number) +
+        " could be decoded" +
+        (rate || clock.sees_gaps() ? "" : "; which are missing is not known: times may be off");
+    constexpr double most_broken =
+        0.1;  // of containers that state how many pictures they have: others have packets
+    if (video.is_cut || (video.stated > 0 && static_cast<double>(number) < (1.0 - most_broken) * expected))
       throw std::runtime_error(fewer);
     report.send(ChildMessage::skipped, 0, fewer);
   }

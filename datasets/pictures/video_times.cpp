@@ -99,6 +99,67 @@ bool is_shown_when_decoded(std::vector<double> decoding, const std::vector<doubl
   return !decoding.empty();
 }
 
+/// What a packet says of its picture, s.
+struct PicturePacket {
+  std::optional<double> shown, decoded;
+  bool is_key = false, is_hidden = false;
+};
+
+/// Of the video's packets, in the order of the file.
+std::vector<PicturePacket> packets_of(const LoadedFormats& av, AVFormatContext* context,
+                                      const AVStream& video) {
+  const double unit = video.time_base.num / static_cast<double>(video.time_base.den);
+  const std::int64_t begin = video.start_time == AV_NOPTS_VALUE ? 0 : video.start_time;
+  const auto seconds = [&](std::int64_t time) {
+    return time == AV_NOPTS_VALUE ? std::nullopt : std::optional(unit * static_cast<double>(time - begin));
+  };
+  std::vector<PicturePacket> packets;
+  AVPacket* const packet = av.packet();
+  while (packet != nullptr && av.read(context, packet) >= 0) {
+    if (packet->stream_index == video.index && packet->size > 0)
+      packets.push_back({seconds(packet->pts), seconds(packet->dts), (packet->flags & AV_PKT_FLAG_KEY) != 0,
+                         (packet->flags & AV_PKT_FLAG_DISCARD) != 0});
+    av.release(packet);
+  }
+  return packets;
+}
+
+/// Where decoding times go back, a stream begins again: what follows is shown after what came before.
+void join_restarts(std::vector<PicturePacket>& packets) {
+  double offset = 0.0, last = -HUGE_VAL, latest = -HUGE_VAL, gap = 0.0;
+  for (PicturePacket& packet : packets) {
+    if (!packet.decoded) continue;
+    const double own = *packet.decoded;
+    if (own + offset < last - same_time)
+      offset = std::max(latest, last) + gap - packet.shown.value_or(own);
+    else if (last > -HUGE_VAL)
+      gap = own + offset - last;
+    last = own + offset;
+    *packet.decoded = last;
+    if (!packet.shown) continue;
+    *packet.shown += offset;
+    latest = std::max(latest, *packet.shown);
+  }
+}
+
+/// Takes out what no decoder can show, as the file begins within a group of pictures: those before the first
+/// that stands for itself, and those behind it that are shown sooner. @return how many
+std::size_t drop_leading(std::vector<PicturePacket>& packets) {
+  const std::size_t all = packets.size();
+  const auto key =
+      std::find_if(packets.begin(), packets.end(), [](const PicturePacket& one) { return one.is_key; });
+  if (key == packets.end()) return 0;
+  packets.erase(packets.begin(), key);
+  const auto next =
+      std::find_if(packets.begin() + 1, packets.end(), [](const PicturePacket& one) { return one.is_key; });
+  const std::optional<double> first = packets.front().shown;
+  packets.erase(
+      std::remove_if(packets.begin() + 1, next,
+                     [&](const PicturePacket& one) { return first && one.shown && *one.shown < *first; }),
+      next);
+  return all - packets.size();
+}
+
 }  // namespace
 
 VideoTimes read_video_times(const std::string& file) {
@@ -107,29 +168,24 @@ VideoTimes read_video_times(const std::string& file) {
   if (av.open(&context, file.c_str(), nullptr, nullptr) < 0 || av.look(context, nullptr) < 0)
     throw std::runtime_error("it cannot be decoded");
   const auto last = context->streams + context->nb_streams;
-  const auto stream = std::find_if(context->streams, last, [](const AVStream* one) {
+  const auto found_stream = std::find_if(context->streams, last, [](const AVStream* one) {
     return one->codecpar->codec_type == AVMEDIA_TYPE_VIDEO;
   });
-  if (stream == last) throw std::runtime_error("it holds no pictures");
-  const double unit = (*stream)->time_base.num / static_cast<double>((*stream)->time_base.den);
-  const std::int64_t begin = (*stream)->start_time == AV_NOPTS_VALUE ? 0 : (*stream)->start_time;
-  const auto seconds = [&](std::int64_t time) { return unit * static_cast<double>(time - begin); };
-  std::vector<double> shown, decoded, all_decoded;
+  if (found_stream == last) throw std::runtime_error("it holds no pictures");
+  const AVStream& video = **found_stream;  // stays where it is when the list of streams grows
+  std::vector<PicturePacket> packets = packets_of(av, context, video);
+  const std::size_t all = packets.size();
+  join_restarts(packets);
+  double length = 0.0;
+  for (const PicturePacket& packet : packets) length = std::max(length, packet.decoded.value_or(0.0));
   VideoTimes found;
-  std::size_t packets = 0;
-  AVPacket* const packet = av.packet();
-  while (packet != nullptr && av.read(context, packet) >= 0) {
-    if (packet->stream_index == (*stream)->index && packet->size > 0) {
-      ++packets;
-      const bool has_decoding = packet->dts != AV_NOPTS_VALUE;
-      if (has_decoding) all_decoded.push_back(seconds(packet->dts));
-      if ((packet->flags & AV_PKT_FLAG_DISCARD) == 0) {
-        ++found.shown;
-        if (packet->pts != AV_NOPTS_VALUE) shown.push_back(seconds(packet->pts));
-        if (has_decoding) decoded.push_back(seconds(packet->dts));
-      }
-    }
-    av.release(packet);
+  found.leading = drop_leading(packets);
+  std::erase_if(packets, [](const PicturePacket& packet) { return packet.is_hidden; });
+  found.shown = packets.size();
+  std::vector<double> shown, decoded;
+  for (const PicturePacket& packet : packets) {
+    if (packet.shown) shown.push_back(*packet.shown);
+    if (packet.decoded) decoded.push_back(*packet.decoded);
   }
   std::sort(shown.begin(), shown.end());
   std::sort(decoded.begin(), decoded.end());
@@ -139,14 +195,14 @@ VideoTimes read_video_times(const std::string& file) {
     for (const double time : decoded) found.times.push_back(time - decoded.front());
   }
   found.is_time_reported = is_shown_when_decoded(decoded, found.times);
-  found.stated = static_cast<std::size_t>(std::max<std::int64_t>((*stream)->nb_frames, 0));
+  found.stated = static_cast<std::size_t>(std::max<std::int64_t>(video.nb_frames, 0));
   // An AVI of uneven times says how many places it has for pictures: it is whole when the last one is there.
   constexpr double whole = 0.9;
-  const double duration = (*stream)->duration == AV_NOPTS_VALUE ? 0.0 : unit * (*stream)->duration;
-  const double length = all_decoded.empty() ? 0.0 : *std::max_element(all_decoded.begin(), all_decoded.end());
+  const double unit = video.time_base.num / static_cast<double>(video.time_base.den);
+  const double duration = video.duration == AV_NOPTS_VALUE ? 0.0 : unit * static_cast<double>(video.duration);
   found.is_cut =
       is_cut_video(file) ||
-      (static_cast<double>(packets) < whole * static_cast<double>(found.stated) && length < whole * duration);
+      (static_cast<double>(all) < whole * static_cast<double>(found.stated) && length < whole * duration);
   return found;
 }
 

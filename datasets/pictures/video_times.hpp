@@ -9,10 +9,12 @@ namespace clearway {
 
 /// What the container of a video says of its pictures, none of them decoded.
 struct VideoTimes {
-  std::vector<double> times;  ///< s from the stream's begin, rising: of the pictures that are shown; or empty
-  std::size_t shown = 0;      ///< pictures that are in the file, without those that an edit hides
-  std::size_t stated = 0;     ///< pictures that the container says it has; 0: it does not say
-  bool is_cut = false;        ///< the file ends before it should
+  std::vector<double>
+      times;  ///< s from the stream's begin, not falling: of the pictures that are shown; or empty
+  std::size_t shown = 0;  ///< pictures that are in the file, without those that an edit hides, and `leading`
+  std::size_t leading = 0;        ///< the first ones, which need pictures that are not in the file
+  std::size_t stated = 0;         ///< pictures that the container says it has; 0: it does not say
+  bool is_cut = false;            ///< the file ends before it should
   bool is_time_reported = false;  ///< the times that OpenCV reports, those of decoding, are those of showing
 };
 
@@ -32,6 +34,9 @@ class PictureClock {
   /// Of the next picture, s; empty when there are more pictures than times.
   /// @param reported by OpenCV for it, s: tells where pictures are missing that could not be decoded
   std::optional<double> next(double reported);
+
+  /// Whether it would tell where pictures are missing.
+  bool sees_gaps() const { return video_.is_time_reported; }
 
  private:
   VideoTimes video_;

@@ -103,6 +103,43 @@ TEST(Video, PicturesHaveTheTimesOfTheContainerToTheLastOneInAnyOrder) {
   }
 }
 
+/// The same with 2 pixels for each picture, cut at its second key picture without being encoded again, as by
+/// `ffmpeg -ss … -c copy`: the packet of a picture that is shown before it is there, which nobody can decode.
+TEST(Video, PicturesOfAFileThatBeginsWithinAGroupHaveTheirOwnTimes) {
+  const auto source = open_video(reordered("mkv").parent_path() / "opengop.mkv", {});
+  const std::vector<int> times{860,  900,  940,  980,  1480, 1520, 1560, 1600, 1640, 1680,
+                               1720, 2220, 2260, 2300, 2340, 2380, 2420, 2460};  // ms, of pictures 10 to 27
+  std::optional<double> begin;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const auto frame = source->next();
+    ASSERT_TRUE(frame) << i << source->damage().value_or("");
+    if (!begin) begin = frame->time;
+    EXPECT_NEAR(frame->time - *begin, 0.001 * (times[i] - times[0]), 1e-6) << i;
+    const GrayImage& image = std::get<ImageFrame>(frame->content).image;
+    EXPECT_GT(image.pixels[20 * 64 + 2 * (10 + i) + 4], 180) << i;
+  }
+  EXPECT_FALSE(source->next());
+  EXPECT_FALSE(source->damage()) << *source->damage();
+  ASSERT_EQ(source->warnings().size(), 1U);
+  EXPECT_NE(source->warnings()[0].find("its first 1 pictures need ones that are not in it"),
+            std::string::npos)
+      << source->warnings()[0];
+}
+
+/// As one recording after another is written into a file.
+TEST(Video, AStreamThatBeginsAgainGoesOnAfterWhatCameBefore) {
+  const TemporaryFolder folder;
+  const std::string once = read_file(reordered("ts"));
+  folder.write("twice.ts", once + once);
+  const auto source = open_video(folder / "twice.ts", {});
+  std::vector<double> times;
+  while (const auto frame = source->next()) times.push_back(frame->time);
+  ASSERT_EQ(times.size(), 24U);
+  for (std::size_t i = 1; i < times.size(); ++i) EXPECT_GT(times[i], times[i - 1]) << i;
+  for (std::size_t i = 1; i < 12; ++i)
+    EXPECT_NEAR(times[12 + i] - times[11 + i], times[i] - times[i - 1], 1e-6) << i;
+}
+
 TEST(Video, AMatroskaThatIsCutIsDamaged) {
   const TemporaryFolder folder;
   const std::string whole = read_file(reordered("mkv"));
