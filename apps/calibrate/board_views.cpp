@@ -39,10 +39,14 @@ std::vector<TagDetection> of_board(const std::vector<TagDetection>& tags, const 
   return own;
 }
 
-/// Images of the most frequent size stay; of two that are as frequent, that of the first image.
+/// Images of the size that most images with tags have stay; of two that are as frequent, that of the first
+/// image.
 void keep_most_frequent_size(SearchedImages& found) {
   std::map<std::pair<int, int>, std::size_t> counts;
-  for (const SearchedImage& image : found.images) ++counts[{image.width, image.height}];
+  const bool is_any_tag = std::any_of(found.images.begin(), found.images.end(),
+                                      [](const SearchedImage& image) { return !image.tags.empty(); });
+  for (const SearchedImage& image : found.images)
+    counts[{image.width, image.height}] += is_any_tag && image.tags.empty() ? 0 : 1;
   std::size_t most = 0;
   for (const SearchedImage& image : found.images)
     if (const std::size_t count = counts[{image.width, image.height}]; count > most) {
@@ -151,7 +155,8 @@ std::string ChosenViews::left_out() const {
   };
   return "; of " + grouped(seen) + " that show the board " + verb(alike, " is", " are") +
          " like others and " + verb(moving, " was", " were") +
-         " taken while it moved: show it elsewhere and otherwise tilted in each, " + "and hold it still";
+         " taken while it moved: show it elsewhere and otherwise tilted in each" +
+         (moving > 0 ? ", and hold it still" : "");
 }
 
 ChosenViews choose_views(const SearchedImages& images, const BoardSetup& board, std::size_t most,

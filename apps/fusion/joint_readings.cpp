@@ -28,7 +28,7 @@ std::string reading_of(const Joint& joint, double value) {
 
 bool is_possible(const Joint& joint, double value) {
   if (joint.kind == JointKind::revolute) return excess(joint, value) <= turn + 0.1;
-  return excess(joint, value) == 0.0 || std::abs(value) <= std::max(5.0, 10.0 * (joint.upper - joint.lower));
+  return excess(joint, value) == 0.0 || std::abs(value) <= std::max(1.0, 10.0 * (joint.upper - joint.lower));
 }
 
 void require_possible(const Joint& joint, double value, const std::string& where) {

@@ -8,7 +8,7 @@
 namespace clearway {
 
 /// Whether a joint can be at a value, rad or m: at most a whole turn beyond its limits (turns that encoders
-/// count on are no fault), or for one that slides within 5 m or ten times its way. Others are in other units.
+/// count on are no fault), or for one that slides within 1 m or ten times its way. Others are in other units.
 /// Limits may be narrower than the joint's own, for planning.
 bool is_possible(const Joint& joint, double value);
 

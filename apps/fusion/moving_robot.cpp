@@ -93,11 +93,16 @@ void MovingRobot::take(const Joint& joint) {
   std::vector<double> impossible;
   for (const auto& [time, position] : readings)
     if (!is_possible(joint, position)) impossible.push_back(time);
-  constexpr std::size_t share = 100;  // of the readings: fewer are glitches, more are in other units
+  // A glitch comes alone; what is in other units goes on.
+  const auto follows = [&](double time) {
+    const auto next = std::next(readings.find(time));
+    return next != readings.end() && !is_possible(joint, next->second);
+  };
+  const auto first = std::find_if(impossible.begin(), impossible.end(), follows);
   const auto where = [](double time) {
     return "the recorded joint positions at " + short_text(time, 15) + " s";
   };
-  if (!impossible.empty() && impossible.size() * share >= readings.size())
+  if (first != impossible.end() || 10 * impossible.size() > readings.size())
     require_possible(joint, readings.at(impossible.front()), where(impossible.front()));
   for (const double time : impossible) joints_.leave_out(joint.name, time);
   if (!impossible.empty())

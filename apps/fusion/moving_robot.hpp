@@ -28,7 +28,7 @@ std::optional<JointStream> recorded_joints(const Setup& setup, const std::filesy
 class MovingRobot {
  public:
   /// @throws std::invalid_argument naming a joint of the robot that the stream does not have, or where the
-  /// stream has it in other units than radians and metres (is_possible), one reading in a hundred or more
+  /// stream has it in other units than radians and metres (is_possible): two readings in a row, or one in ten
   MovingRobot(const RobotSetup& setup, JointStream joints);
 
   /// Takes the robot's points out of a scan in its place. @return how many; empty where the joints are not

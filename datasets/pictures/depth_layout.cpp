@@ -147,10 +147,11 @@ void take_stated_pictures(const CameraPath& path, const fs::path& folder, DepthL
 
 /// Cameras and scale count whatever the poses are.
 void take_bop_scene(const fs::path& scene, const fs::path& stated_poses, DepthLayout& layout) {
-  const CameraPath path = parse_camera_path(read_input(scene, "poses", largest_poses),
-                                            "camera file " + quote_path(scene.string()));
+  const std::string text = read_input(scene, "poses", largest_poses);
+  if (text.find("\"cam_K\"") == std::string::npos) return;  // somebody else's file of that name
+  const CameraPath path = parse_camera_path(text, "camera file " + quote_path(scene.string()));
   layout.scene_camera = scene;
-  layout.camera.clear();
+  if (path.depth_scale) layout.camera.clear();
   if (!stated_poses.empty() || !path.has_poses()) return;
   layout.other_poses = layout.poses.empty() ? layout.pose_folder : layout.poses;
   layout.poses = scene;

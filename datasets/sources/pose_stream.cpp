@@ -98,11 +98,13 @@ std::optional<double> PoseStream::usual_speed() const {
   constexpr std::size_t least = 5;
   std::vector<double> speeds;
   if (state_->poses.empty()) return std::nullopt;
-  for (auto next = std::next(state_->poses.begin()); next != state_->poses.end(); ++next) {
-    const auto before = std::prev(next);
+  auto before = state_->poses.begin();  // the first of those that are the same: some logs repeat a pose
+  for (auto next = std::next(before); next != state_->poses.end(); ++next) {
     const double way = (next->second - before->second).translation().norm();
+    if (!(way > 0.0)) continue;
     const double time = mrpt::Clock::toDouble(next->first) - mrpt::Clock::toDouble(before->first);
-    if (way > 0.0 && time > 0.0) speeds.push_back(way / time);
+    if (time > 0.0) speeds.push_back(way / time);
+    before = next;
   }
   if (speeds.size() < least) return std::nullopt;
   const auto middle = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2);

@@ -9,6 +9,8 @@
 namespace clearway {
 namespace {
 
+constexpr std::size_t few_tags = 4;  ///< tags: fewer say little of how they scatter
+
 /// A tag's middle and normal, as measured and as stated.
 struct TagPlace {
   int id = 0;
@@ -120,6 +122,12 @@ Similarity best_by_pairs(const std::vector<TagPlace>& tags, double place, double
 
 /// Metres along each axis, as the middle one of the tags is off: of normal errors in the board's plane.
 double scatter_of(const std::vector<TagPlace>& tags, const Similarity& similarity) {
+  if (tags.size() < few_tags) {  // two of three are where a similarity by two has them
+    const Similarity all = fit(tags, std::vector<double>(tags.size(), 1.0), true);
+    double squares = 0.0;
+    for (const TagPlace& tag : tags) squares += std::pow(all.off(tag), 2);
+    return std::sqrt(squares / std::max(1.0, 2.0 * static_cast<double>(tags.size()) - 4.0));
+  }
   std::vector<double> off;
   for (const TagPlace& tag : tags) off.push_back(similarity.off(tag));
   const auto middle = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
@@ -158,6 +166,7 @@ PlacesScale scale_of_places(const TagBody& stated, const TagBody& measured, doub
   for (std::size_t i = 0; i < tags.size(); ++i)
     found.by_place[tags[i].id] = weights[i] * (tags[i].from - means.from) / std::max(squares, 1e-12);
   found.sigma = found.place / std::sqrt(std::max(stated_squares, 1e-12));
+  if (tags.size() < few_tags) found.sigma *= 3.0;  // how they scatter is hardly known itself
   Similarity rigid = fit(tags, weights, false);
   for (int round = 0; round < 20; ++round) rigid = fit(tags, cauchy_weights(tags, rigid, found.place), false);
   found.stated_from_measured = rigid.pose;
