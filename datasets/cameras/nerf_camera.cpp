@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <stdexcept>
 
@@ -101,8 +100,7 @@ bool is_nerf_file(const std::string& text) {
 
 CameraIntrinsics camera_of_nerf_file(const std::string& text, const std::string& name,
                                      const std::optional<ImageSize>& size) {
-  const nlohmann::json json = parse_path_json(text, name);
-  const PathFields file(json, name);
+  const PathFields file = PathFields::parse(text, name);
   const std::vector<PathFields> frames = file.has("frames") ? file.at("frames").items() : std::vector{file};
   std::optional<CameraIntrinsics> camera;
   for (const PathFields& frame : frames) {

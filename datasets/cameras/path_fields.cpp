@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "datasets/cameras/image_size.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -11,7 +12,13 @@ namespace {
 
 constexpr std::size_t most_values = 4'000'000;
 constexpr int deepest_list = 16;
-constexpr double largest_number = 1e6, largest_side = 20'000;
+constexpr double largest_number = 1e6;
+
+using Json = nlohmann::json;
+
+const Json& json_of(const std::shared_ptr<const void>& value) {
+  return *static_cast<const Json*>(value.get());
+}
 
 }  // namespace
 
@@ -19,37 +26,40 @@ void PathFields::fail(const std::string& expected) const {
   throw std::invalid_argument(where_ + ": expected " + expected);
 }
 
-bool PathFields::has(const char* key) const { return value_.is_object() && value_.contains(key); }
+bool PathFields::has(const char* key) const {
+  return json_of(value_).is_object() && json_of(value_).contains(key);
+}
 
 PathFields PathFields::at(const char* key) const {
   if (!has(key)) PathFields(value_, where_ + " " + quote(key)).fail("it to be there");
-  return {value_[key], where_ + " " + quote(key)};
+  return part(&json_of(value_)[key], where_ + " " + quote(key));
 }
 
 std::vector<std::string> PathFields::keys() const {
   std::vector<std::string> keys;
-  if (value_.is_object())
-    for (const auto& [key, value] : value_.items()) keys.push_back(key);
+  if (json_of(value_).is_object())
+    for (const auto& [key, value] : json_of(value_).items()) keys.push_back(key);
   return keys;
 }
 
 std::vector<PathFields> PathFields::items() const {
-  if (!value_.is_array()) fail("a list");
+  const Json& list = json_of(value_);
+  if (!list.is_array()) fail("a list");
   std::vector<PathFields> items;
-  for (std::size_t i = 0; i < value_.size(); ++i)
-    items.emplace_back(value_[i], where_ + "[" + std::to_string(i) + "]");
+  for (std::size_t i = 0; i < list.size(); ++i)
+    items.push_back(part(&list[i], where_ + "[" + std::to_string(i) + "]"));
   return items;
 }
 
 std::string PathFields::text() const {
-  if (!value_.is_string()) fail("a text");
-  return value_.get<std::string>();
+  if (!json_of(value_).is_string()) fail("a text");
+  return json_of(value_).get<std::string>();
 }
 
-bool PathFields::is_true() const { return value_.is_boolean() && value_.get<bool>(); }
+bool PathFields::is_true() const { return json_of(value_).is_boolean() && json_of(value_).get<bool>(); }
 
 double PathFields::number() const {
-  const double number = value_.is_number() ? value_.get<double>() : NAN;
+  const double number = json_of(value_).is_number() ? json_of(value_).get<double>() : NAN;
   if (!(std::abs(number) <= largest_number)) fail("a number, at most 1e6");
   return number;
 }
@@ -61,7 +71,7 @@ double PathFields::number_or(const char* key, double otherwise) const {
 std::vector<double> PathFields::numbers() const {
   std::vector<double> numbers;
   for (const PathFields& item : items()) {
-    if (!item.value_.is_array()) {
+    if (!json_of(item.value_).is_array()) {
       numbers.push_back(item.number());
       continue;
     }
@@ -72,23 +82,22 @@ std::vector<double> PathFields::numbers() const {
 
 int PathFields::side() const {
   const double side = number();
-  if (!(side >= 1.0 && side <= largest_side) || side != std::floor(side))
+  if (!(side >= 1.0 && side <= longest_side) || side != std::floor(side))
     fail("a picture of 1 to 20,000 pixels a side");
   return static_cast<int>(side);
 }
 
-nlohmann::json parse_path_json(const std::string& text, const std::string& name) {
-  using Json = nlohmann::json;
+PathFields PathFields::parse(const std::string& text, const std::string& name) {
   std::size_t count = 0;
   const auto look = [&](int depth, Json::parse_event_t, Json&) {
     if (depth > deepest_list) throw std::invalid_argument(name + ": expected lists at most 16 deep");
     if (++count > most_values) throw std::invalid_argument(name + ": expected at most 4,000,000 values");
     return true;
   };
-  Json json = Json::parse(text, look, false);
-  if (json.is_discarded() || !json.is_object())
+  auto json = std::make_shared<const Json>(Json::parse(text, look, false));
+  if (json->is_discarded() || !json->is_object())
     throw std::invalid_argument(name + ": expected JSON with keys and values");
-  return json;
+  return {std::move(json), name};
 }
 
 }  // namespace clearway

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,10 +11,10 @@ namespace clearway {
 /// stand. What fails throws std::invalid_argument "<place>: expected …".
 class PathFields {
  public:
-  using Json = nlohmann::json;
-
-  /// @param value has to outlive it
-  PathFields(const Json& value, std::string where) : value_(value), where_(std::move(where)) {}
+  /// Of a text that is an object. Values count as they come, so that no file asks for far more memory than
+  /// its size.
+  /// @param name how errors call it
+  static PathFields parse(const std::string& text, const std::string& name);
 
   [[noreturn]] void fail(const std::string& expected) const;
 
@@ -31,12 +31,14 @@ class PathFields {
   int side() const;  ///< of a picture, pixels
 
  private:
-  const Json& value_;
+  PathFields(std::shared_ptr<const void> value, std::string where)
+      : value_(std::move(value)), where_(std::move(where)) {}
+  PathFields part(const void* value, const std::string& where) const {
+    return {std::shared_ptr<const void>(value_, value), where};
+  }
+
+  std::shared_ptr<const void> value_;  ///< a nlohmann::json, in the document that it keeps
   std::string where_;
 };
-
-/// Of an object. Values count as they come, so that no file asks for far more memory than its size.
-/// @throws std::invalid_argument "<name>: expected …"
-nlohmann::json parse_path_json(const std::string& text, const std::string& name);
 
 }  // namespace clearway

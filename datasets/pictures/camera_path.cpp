@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
 
@@ -14,7 +13,6 @@ namespace clearway {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
 
 constexpr std::size_t largest_path_file = std::size_t{64} << 20U;  ///< bytes
 
@@ -178,8 +176,7 @@ bool is_camera_path(const std::string& text) {
 CameraPath parse_camera_path(const std::string& text, const std::string& name,
                              const std::optional<PictureSizes>& sizes) {
   if (text.size() > largest_path_file) throw std::invalid_argument(name + ": expected at most 64 MB of JSON");
-  const Json json = parse_path_json(text, name);
-  const PathFields file(json, name);
+  const PathFields file = PathFields::parse(text, name);
   if (is_bop_scene(file)) return read_bop_scene(file, sizes);
   if (file.has("frames") == file.has("parameters"))
     file.fail(
