@@ -148,7 +148,9 @@ void take_stated_pictures(const CameraPath& path, const fs::path& folder, DepthL
 /// Cameras and scale count whatever the poses are.
 void take_bop_scene(const fs::path& scene, const fs::path& stated_poses, DepthLayout& layout) {
   const std::string text = read_input(scene, "poses", largest_poses);
-  if (text.find("\"cam_K\"") == std::string::npos) return;  // somebody else's file of that name
+  const bool is_of_bop =
+      text.find("\"cam_K\"") != std::string::npos || text.find("\"depth_scale\"") != std::string::npos;
+  if (!is_of_bop) return;  // somebody else's file of that name
   const CameraPath path = parse_camera_path(text, "camera file " + quote_path(scene.string()));
   layout.scene_camera = scene;
   if (path.depth_scale) layout.camera.clear();

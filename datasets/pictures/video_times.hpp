@@ -11,11 +11,11 @@ namespace clearway {
 struct VideoTimes {
   std::vector<double>
       times;  ///< s from the stream's begin, not falling: of the pictures that are shown; or empty
-  std::size_t shown = 0;  ///< pictures that are in the file, without those that an edit hides, and `leading`
-  std::size_t leading = 0;        ///< the first ones, which need pictures that are not in the file
-  std::size_t stated = 0;         ///< pictures that the container says it has; 0: it does not say
-  bool is_cut = false;            ///< the file ends before it should
+  std::size_t shown = 0;   ///< pictures that are in the file, without those that an edit hides, and `leading`
+  std::size_t stated = 0;  ///< pictures that the container says it has; 0: it does not say
+  bool is_cut = false;     ///< the file ends before it should
   bool is_time_reported = false;  ///< the times that OpenCV reports, those of decoding, are those of showing
+  std::size_t leading = 0;        ///< the first ones, which need pictures that are not in the file
 };
 
 /// Reads the packets of the first video stream (FFmpeg's libavformat, which comes with OpenCV's videoio), for

@@ -135,8 +135,11 @@ TEST_F(BopScenes, ThatAreIncompleteAreRefusedInOneSentence) {
   folder_.write("scene_camera.json", "{\"3\": {" + std::string(k_12) + all_12_ + "}}");
   EXPECT_NE(refusal().find("expected pictures called by their numbers, as 000012.png"), std::string::npos)
       << refusal();
-  folder_.write("scene_camera.json", "{\"12\": {\"cam\": 1}}");
-  EXPECT_NE(refusal().find("or BOP's pictures by their numbers, each with `cam_K`"), std::string::npos);
+  folder_.write("scene_camera.json", "{\"12\": {\"depth_scale\": 1}}");
+  EXPECT_NE(refusal().find("or BOP's pictures by their numbers, each with `cam_K`"), std::string::npos)
+      << refusal();
+  folder_.write("scene_camera.json", "{\"12\": {\"cam\": 1}}");  // of another program
+  EXPECT_EQ(refusal().find("scene_camera.json"), std::string::npos) << refusal();
 }
 
 }  // namespace bop_scene_test
