@@ -2,16 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#if defined(__linux__)
-#include <sys/wait.h>
-#include <unistd.h>
-#endif
-
-#include <atomic>
 #include <cstdint>
 #include <cstring>
 #include <thread>
 #include <vector>
+
+#if defined(__linux__)
+#include "tests/mapping/use_in_forks.hpp"
+#endif
 
 namespace clearway {
 namespace tile_pool_test {
@@ -61,27 +59,8 @@ TEST(TilePool, ManyThreadsMayUseIt) {
 }
 
 #if defined(__linux__)
-/// While another thread takes and gives back.
 TEST(TilePool, AForkedProcessCanUseIt) {
-  std::atomic<bool> done = false;
-  std::thread other([&] {
-    while (!done) TilePool::free(TilePool::allocate());
-  });
-  int ended = 0;
-  for (int i = 0; i < 100 && ended == i; ++i) {
-    const pid_t child = ::fork();
-    if (child == 0) {
-      ::alarm(20);
-      TilePool::free(TilePool::allocate());
-      ::_exit(0);
-    }
-    int status = -1;
-    ASSERT_EQ(::waitpid(child, &status, 0), child);
-    ended += status == 0;
-  }
-  done = true;
-  other.join();
-  EXPECT_EQ(ended, 100);
+  EXPECT_EQ(use_in_forks([] { TilePool::free(TilePool::allocate()); }), 100);
 }
 #endif
 

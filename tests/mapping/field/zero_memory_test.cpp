@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <fstream>
 #include <new>
 #include <random>
@@ -15,6 +14,8 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "tests/mapping/use_in_forks.hpp"
 #endif
 
 namespace clearway {
@@ -84,25 +85,7 @@ TEST(ZeroMemory, TheLastPiecesWaitAndNoMoreBytesThanAllowed) {
 
 #if defined(__linux__)
 TEST(ZeroMemory, AForkedProcessMayUseItWhateverThreadsDid) {
-  std::atomic<bool> done{false};
-  std::thread other([&] {
-    while (!done) keep_zero_memory(zero_memory(100));
-  });
-  int ended = 0;
-  for (int i = 0; i < 200; ++i) {
-    const pid_t child = ::fork();
-    if (child == 0) {
-      ::alarm(20);
-      keep_zero_memory(zero_memory(100));
-      ::_exit(0);
-    }
-    int status = -1;
-    ASSERT_EQ(::waitpid(child, &status, 0), child);
-    ended += status == 0;
-  }
-  done = true;
-  other.join();
-  EXPECT_EQ(ended, 200);
+  EXPECT_EQ(use_in_forks([] { keep_zero_memory(zero_memory(100)); }), 100);
 }
 
 /// What waits is given up for who gets no memory otherwise.

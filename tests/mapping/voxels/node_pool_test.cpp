@@ -2,17 +2,15 @@
 
 #include <gtest/gtest.h>
 
-#if defined(__linux__)
-#include <sys/wait.h>
-#include <unistd.h>
-#endif
-
 #include <algorithm>
-#include <atomic>
 #include <cstring>
 #include <set>
 #include <thread>
 #include <vector>
+
+#if defined(__linux__)
+#include "tests/mapping/use_in_forks.hpp"
+#endif
 
 namespace clearway {
 namespace node_pool_test {
@@ -91,27 +89,8 @@ TEST(NodePool, ThreadsMayFreeWhatOthersTookAndLeaveTheRestBehind) {
 }
 
 #if defined(__linux__)
-/// While another thread takes and gives back.
 TEST(NodePool, AForkedProcessCanUseIt) {
-  std::atomic<bool> done = false;
-  std::thread other([&] {
-    while (!done) use_many();
-  });
-  int ended = 0;
-  for (int i = 0; i < 100 && ended == i; ++i) {
-    const pid_t child = ::fork();
-    if (child == 0) {
-      ::alarm(20);
-      use_many();
-      ::_exit(0);
-    }
-    int status = -1;
-    ASSERT_EQ(::waitpid(child, &status, 0), child);
-    ended += status == 0;
-  }
-  done = true;
-  other.join();
-  EXPECT_EQ(ended, 100);
+  EXPECT_EQ(use_in_forks([] { use_many(); }), 100);
 }
 #endif
 
