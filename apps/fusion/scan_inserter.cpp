@@ -1,6 +1,8 @@
 #include "apps/fusion/scan_inserter.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 
 #include "apps/console/parse.hpp"
@@ -90,19 +92,18 @@ void require_metres(const Scan& scan, const MapSetup& map) {
 std::string range_spike(const std::string& sensor, const ScanInserter::RangeCounts& ranges) {
   constexpr std::size_t least = 100;
   constexpr double least_share = 1e-3;
-  std::size_t all = 0;
-  for (const auto& [range, count] : ranges) all += count;
-  const auto& [largest, at_largest] = *ranges.rbegin();
-  std::size_t nearly = 0;
-  for (auto it = ranges.lower_bound(static_cast<int>(0.9 * largest)); it->first != largest; ++it)
-    nearly += it->second;
+  if (ranges.empty()) return "";
+  const std::size_t largest = ranges.size() - 1, at_largest = ranges.back();
+  const auto from = ranges.begin() + static_cast<std::ptrdiff_t>(0.9 * static_cast<double>(largest));
+  const auto all = std::accumulate(ranges.begin(), ranges.end(), std::size_t{0});
+  const auto nearly = std::accumulate(from, ranges.end() - 1, std::size_t{0});
   if (at_largest < least || static_cast<double>(at_largest) < least_share * static_cast<double>(all) ||
       nearly > at_largest || all - at_largest < least)  // of the last, a round room may be all that there is
     return "";
-  const std::string range = short_text(0.001 * largest, 6);
+  const std::string range = short_text(0.001 * static_cast<double>(largest), 6);
   return grouped(at_largest) + " of " + grouped(all) + " readings of laser " + quote(sensor) + " are " +
          range + " m, its largest, and " + grouped(nearly) +
-         " others more than 0.9 of it: some lasers say so where nothing came "
+         " others lie beyond 0.9 of it: some lasers say so where nothing came "
          "back; with `max_range` below " +
          range + " of `map` in the setup they are no obstacles, but free the space up to it";
 }
@@ -151,12 +152,20 @@ void ScanInserter::take(const Frame& frame, const CloudFrame& cloud) {
   if (setup_.source.clear_infinite)
     for (const Eigen::Vector3f& end : cloud.clear_to)
       if (setup_.map.max_range || end.norm() <= farthest) waiting.scan.clear_to.push_back(end);
-  if (cloud.kind == "laser2d")
-    for (const Eigen::Vector3f& point : cloud.points)
-      if (const float range = point.norm(); range < setup_.map.max_range.value_or(1e6))
-        ++laser_ranges_[frame.sensor][static_cast<int>(std::lround(1000.0F * range))];
+  if (cloud.kind == "laser2d") count_ranges(cloud, laser_ranges_[frame.sensor]);
   waiting_.push_back(std::move(waiting));
   release();
+}
+
+void ScanInserter::count_ranges(const CloudFrame& cloud, RangeCounts& counts) const {
+  const double most = std::min(setup_.map.max_range.value_or(farthest), farthest);
+  for (const Eigen::Vector3f& point : cloud.points) {
+    const double range = point.norm();
+    if (!(range < most)) continue;
+    const auto place = static_cast<std::size_t>(std::lround(1000.0 * range));
+    if (place >= counts.size()) counts.resize(place + 1);
+    ++counts[place];
+  }
 }
 
 bool ScanInserter::is_ready(const Waiting& waiting) const {

@@ -18,8 +18,8 @@ namespace clearway {
 /// show wait for that image, 32 of them at most. A scan without a place is counted, never guessed.
 class ScanInserter {
  public:
-  /// Readings of a laser, by their range in whole millimetres.
-  using RangeCounts = std::map<int, std::size_t>;
+  /// How many readings of a laser have each range in whole millimetres, up to the largest that there is.
+  using RangeCounts = std::vector<std::size_t>;
 
   /// @throws std::invalid_argument: a file of poses that cannot be read, joints that are not the robot's.
   /// @param robot that moves, and is taken out of each scan; may be null
@@ -39,6 +39,7 @@ class ScanInserter {
     const SensorSetup* sensor = nullptr;
     std::size_t unusable = 0;  ///< CloudFrame::unusable
   };
+  void count_ranges(const CloudFrame& cloud, RangeCounts& counts) const;
   bool is_ready(const Waiting& waiting) const;
   std::optional<Eigen::Isometry3d> place(const Waiting& waiting) const;
   std::optional<Eigen::Isometry3d> place_on_robot(const SensorSetup& sensor, double time) const;

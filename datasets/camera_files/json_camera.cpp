@@ -14,16 +14,18 @@
 namespace clearway {
 namespace {
 
+/// @param x, y the keys of its principal point
+CameraIntrinsics read_pinhole(const YamlFields& fields, std::optional<ImageSize> given, const char* x,
+                              const char* y) {
+  const ImageSize size = read_size(fields, given);
+  const double fx = fields.number("fx", above_zero), fy = fields.number("fy", above_zero);
+  return {size.width, size.height, fx, fy, fields.number(x, within_reach), fields.number(y, within_reach),
+          {}};
+}
+
 /// librealsense's intrinsics, by their names there.
 CameraIntrinsics read_realsense(const YamlFields& fields, std::optional<ImageSize> given, bool is_rectified) {
-  const ImageSize size = read_size(fields, given);
-  CameraIntrinsics camera{size.width,
-                          size.height,
-                          fields.number("fx", above_zero),
-                          fields.number("fy", above_zero),
-                          fields.number("ppx", within_reach),
-                          fields.number("ppy", within_reach),
-                          {}};
+  CameraIntrinsics camera = read_pinhole(fields, given, "ppx", "ppy");
   std::vector<double> coefficients;
   if (fields.has("coeffs")) coefficients = fields.numbers("coeffs", within_reach, 5);
   try {
@@ -55,14 +57,7 @@ void refuse_other_lenses(const YamlFields& fields) {
 
 /// Numbers alone, by the names that a setup has, too, and OpenCV's of a plumb bob.
 CameraIntrinsics read_plain(const YamlFields& fields, std::optional<ImageSize> given, bool is_rectified) {
-  const ImageSize size = read_size(fields, given);
-  CameraIntrinsics camera{size.width,
-                          size.height,
-                          fields.number("fx", above_zero),
-                          fields.number("fy", above_zero),
-                          fields.number("cx", within_reach),
-                          fields.number("cy", within_reach),
-                          {}};
+  CameraIntrinsics camera = read_pinhole(fields, given, "cx", "cy");
   std::array<double, 5> coefficients{};
   const char* const names[] = {"k1", "k2", "p1", "p2", "k3"};
   for (std::size_t i = 0; i < coefficients.size(); ++i)

@@ -11,17 +11,14 @@
 
 #include "mapping/scans/scan_rays.hpp"
 #include "mapping/system/child_process.hpp"
+#include "mapping/voxels/sanitizers.hpp"
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
 namespace memory_room_test {
 
 // What a sanitizer keeps about memory counts as the process's own.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool memory_is_measured = false;
-#else
-constexpr bool memory_is_measured = true;
-#endif
+constexpr bool memory_is_measured = !address_sanitized && !thread_sanitized;
 
 TEST(MemoryRoom, SaysWhatIsNeededAndWhatThereIs) {
   require_memory(1000, "three numbers");
