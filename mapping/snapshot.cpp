@@ -1,6 +1,7 @@
 #include "mapping/snapshot.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <mutex>
 #include <utility>
 
@@ -21,6 +22,16 @@ Voxel voxel_of(const FusedTree& tree, const FusedNode& node, const CellCube& cub
   voxel.center = (cube.corner.cast<double>().array() + 0.5 * cube.edge) * tree.getResolution();
   voxel.size = cube.edge * tree.getResolution();
   return voxel;
+}
+
+constexpr int least_cell = -32768, most_cell = 32767;  ///< of a tree, along each axis
+
+void visit_cells(const FusedTree& tree, const Eigen::Vector3i& first, const Eigen::Vector3i& last,
+                 const std::function<void(const Voxel&)>& visit) {
+  tree.visit_leaves(first, last, [&](const FusedNode& node, const CellCube& cube) {
+    const Voxel voxel = voxel_of(tree, node, cube);
+    if (voxel.state != VoxelState::unknown) visit(voxel);
+  });
 }
 
 }  // namespace
@@ -159,10 +170,21 @@ std::optional<double> Snapshot::last_seen(const Eigen::Vector3d& point) const {
 }
 
 void Snapshot::visit_leaves(const std::function<void(const Voxel&)>& visit) const {
-  tree().visit_leaves([&](const FusedNode& node, const CellCube& cube) {
-    const Voxel voxel = voxel_of(tree(), node, cube);
-    if (voxel.state != VoxelState::unknown) visit(voxel);
-  });
+  visit_cells(tree(), Eigen::Vector3i::Constant(least_cell), Eigen::Vector3i::Constant(most_cell), visit);
+}
+
+void Snapshot::visit_leaves(const Eigen::AlignedBox3d& box,
+                            const std::function<void(const Voxel&)>& visit) const {
+  if (box.isEmpty()) return;
+  Eigen::Vector3i first, last;
+  for (int axis = 0; axis < 3; ++axis) {  // a cell more on either side, whatever the division rounds
+    const double low = std::floor(box.min()[axis] / resolution()) - 1.0;
+    const double high = std::floor(box.max()[axis] / resolution()) + 1.0;
+    if (low > most_cell || high < least_cell) return;
+    first[axis] = low > least_cell ? static_cast<int>(low) : least_cell;
+    last[axis] = high < most_cell ? static_cast<int>(high) : most_cell;
+  }
+  visit_cells(tree(), first, last, visit);
 }
 
 std::uint16_t Snapshot::volumes_of_part(const std::string& part) const {

@@ -56,7 +56,8 @@ BlockedCells::BlockedCells(const Snapshot& map, Policy policy, std::uint16_t vol
 }
 
 void BlockedCells::read(const Snapshot& map, Policy policy, std::uint16_t volumes, double seen_within) {
-  map.visit_leaves([&](const Voxel& leaf) {
+  const Eigen::AlignedBox3d block(first_.cast<double>() * edge_, (first_ + size_).cast<double>() * edge_);
+  map.visit_leaves(block, [&](const Voxel& leaf) {
     const bool occupied = leaf.state == VoxelState::occupied || leaf.state == VoxelState::conflict;
     bool free = !occupied;
     if (policy == Policy::painted) free = free && (leaf.volumes & volumes) != 0;
@@ -64,6 +65,7 @@ void BlockedCells::read(const Snapshot& map, Policy policy, std::uint16_t volume
       free = leaf.state == VoxelState::painted || leaf.state == VoxelState::seen_free;
     const bool ages =
         policy == Policy::known_free && leaf.state == VoxelState::seen_free && seen_within > 0.0;
+    if (!ages && free != outside_blocked_) return;  // as cells are where no leaf is
     // A pruned leaf is a cube of several voxels; its corners lie on cell borders.
     const Eigen::Array3d corner = (leaf.center.array() - leaf.size / 2) / edge_;
     const int across = static_cast<int>(leaf.size / edge_ + 0.5);

@@ -43,8 +43,11 @@ std::vector<Candidate> shell_near(const FclBodies& bodies, std::size_t body, con
 Nearest nearest_of_shell(const FclBodies& bodies, std::size_t body, const Eigen::Isometry3d& pose,
                          const BlockedCells& cells, Nearest best) {
   std::vector<Candidate> near = shell_near(bodies, body, pose, cells, best.distance);
-  std::sort(near.begin(), near.end(), [](const auto& a, const auto& b) { return a.bound < b.bound; });
-  for (const Candidate& candidate : near) {
+  const auto is_farther = [](const Candidate& a, const Candidate& b) { return a.bound > b.bound; };
+  std::make_heap(near.begin(), near.end(), is_farther);
+  for (auto end = near.end(); end != near.begin();) {  // few are looked at, so they are not sorted
+    std::pop_heap(near.begin(), end, is_farther);
+    const Candidate& candidate = *--end;
     if (candidate.bound >= best.distance) break;
     const double distance = bodies.cube_distance(body, pose, candidate.center, cells.edge(), best.distance);
     if (distance >= best.distance) continue;

@@ -168,7 +168,9 @@ std::vector<StandingContact> standing_contacts(const Robot& robot, const Snapsho
   const Eigen::AlignedBox3d bounds = map.bounds();
   std::erase_if(standing, [&](const Standing& body) { return !bounds.intersects(body.box); });
   if (standing.empty()) return {};
-  map.visit_leaves([&](const Voxel& leaf) {
+  Eigen::AlignedBox3d all;
+  for (const Standing& body : standing) all.extend(body.box);
+  map.visit_leaves(all, [&](const Voxel& leaf) {
     if (leaf.state != VoxelState::occupied && leaf.state != VoxelState::conflict) return;
     const Eigen::Vector3d half = Eigen::Vector3d::Constant(leaf.size / 2);
     const Eigen::AlignedBox3d cube(leaf.center - half, leaf.center + half);

@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <limits>
+#include <random>
+#include <set>
 #include <thread>
 
 #include "mapping/free_space_map.hpp"
@@ -134,6 +138,40 @@ TEST(Snapshot, VisitedLeavesAnswerAsTheirPointsDo) {
     EXPECT_EQ(voxel.center, leaf.center);
   });
   EXPECT_EQ(leaves, map.tree().getNumLeafNodes());
+}
+
+TEST(Snapshot, LeavesOfABoxAreAllThatMeetItAndNoneAVoxelAway) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> place(-3.0, 3.0), side(0.0, 1.0);
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    const Snapshot map = worlds::random_map(seed, 0.05).snapshot();
+    for (int trial = 0; trial < 50; ++trial) {
+      const Eigen::Vector3d corner(place(random), place(random), place(random));
+      Eigen::AlignedBox3d box(corner, corner + Eigen::Vector3d(side(random), side(random), side(random)));
+      if (trial % 5 == 1) box.min().x() = -HUGE_VAL;
+      if (trial % 5 == 2) box.max().y() = std::numeric_limits<double>::quiet_NaN();
+      const Eigen::Vector3d grown = Eigen::Vector3d::Constant(2.0 * map.resolution());
+      const auto meets = [](const Voxel& leaf, const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+        const Eigen::Vector3d half = Eigen::Vector3d::Constant(leaf.size / 2);
+        return !((leaf.center + half).array() < low.array()).any() &&
+               !((leaf.center - half).array() > high.array()).any();
+      };
+      std::set<std::array<double, 3>> visited;
+      map.visit_leaves(box, [&](const Voxel& leaf) {
+        visited.insert({leaf.center.x(), leaf.center.y(), leaf.center.z()});
+        EXPECT_TRUE(meets(leaf, box.min() - grown, box.max() + grown));
+      });
+      map.visit_leaves([&](const Voxel& leaf) {
+        const bool is_visited = visited.contains({leaf.center.x(), leaf.center.y(), leaf.center.z()});
+        EXPECT_TRUE(is_visited || !meets(leaf, box.min(), box.max()));
+      });
+    }
+    int leaves = 0;
+    const auto count = [&](const Voxel&) { ++leaves; };
+    map.visit_leaves(Eigen::AlignedBox3d(), count);
+    map.visit_leaves({Eigen::Vector3d::Constant(1e9), Eigen::Vector3d::Constant(2e9)}, count);
+    EXPECT_EQ(leaves, 0);
+  }
 }
 
 TEST(Snapshot, FindsTheVolumesOfACriticalPart) {
