@@ -8,6 +8,7 @@
 #include "apps/suites/suite_cells.hpp"
 #include "mapping/files/cloud_file.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "mapping/voxels/triangle_cells.hpp"
 
 namespace clearway {
 namespace {
@@ -18,15 +19,12 @@ double cells_in(const Eigen::AlignedBox3d& box, double edge) {
   return (box.sizes().array() / edge + 2.0).prod();
 }
 
-struct Triangle {
-  Eigen::Vector3d a, b, c;
-  Eigen::AlignedBox3d box() const {
-    Eigen::AlignedBox3d box(a);
-    box.extend(b);
-    box.extend(c);
-    return box;
-  }
-};
+Eigen::AlignedBox3d box_of(const Triangle& triangle) {
+  Eigen::AlignedBox3d box(triangle[0]);
+  box.extend(triangle[1]);
+  box.extend(triangle[2]);
+  return box;
+}
 
 std::vector<Triangle> placed_triangles(const ForeignSolid& solid) {
   std::vector<Triangle> triangles;
@@ -35,19 +33,6 @@ std::vector<Triangle> placed_triangles(const ForeignSolid& solid) {
                          solid.map_from_shape * solid.triangles[i + 1],
                          solid.map_from_shape * solid.triangles[i + 2]});
   return triangles;
-}
-
-void append_triangle_cells(const Triangle& triangle, double edge, std::vector<Eigen::Vector3f>& centers) {
-  const Eigen::AlignedBox3d box = triangle.box();
-  const Eigen::Array3d first = (box.min().array() / edge - 1e-6).floor();
-  const Eigen::Array3d last = (box.max().array() / edge + 1e-6).floor();
-  for (double z = first.z(); z <= last.z(); ++z)
-    for (double y = first.y(); y <= last.y(); ++y)
-      for (double x = first.x(); x <= last.x(); ++x) {
-        const Eigen::Vector3d center = edge * (Eigen::Vector3d(x, y, z).array() + 0.5).matrix();
-        if (triangle_meets_cube(triangle.a, triangle.b, triangle.c, center, edge))
-          centers.push_back(center.cast<float>());
-      }
 }
 
 /// Of the cells from `first` on, which several pieces of one solid may meet; returns how many they are.
@@ -60,34 +45,6 @@ std::size_t keep_each_once(std::vector<Eigen::Vector3f>& centers, std::size_t fi
 }
 
 }  // namespace
-
-bool triangle_meets_cube(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
-                         const Eigen::Vector3d& center, double edge) {
-  const Eigen::Vector3d corners[] = {a - center, b - center, c - center};
-  const double half = 0.5 * edge;
-  const auto is_apart = [&](const Eigen::Vector3d& axis) {
-    const double length = axis.lpNorm<1>();
-    if (length == 0.0) return false;
-    double low = HUGE_VAL, high = -HUGE_VAL, size = half;
-    for (const Eigen::Vector3d& corner : corners) {
-      const double at = axis.dot(corner);
-      low = std::min(low, at);
-      high = std::max(high, at);
-      size = std::max(size, corner.lpNorm<Eigen::Infinity>());
-    }
-    const double reach = half * length + 1e-10 * size * length;
-    return low > reach || high < -reach;
-  };
-  const Eigen::Vector3d sides[] = {b - a, c - b, a - c};
-  if (is_apart(sides[0].cross(sides[1]))) return false;
-  for (int i = 0; i < 3; ++i) {
-    const Eigen::Vector3d axis = Eigen::Vector3d::Unit(i);
-    if (is_apart(axis)) return false;
-    for (const Eigen::Vector3d& side : sides)
-      if (is_apart(axis.cross(side))) return false;
-  }
-  return true;
-}
 
 Snapshot map_of_foreign_world(const ForeignWorld& world, double resolution, std::vector<std::size_t>& cells) {
   std::vector<Eigen::Vector3f> centers;
@@ -116,8 +73,10 @@ Snapshot map_of_foreign_world(const ForeignWorld& world, double resolution, std:
       append_cells(solid.shape, solid.map_from_shape, resolution, centers);
     }
     for (const Triangle& triangle : placed_triangles(solid)) {
-      count(solid, triangle.box());
-      append_triangle_cells(triangle, resolution, centers);
+      count(solid, box_of(triangle));
+      visit_cells_met(triangle, resolution, [&](const Eigen::Vector3i& cell) {
+        centers.emplace_back((resolution * (cell.cast<double>().array() + 0.5)).matrix().cast<float>());
+      });
     }
     cells.push_back(keep_each_once(centers, before));
   }

@@ -7,11 +7,6 @@
 
 namespace clearway {
 
-/// Whether a closed triangle and the closed cube about `center` have a point in common, by the 13 axes that
-/// can separate them (Akenine-Moller 2001); nearer to each other than some 1e-9 of their size counts as one.
-bool triangle_meets_cube(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
-                         const Eigen::Vector3d& center, double edge);
-
 /// A map in which a voxel is occupied when a solid, or the surface of a mesh, meets it, and unknown else; but
 /// for those of objects that links may touch.
 /// Deterministic.

@@ -19,6 +19,7 @@
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/voxels/fused_tree.hpp"
+#include "mapping/voxels/triangle_cells.hpp"
 
 namespace clearway {
 namespace {
@@ -166,8 +167,8 @@ double points_over(const std::array<Eigen::Vector3f, 3>& corners, double step) {
 
 }  // namespace
 
-std::vector<Eigen::Vector3f> read_surface(const std::filesystem::path& file, double edge) {
-  if (is_velodyne_file(file) || is_xyz_file(file)) return read_cloud(file);
+CloudSurface read_surface(const std::filesystem::path& file, double edge) {
+  if (is_velodyne_file(file) || is_xyz_file(file)) return {read_cloud(file)};
   ParsedCloud cloud = parse_cloud(file);
   if (cloud.has_lost_faces)
     throw std::invalid_argument(
@@ -175,21 +176,26 @@ std::vector<Eigen::Vector3f> read_surface(const std::filesystem::path& file, dou
         "lists of an unusual type): expected faces with indices of 4 bytes, or points alone");
   constexpr double most = 5e7;
   const double step = 0.4 * edge;
+  CloudSurface surface;
   std::vector<Eigen::Vector3f> on_faces;
   double asked = 0.0;
   for (const auto& [i, j, k] : cloud.triangles) {
-    const std::array<Eigen::Vector3f, 3> corners{cloud.points[i], cloud.points[j], cloud.points[k]};
-    if (!(corners[0].allFinite() && corners[1].allFinite() && corners[2].allFinite())) continue;
+    const CloudFace corners{cloud.points[i], cloud.points[j], cloud.points[k]};
+    if (!(corners[0].allFinite() && corners[1].allFinite() && corners[2].allFinite()))
+      throw DamagedFile("'" + file.string() +
+                        "' is damaged: a face of it has a corner that is not finite, and without it there "
+                        "would be a hole; expected finite corners, or points alone");
     asked += points_over(corners, step);
     if (asked > most)
       throw std::invalid_argument("'" + file.string() +
                                   "' has faces of more than 50 million points at voxels of " + to_text(edge) +
                                   " m: expected smaller ones, or a coarser --cloud-resolution");
     add_points(corners, step, on_faces);
+    surface.faces.push_back(corners);
   }
-  std::vector<Eigen::Vector3f> points = finite_points(cloud);
-  points.insert(points.end(), on_faces.begin(), on_faces.end());
-  return points;
+  surface.points = finite_points(cloud);
+  surface.points.insert(surface.points.end(), on_faces.begin(), on_faces.end());
+  return surface;
 }
 
 ViewedCloud read_viewed_cloud(const std::filesystem::path& file) {
@@ -247,7 +253,8 @@ void sort_by_blocks(std::vector<Eigen::Vector3i>& cells) {
 }  // namespace
 
 std::shared_ptr<const FusedTree> tree_of_cloud(const std::vector<Eigen::Vector3f>& points,
-                                               const CloudVoxels& voxels, const std::filesystem::path& file) {
+                                               const CloudVoxels& voxels, const std::filesystem::path& file,
+                                               const std::vector<CloudFace>& faces) {
   const double resolution = voxels.edge;
   if (!(resolution >= finest_voxel && resolution <= coarsest_voxel)) {
     throw std::invalid_argument("cloud resolution is " + short_text(resolution) +
@@ -287,6 +294,11 @@ std::shared_ptr<const FusedTree> tree_of_cloud(const std::vector<Eigen::Vector3f
   if (voxels.joins_near)
     for (const Eigen::Vector3i& cell : cells_between(points, cells, resolution))
       occupy(cell, tree->getClampingThresMaxLog());
+  for (const auto& [a, b, c] : faces) {  // points on it miss voxels of which it meets no more than a corner
+    visit_cells_met(
+        {a.cast<double>(), b.cast<double>(), c.cast<double>()}, resolution,
+        [&](const Eigen::Vector3i& cell) { cells.emplace_back(cell.cwiseMax(-32768).cwiseMin(32767)); });
+  }
   sort_by_blocks(cells);
   for (const Eigen::Vector3i& cell : cells) occupy(cell, tree->getClampingThresMaxLog());
   cells.clear();

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -25,10 +26,20 @@ bool is_cloud_file(const std::filesystem::path& file);
 /// @throws DamagedFile when the file is cut off or corrupt, or holds no x, y, z.
 std::vector<Eigen::Vector3f> read_cloud(const std::filesystem::path& file);
 
-/// The same with points on its faces, if it is a .ply that has some: no farther apart than 0.4 `edge`,
-/// metres.
-/// @throws std::invalid_argument where these would be more than 50 million.
-std::vector<Eigen::Vector3f> read_surface(const std::filesystem::path& file, double edge);
+/// Corners of a triangle.
+using CloudFace = std::array<Eigen::Vector3f, 3>;
+
+/// What a file shows of surfaces.
+struct CloudSurface {
+  std::vector<Eigen::Vector3f> points;  ///< those of the file, then some on its faces
+  std::vector<CloudFace> faces = {};    ///< of a .ply that has some, cut up
+};
+
+/// The points as read_cloud has them, with others on the faces no farther apart than 0.4 `edge`, metres.
+/// @throws std::invalid_argument where these would be more than 50 million; DamagedFile as above, and for a
+/// face
+///         with a corner that is not finite.
+CloudSurface read_surface(const std::filesystem::path& file, double edge);
 
 /// A cloud and the place it was seen from, both in the file's own frame.
 struct ViewedCloud {
@@ -64,13 +75,14 @@ struct CloudVoxels {
 CloudVoxels voxels_of_cloud(const std::filesystem::path& file, const std::vector<Eigen::Vector3f>& points,
                             std::optional<double> chosen = {});
 
-/// A tree in which each voxel that holds a point, or lies between near ones, is occupied, with OctoMap's
-/// highest log odds; and what the cubes of thinned parts touch, with those of a single hit; of parts that are
-/// left with left_log_odds().
+/// A tree in which each voxel that holds a point, lies between near ones, or meets a face, is occupied, with
+/// OctoMap's highest log odds; and what the cubes of thinned parts touch, with those of a single hit; of
+/// parts that are left with left_log_odds().
 /// @throws std::invalid_argument when the resolution is outside [1e-4, 100] m or too fine for the farthest
 /// point.
 std::shared_ptr<const FusedTree> tree_of_cloud(const std::vector<Eigen::Vector3f>& points,
-                                               const CloudVoxels& voxels, const std::filesystem::path& file);
+                                               const CloudVoxels& voxels, const std::filesystem::path& file,
+                                               const std::vector<CloudFace>& faces = {});
 
 /// The next below the highest: they mark what they are of, and are as hard to erase.
 float left_log_odds(const FusedTree& tree);

@@ -149,10 +149,10 @@ Snapshot load_map(const fs::path& path, std::optional<double> cloud_resolution) 
   if (is_cloud_file(file)) {
     require_input(file, "map file");
     const double edge = cloud_resolution.value_or(stated_edge(file).value_or(usual_cloud_resolution));
-    const std::vector<Eigen::Vector3f> points = read_surface(file, edge);
+    const auto [points, faces] = read_surface(file, edge);
     if (points.empty())
       throw std::invalid_argument("'" + file.string() + "' holds no finite point, expected some");
-    return {tree_of_cloud(points, voxels_of_cloud(file, points, cloud_resolution), file), {}};
+    return {tree_of_cloud(points, voxels_of_cloud(file, points, cloud_resolution), file, faces), {}};
   }
   static const std::set<std::string> converted = {".las", ".laz", ".e57", ".ptx", ".obj", ".stl", ".npy"};
   static const std::set<std::string> recorded = {".rawlog", ".log", ".clf", ".gz", ".mp4", ".avi", ".mkv"};

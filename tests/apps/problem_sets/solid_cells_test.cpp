@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "apps/suites/suite_cells.hpp"
+#include "mapping/voxels/triangle_cells.hpp"
 #include "tests/worlds/random_world.hpp"
 
 namespace clearway {
@@ -15,7 +16,7 @@ TEST(SolidCells, ATriangleMeetsACubeWhenAPointOfItIsInsideAndNeverWhenGjkHoldsTh
     const Eigen::Vector3d a = random.point(1.0), b = random.point(1.0), c = random.point(1.0);
     const Eigen::Vector3d center = random.point(1.0);
     const double edge = random.between(0.02, 0.8);
-    const bool meets = triangle_meets_cube(a, b, c, center, edge);
+    const bool meets = triangle_meets_box({a, b, c}, center, Eigen::Vector3d::Constant(0.5 * edge));
     met += meets;
     bool has_inside = false;
     for (int i = 0; i <= 60 && !has_inside; ++i) {
@@ -36,8 +37,9 @@ TEST(SolidCells, ATriangleMeetsACubeWhenAPointOfItIsInsideAndNeverWhenGjkHoldsTh
 
 TEST(SolidCells, ACubeThatIsOnlyTouchedIsMet) {
   const Eigen::Vector3d a(0, 0, 0.1), b(1, 0, 0.1), c(0, 1, 0.1);
-  EXPECT_TRUE(triangle_meets_cube(a, b, c, {0.05, 0.05, 0.05}, 0.1));
-  EXPECT_FALSE(triangle_meets_cube(a, b, c, {0.05, 0.05, 0.04}, 0.1));
+  const Eigen::Vector3d half = Eigen::Vector3d::Constant(0.05);
+  EXPECT_TRUE(triangle_meets_box({a, b, c}, {0.05, 0.05, 0.05}, half));
+  EXPECT_FALSE(triangle_meets_box({a, b, c}, {0.05, 0.05, 0.04}, half));
 }
 
 TEST(SolidCells, AMeshIsItsSurfaceAndASolidIsFull) {

@@ -7,6 +7,10 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
+#include <locale>
+#include <random>
+#include <sstream>
 
 #include "mapping/files/map_file.hpp"
 #include "tests/worlds/temporary_folder.hpp"
@@ -73,7 +77,8 @@ TEST(CloudFile, FacesOfAPlyAreSurface) {
       "0.01\n0 0.1 "
       "0.01\n4 0 1 2 3\n";
   const Snapshot along = load_map(folder.write("beam.ply", beam), 0.02);
-  EXPECT_NEAR(static_cast<double>(along.counts().occupied), 500 / 0.02 * 6, 0.1 * 500 / 0.02 * 6);
+  // Six or seven rows: both borders of the strip lie between two.
+  EXPECT_NEAR(static_cast<double>(along.counts().occupied), 500 / 0.02 * 6.5, 0.1 * 500 / 0.02 * 6.5);
   for (const char* list : {"uchar ushort vertex_indices", "uchar int strip"}) {
     std::string odd = beam;
     odd.replace(odd.find("uchar int vertex_indices"), 24, list);
@@ -82,6 +87,51 @@ TEST(CloudFile, FacesOfAPlyAreSurface) {
     EXPECT_THROW(load_map(file, 0.02), std::invalid_argument) << list;
     EXPECT_EQ(read_cloud(file).size(), 4U) << list;
   }
+}
+
+std::string ply_of_faces(const std::vector<Eigen::Vector3f>& corners) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text.precision(9);
+  text << "ply\nformat ascii 1.0\nelement vertex " << corners.size()
+       << "\nproperty float x\nproperty float y\nproperty float z\nelement face " << corners.size() / 3
+       << "\nproperty list uchar int vertex_indices\nend_header\n";
+  for (const Eigen::Vector3f& corner : corners) text << corner.transpose() << "\n";
+  for (std::size_t i = 0; i + 2 < corners.size(); i += 3)
+    text << "3 " << i << " " << i + 1 << " " << i + 2 << "\n";
+  return text.str();
+}
+
+TEST(CloudFile, EveryPointOfAFaceIsInAnOccupiedVoxelHoweverLittleOfItTheVoxelHolds) {
+  const TemporaryFolder folder;
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> place(-1.5F, 1.5F), share(0.0F, 1.0F);
+  std::vector<Eigen::Vector3f> corners;
+  for (int i = 0; i < 30; ++i) corners.emplace_back(place(random), place(random), place(random));
+  const std::string file = folder.write("faces.ply", ply_of_faces(corners));
+  for (const double edge : {0.1, 0.03}) {
+    const Snapshot map = load_map(file, edge);
+    for (int i = 0; i < 100000; ++i) {
+      const std::size_t face = 3 * static_cast<std::size_t>(i % 10);
+      double u = share(random), v = share(random);
+      if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;
+      const Eigen::Vector3d a = corners[face].cast<double>(), b = corners[face + 1].cast<double>(),
+                            c = corners[face + 2].cast<double>();
+      const Eigen::Vector3d point = a + u * (b - a) + v * (c - a);
+      ASSERT_EQ(map.state(point), VoxelState::occupied) << point.transpose() << " at " << edge;
+    }
+  }
+}
+
+TEST(CloudFile, AFaceWithACornerThatIsNotFiniteIsNoHole) {
+  const TemporaryFolder folder;
+  std::vector<Eigen::Vector3f> corners{{1, -1, -1}, {1, 1, -1}, {1, 1, 1}, {2, 0, 0}, {2, 1, 0}, {2, 0, 1}};
+  EXPECT_EQ(load_map(folder.write("good.ply", ply_of_faces(corners)), 0.05).state({1, 0.9, 0.5}),
+            VoxelState::occupied);
+  corners[1].y() = std::numeric_limits<float>::quiet_NaN();
+  const std::string file = folder.write("nan.ply", ply_of_faces(corners));
+  EXPECT_THROW(load_map(file, 0.05), DamagedFile);
+  EXPECT_EQ(read_cloud(file).size(), 5U);  // as points
 }
 
 TEST(CloudFile, TextOfAPlyMayEndItsLinesAsWindowsDoes) {
