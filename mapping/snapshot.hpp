@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "mapping/field/blocked_space.hpp"
+#include "mapping/voxels/eigen_layout.hpp"
 #include "mapping/voxels/painted_volume.hpp"
 #include "mapping/voxels/voxel_state.hpp"
 
@@ -82,8 +83,10 @@ class Snapshot {
   /// Bit mask of the volumes whose critical parts include `part`; 0 when none does.
   std::uint16_t volumes_of_part(const std::string& part) const;
 
-  /// The blocked voxels and distance field of `requirement` inside `region` (snapped outwards to cubes of 8
-  /// voxels of the tree). Built once for equal arguments and shared afterwards.
+  /// The blocked voxels and distance field of `requirement` inside `region` (snapped outwards: its low corner
+  /// to cubes of 8 voxels of the tree, its high one to voxels). What lies beyond has no effect on distances:
+  /// choose a region that is larger by `max_distance` than where they are asked for. Built once for equal
+  /// arguments and shared afterwards.
   /// @param max_distance where the field is truncated, metres, > 0.
   /// @throws std::invalid_argument when the region is empty or its field would exceed the memory limit (the
   ///         sentence says which size would fit), or when `requirement` asks for times that the map does not

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <optional>
 
+#include "mapping/voxels/eigen_layout.hpp"
 #include "tracking/lens_distortion.hpp"
 
 namespace clearway {
