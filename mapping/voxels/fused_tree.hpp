@@ -192,10 +192,20 @@ class FusedTree : public octomap::OccupancyOcTreeBase<FusedNode> {
 };
 
 template <class Visit>
+void visit_leaves_below(const FusedNode& node, const CellCube& cube, const Visit& visit) {
+  if (!node.has_children()) return visit(node, cube);
+  for (unsigned i = 0; i < 8; ++i) {
+    if (node.child(i) != nullptr) visit_leaves_below(*node.child(i), cube.child(i), visit);
+  }
+}
+
+template <class Visit>
 void visit_leaves_below(const FusedNode& node, const CellCube& cube, const Eigen::Vector3i& first,
                         const Eigen::Vector3i& last, const Visit& visit) {
-  if ((cube.corner.array() > last.array()).any()) return;
-  if ((cube.corner.array() + (cube.edge - 1) < first.array()).any()) return;
+  const Eigen::Array3i low = cube.corner.array(), high = low + (cube.edge - 1);
+  if ((low > last.array()).any() || (high < first.array()).any()) return;
+  if ((low >= first.array()).all() && (high <= last.array()).all())
+    return visit_leaves_below(node, cube, visit);
   if (!node.has_children()) return visit(node, cube);
   for (unsigned i = 0; i < 8; ++i) {
     if (node.child(i) != nullptr) visit_leaves_below(*node.child(i), cube.child(i), first, last, visit);
