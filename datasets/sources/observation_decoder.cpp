@@ -7,11 +7,16 @@
 #include <mrpt/obs/CObservationImage.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationPointCloud.h>
+#include <mrpt/obs/CObservationStereoImages.h>
 #include <mrpt/obs/CObservationVelodyneScan.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <string_view>
 
 #include "datasets/sources/lens.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 
@@ -180,6 +185,17 @@ void decode_point_cloud(const mrpt::obs::CObservationPointCloud& observed,
   content(std::move(cloud));
 }
 
+/// Of a kind that shows where something is, or is not, and that has no frame of ours; empty for others.
+std::string unread(const mrpt::obs::CObservation& observation) {
+  constexpr std::array kinds{"CObservationRotatingScan",  // has no elevations of its rows
+                             "CObservationRange", "CObservationRGBD360", "CObservation3DScene"};
+  std::string_view kind = observation.GetRuntimeClass()->className;
+  kind.remove_prefix(std::min(kind.size(), kind.rfind(':') + 1));
+  if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) return {};
+  return "what MRPT keeps as " + std::string(kind) + " is not read, as of sensor " +
+         quote(observation.sensorLabel);
+}
+
 }  // namespace
 
 void decode_observation(const mrpt::obs::CObservation& observation,
@@ -188,6 +204,9 @@ void decode_observation(const mrpt::obs::CObservation& observation,
   using namespace mrpt::obs;
   if (const auto* image = dynamic_cast<const CObservationImage*>(&observation)) {
     decode_image(image->image, image->cameraParams, world_from_robot + image->cameraPose, content, skipped);
+  } else if (const auto* stereo = dynamic_cast<const CObservationStereoImages*>(&observation)) {
+    decode_image(stereo->imageLeft, stereo->leftCamera,
+                 world_from_robot + mrpt::poses::CPose3D(stereo->cameraPose), content, skipped);
   } else if (const auto* range = dynamic_cast<const CObservation3DRangeScan*>(&observation)) {
     decode_range_camera(*range, world_from_robot, content, skipped);
   } else if (const auto* laser = dynamic_cast<const CObservation2DRangeScan*>(&observation)) {
@@ -201,7 +220,7 @@ void decode_observation(const mrpt::obs::CObservation& observation,
   } else if (const auto* comment = dynamic_cast<const CObservationComment*>(&observation)) {
     content(CommentFrame{comment->text});
   } else {
-    skipped("");
+    skipped(unread(observation));
   }
 }
 

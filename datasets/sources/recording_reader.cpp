@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <set>
 #include <stdexcept>
 #include <string_view>
 
@@ -68,6 +69,7 @@ struct RecordingReader::State {
   RobotPath path;
   RecordingCounts counts;
   std::vector<std::string> warnings;
+  std::set<std::string> told;  ///< what they say, each once
   std::optional<std::string> damage;
   uint64_t offset = 0;
   bool finished = false;
@@ -91,7 +93,7 @@ void RecordingReader::State::warn(const std::string& what) {
   const std::string sentence =
       "recording '" + file.string() + "', object " + std::to_string(counts.objects + 1) + ": " + what + ".";
   constexpr size_t enough = 20;
-  if (!what.empty() && warnings.size() < enough) warnings.push_back(sentence);
+  if (!what.empty() && warnings.size() < enough && told.insert(what).second) warnings.push_back(sentence);
 }
 
 void RecordingReader::State::lose(const std::string& what) {

@@ -6,8 +6,11 @@
 #include <mrpt/obs/CActionRobotMovement2D.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
+#include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationImage.h>
 #include <mrpt/obs/CObservationPointCloud.h>
+#include <mrpt/obs/CObservationRotatingScan.h>
+#include <mrpt/obs/CObservationStereoImages.h>
 #include <mrpt/obs/CObservationVelodyneScan.h>
 #include <mrpt/obs/CRawlog.h>
 #include <mrpt/obs/CSensoryFrame.h>
@@ -258,6 +261,34 @@ TEST(ObservationDecoder, AVelodyneScanKeepsItsReturnsAndItsSensorsPose) {
   ASSERT_EQ(frame.points.size(), 50U);
   const Eigen::Vector3d ours = frame.world_from_sensor * frame.points[9].cast<double>();
   EXPECT_LT((ours - placed_by_mrpt({2.0F, -1.0F, 0.25F})).norm(), 1e-6);
+}
+
+TEST(ObservationDecoder, OfAStereoPairTheLeftImageIsRead) {
+  mrpt::obs::CObservationStereoImages pair;
+  pair.imageLeft.resize(4, 3, mrpt::img::CH_GRAY);
+  pair.imageLeft.at<uint8_t>(2, 1) = 77;
+  pair.imageRight.resize(4, 3, mrpt::img::CH_GRAY);
+  pair.leftCamera.setIntrinsicParamsFromValues(500.0, 501.0, 2.0, 1.5);
+  pair.leftCamera.ncols = 4;
+  pair.leftCamera.nrows = 3;
+  pair.cameraPose = mrpt::poses::CPose3DQuat(tilted());
+  const auto frames = decoded(pair);
+  ASSERT_EQ(frames.size(), 1U);
+  const auto image = std::get<ImageFrame>(frames[0]);
+  EXPECT_EQ(image.image.width, 4);
+  EXPECT_EQ(image.intrinsics.fy, 501.0);
+  EXPECT_LT((image.world_from_sensor.translation() - placed_by_mrpt({0.0F, 0.0F, 0.0F})).norm(), 1e-6);
+}
+
+TEST(ObservationDecoder, SensorsThatAreNotReadAreNamed) {
+  mrpt::obs::CObservationRotatingScan turning;
+  turning.sensorLabel = "Velodyne";
+  std::vector<std::string> skipped;
+  EXPECT_TRUE(decoded(turning, &skipped).empty());
+  EXPECT_TRUE(decoded(mrpt::obs::CObservationIMU(), &skipped).empty());
+  ASSERT_EQ(skipped.size(), 2U);
+  EXPECT_EQ(skipped[0], "what MRPT keeps as CObservationRotatingScan is not read, as of sensor 'Velodyne'");
+  EXPECT_EQ(skipped[1], "");
 }
 
 TEST(ObservationDecoder, PointsOfARangeCameraAreReadWhereItHasNoRangeImage) {
