@@ -148,8 +148,10 @@ int run_command_line(const std::vector<std::string>& arguments, Console& console
   try {
     std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
     app.parse(reversed);
-  } catch (const CLI::CallForHelp&) {
+  } catch (const CLI::CallForHelp& help) {
     const auto chosen = app.get_subcommands();
+    if (chosen.empty() && !arguments[0].starts_with('-'))
+      return report_usage_error(app, arguments, help, console);
     console.out() << (chosen.empty() ? app.help() : chosen.front()->help("clearway"));
     return exit_done;
   } catch (const Text& text) {

@@ -158,6 +158,7 @@ int run_inspect(const InspectOptions& options, Console& console) {
   const std::optional<QueryRecord> record = record_to_keep(options);
   std::optional<Snapshot> other;
   if (!options.diff.empty()) other = load_map(options.diff, options.cloud_resolution);
+  if (const std::string remark = record_remark(options); !remark.empty()) console.warn("note: " + remark);
   if (const std::string remark = painted_csv_remark(options.map, loaded ? *loaded : map); !remark.empty())
     console.warn("note: " + remark);
   if (const std::string remark =

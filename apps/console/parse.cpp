@@ -39,7 +39,8 @@ Eigen::VectorXd parse_configuration(const std::string& text, const std::string& 
   if (numbers.size() != joints.size()) {
     std::string names;
     for (const std::string& joint : joints) names += (names.empty() ? "" : ", ") + joint;
-    throw std::invalid_argument(what + ": got " + std::to_string(numbers.size()) + " values, expected " +
+    throw std::invalid_argument(what + ": got " + std::to_string(numbers.size()) +
+                                (numbers.size() == 1 ? " value" : " values") + ", expected " +
                                 std::to_string(joints.size()) + " (" + names + ")");
   }
   Eigen::VectorXd q(static_cast<Eigen::Index>(numbers.size()));
@@ -53,7 +54,8 @@ Eigen::VectorXd parse_configuration(const std::string& text, const std::string& 
 Eigen::Isometry3d pose_from_numbers(const std::vector<double>& numbers, const std::string& what) {
   if (numbers.size() != 3 && numbers.size() != 6) {
     throw std::invalid_argument(what + ": got " + std::to_string(numbers.size()) +
-                                " values, expected x,y,z or x,y,z,roll,pitch,yaw");
+                                (numbers.size() == 1 ? " value" : " values") +
+                                ", expected x,y,z or x,y,z,roll,pitch,yaw");
   }
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.translation() = Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);

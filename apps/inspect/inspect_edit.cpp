@@ -75,12 +75,34 @@ void print_hand_edit(const nlohmann::ordered_json& json, std::ostream& out) {
                                           count("painted") + " to painted"}});
 }
 
-std::optional<QueryRecord> record_to_keep(const InspectOptions& options) {
-  if (options.save.empty()) return {};
-  std::optional<QueryRecord> record = load_query_record(options.map);
-  if (!record || record->map_sha256 != map_sha256(options.map)) return {};
+namespace {
+
+/// None: there is none, or it is of another map.
+std::optional<QueryRecord> record_of(const std::filesystem::path& map) {
+  std::optional<QueryRecord> record = load_query_record(map);
+  if (!record || record->map_sha256 != map_sha256(map)) return {};
   record->made_for = record->map_sha256;
   return record;
+}
+
+}  // namespace
+
+std::optional<QueryRecord> record_to_keep(const InspectOptions& options) {
+  if (options.save.empty()) return {};
+  std::optional<QueryRecord> record = record_of(options.map);
+  return record || options.merge.empty() ? record : record_of(options.merge);
+}
+
+std::string record_remark(const InspectOptions& options) {
+  if (options.save.empty() || options.merge.empty()) return {};
+  const std::optional<QueryRecord> kept = record_of(options.map);
+  std::optional<QueryRecord> other = record_of(options.merge);
+  if (!kept || !other) return {};
+  other->map_sha256 = kept->map_sha256;
+  other->made_for = kept->made_for;
+  if (to_json(*kept) == to_json(*other)) return {};
+  return "both maps have a record of their queries: that of " + quote_path(options.map.string()) +
+         " is kept, that of " + quote_path(options.merge.string()) + " is not";
 }
 
 void save_edited(const InspectOptions& options, std::optional<QueryRecord> record, const Snapshot& map) {

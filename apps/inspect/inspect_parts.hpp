@@ -70,9 +70,12 @@ std::string hand_edit_remark(const InspectOptions& options, const HandEditTally&
 nlohmann::ordered_json describe_hand_edit(const HandEditTally& tally);
 void print_hand_edit(const nlohmann::ordered_json& json, std::ostream& out);
 
-/// The queries that MAP has a record of, for the map that --save makes of it; none of them without --save.
+/// The queries that MAP has a record of, else those of the map of --merge, for the map that --save makes of
+/// them; none of them without --save.
 /// @throws as load_query_record
 std::optional<QueryRecord> record_to_keep(const InspectOptions& options);
+/// What to tell when both have a record and these differ; empty otherwise.
+std::string record_remark(const InspectOptions& options);
 
 /// Writes the map to --save, with these queries. @throws std::invalid_argument when that would replace a map
 /// that was read.

@@ -301,6 +301,7 @@ std::string difference_page(const MapLeaves& difference, const std::string& name
                   {"blocked no more", grouped(counts.painted)},
                   {"blocked in both", grouped(counts.occupied)},
                   {"other change", grouped(counts.seen_free)}};
+  if (counts.conflict + counts.painted == 0) page.opens = "layers=conflict,painted,occupied,seen_free";
   return render_report_page(page);
 }
 

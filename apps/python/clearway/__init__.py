@@ -51,8 +51,11 @@ def require_proved(plan, space=None, *, loads=None, pick=None):
     What a plan from a file says of itself is only its word: with `space` path and motion are checked again, there, with
     `loads` or `pick` as check_plan takes them.
 
-    Raises StartInvalid, GoalInvalid, NoPath, TimedOut or PathRefused otherwise, each a PlanError with the reason.
+    Raises StartInvalid, GoalInvalid, NoPath, TimedOut or PathRefused otherwise, each a PlanError with the reason;
+    TypeError for what is no Plan.
     """
+    if not isinstance(plan, _clearway.Plan):
+        raise TypeError(f"expected a Plan, got {type(plan).__name__}")
     if plan.status == "solved" and space is not None:
         verdict = check_plan(space, plan, loads=loads, pick=pick)  # noqa: F405
         if not verdict.valid:

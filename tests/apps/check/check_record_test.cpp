@@ -147,6 +147,31 @@ TEST_F(CheckRecorded, it_counts_for_the_file_in_the_folder_and_for_maps_made_of_
   EXPECT_FALSE(std::filesystem::exists(saved + "/queries.json"));
 }
 
+TEST_F(CheckRecorded, it_counts_for_a_map_merged_with_one_that_has_none_whichever_comes_first) {
+  const std::string map = folder_.file("map"), bare = folder_.file("bare");
+  ASSERT_EQ(run_command({"inspect", map, "--occupy", "sphere:0,0.9,0,0.1", "--save", bare}).status,
+            exit_done);
+  std::filesystem::remove(bare + "/queries.json");
+  const auto merged = [&](const std::string& first, const std::string& second) {
+    const std::string out = folder_.file("merged");
+    std::filesystem::remove_all(out);
+    const CommandRun run = run_command({"inspect", first, "--merge", second, "--save", out});
+    EXPECT_EQ(run.status, exit_done) << run.log;
+    return std::pair(load_query_record(out), run.log);
+  };
+  const auto forth = merged(map, bare), back = merged(bare, map);
+  ASSERT_TRUE(forth.first && back.first);
+  EXPECT_EQ(to_json(*forth.first), to_json(*back.first));
+  EXPECT_EQ(forth.second.find("record of their queries"), std::string::npos) << forth.second;
+  query_.padding = 0.02;
+  folder_.write("bare/queries.json", to_json(QueryRecord{map_sha256(bare), {query_}}));
+  const auto both = merged(map, bare);
+  EXPECT_EQ(both.first->queries.at(0).padding, 0.01);
+  EXPECT_NE(both.second.find("both maps have a record of their queries: that of '" + map + "' is kept"),
+            std::string::npos)
+      << both.second;
+}
+
 TEST_F(CheckRecorded, a_record_of_another_map_or_robot_does_not_count_and_a_damaged_one_is_reported) {
   record(std::string(64, '0'));
   EXPECT_EQ(Json::parse(check(plan_, {"--json"}).out)["contract"]["goals"]["source"], "plan");

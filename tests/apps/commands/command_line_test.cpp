@@ -81,6 +81,9 @@ TEST_F(CommandLine, help_documents_every_flag_and_ends_well) {
 }
 
 TEST_F(CommandLine, a_misspelt_command_or_flag_is_answered_with_the_nearest_one) {
+  const CommandRun helpless = run_command({"frobnicate", "--help"});
+  EXPECT_EQ(helpless.status, exit_bad_input);
+  EXPECT_NE(helpless.log.find("unknown command 'frobnicate'"), std::string::npos) << helpless.log;
   expect_refused(run_command({"inspcet", map_}), exit_bad_input, {"inspcet", "did you mean 'inspect'"});
   expect_refused(run_command({"inspect", map_, "--slcie", "z=0"}), exit_bad_input, {"--slcie", "--slice"});
   EXPECT_EQ(run_command({}).status, exit_bad_input);

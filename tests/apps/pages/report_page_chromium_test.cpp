@@ -362,6 +362,24 @@ TEST_F(ReportPageInChromium, OpensWithACutWhereWallsHideWhatItIsAbout) {
   }
 }
 
+/// What differs, but is blocked in neither or in both, is not drawn else: it may be much.
+TEST_F(ReportPageInChromium, ShowsOtherChangesWhereNothingElseDiffers) {
+  const auto room = [](double radius, bool has_box) {
+    VoxelScene scene{0.05, {box_of(-1.0, -1.0, 0.0, 1.0, 1.0, 0.05)}, {{{-0.5, 0.0, 0.5}, radius}}, {"tool"}};
+    if (has_box) scene.occupied.push_back(box_of(-0.2, 0.1, 0.05, 0.2, 0.4, 0.25));
+    return MapLeaves(scene.snapshot());
+  };
+  const auto page = [&](double radius, bool has_box) {
+    return difference_page(MapLeaves::difference(room(0.1, false).about(), room(radius, has_box).about()),
+                           "from a to b");
+  };
+  const std::string layers = "layers=conflict,painted,occupied,seen_free";
+  EXPECT_NE(page(0.2, false).find(layers), std::string::npos);
+  EXPECT_EQ(page(0.2, true).find(layers), std::string::npos);
+  const std::string dom = open(page(0.2, false));
+  EXPECT_EQ(attribute(dom, "errors"), "0") << errors(dom);
+}
+
 /// Of isolated free voxels a page that draws larger cubes shows none: their set is empty.
 TEST_F(ReportPageInChromium, CutsWhereAStateIsTooFineToBeDrawn) {
   ReportPage page = SamplePage::make();

@@ -69,6 +69,8 @@ class Loads(unittest.TestCase):
         self.assertIn("rod", refused.first_contact)
         self.assertTrue(cw.check_plan(self.space, bare).valid)
         self.assertIs(cw.require_proved(plan, self.space), plan)
+        with self.assertRaises(TypeError):
+            cw.require_proved(file)
         with self.assertRaises(cw.PathRefused):
             cw.require_proved(bare, self.space, loads=[self.rod])
         # The rod counts where a file says that it rides.
