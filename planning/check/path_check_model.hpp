@@ -132,12 +132,11 @@ class BlockedCells {
   }
   Eigen::Vector3i cell(const Eigen::Vector3d& point) const;
 
-  /// Visits the centres of the blocked cells in blocks of cells that touch the box, but for those wholly
-  /// surrounded by blocked cells: a connected body with one point in a free cell cannot reach them without
-  /// touching others.
-  /// @param is_near asked of each such block that holds any: its centre and half diagonal
-  template <class IsNear, class Visit>
-  void visit_shell(const Eigen::AlignedBox3d& box, const IsNear& is_near, const Visit& visit) const {
+  /// Visits the blocks of cells that touch the box and hold blocked cells which are not wholly surrounded by
+  /// blocked ones: a connected body with one point in a free cell cannot reach those without touching others.
+  /// @param visit called with the block's centre, its half diagonal and its index, for shell()
+  template <class Visit>
+  void visit_blocks(const Eigen::AlignedBox3d& box, const Visit& visit) const {
     Eigen::Vector3i low, high;
     if (!blocks_touching(box, low, high)) return;
     const double half_diagonal = 0.5 * std::sqrt(3.0) * block_edge * edge_ * (1.0 + 1e-9);
@@ -148,12 +147,18 @@ class BlockedCells {
           if (shell_begin_[i] == shell_begin_[i + 1]) continue;
           const Eigen::Vector3d middle =
               (first_.cast<double>().array() + block_edge * (Eigen::Array3d(x, y, z) + 0.5)) * edge_;
-          if (!is_near(middle, half_diagonal)) continue;
-          for (std::size_t k = shell_begin_[i]; k < shell_begin_[i + 1]; ++k) visit(shell_[k]);
+          visit(middle, half_diagonal, i);
         }
       }
     }
   }
+
+  /// The indices of these cells of a block: the first, and one behind the last.
+  std::pair<std::size_t, std::size_t> shell(std::size_t block) const {
+    return {shell_begin_[block], shell_begin_[block + 1]};
+  }
+  /// The centre of such a cell.
+  const Eigen::Vector3d& shell_cell(std::size_t index) const { return shell_[index]; }
 
  private:
   static constexpr int block_edge = 4;  ///< cells

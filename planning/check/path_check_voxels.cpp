@@ -13,45 +13,50 @@ Eigen::AlignedBox3d bounds(const FclBodies& bodies, std::size_t body, const Eige
 
 namespace {
 
-/// A voxel, and how near it may be at the least.
+/// A voxel of the shell, or a block of them, and how near it may be at the least.
 struct Candidate {
   double bound;
-  Eigen::Vector3d center;
+  std::size_t index;
+  bool is_block;
 };
 
-/// The voxels of the shell that may be nearer than `limit`: by how far their centres are from the body.
-std::vector<Candidate> shell_near(const FclBodies& bodies, std::size_t body, const Eigen::Isometry3d& pose,
-                                  const BlockedCells& cells, double limit) {
+/// The nearest voxel of the shell that is nearer than `best`, or `best`. Best first: of blocks and voxels the
+/// one that may be nearest is looked at next.
+Nearest nearest_of_shell(const FclBodies& bodies, std::size_t body, const Eigen::Isometry3d& pose,
+                         const BlockedCells& cells, Nearest best) {
   const Eigen::Matrix3d turn = pose.linear().transpose();
   const Eigen::Vector3d shift = -turn * pose.translation();
   const auto away = [&](const Eigen::Vector3d& point) {
     return bodies.point_distance(body, turn * point + shift);
   };
+  const auto is_farther = [](const Candidate& a, const Candidate& b) { return a.bound > b.bound; };
   const double half_diagonal = 0.8660254037844387 * cells.edge() * (1.0 + 1e-9);
   std::vector<Candidate> near;
-  cells.visit_shell(
-      bounds(bodies, body, pose, limit),
-      [&](const Eigen::Vector3d& middle, double reach) { return away(middle) - reach < limit; },
-      [&](const Eigen::Vector3d& center) {
-        const double bound = away(center) - half_diagonal;
-        if (bound < limit) near.push_back({bound, center});
-      });
-  return near;
-}
-
-/// The nearest voxel of the shell that is nearer than `best`, or `best`.
-Nearest nearest_of_shell(const FclBodies& bodies, std::size_t body, const Eigen::Isometry3d& pose,
-                         const BlockedCells& cells, Nearest best) {
-  std::vector<Candidate> near = shell_near(bodies, body, pose, cells, best.distance);
-  const auto is_farther = [](const Candidate& a, const Candidate& b) { return a.bound > b.bound; };
+  cells.visit_blocks(bounds(bodies, body, pose, best.distance),
+                     [&](const Eigen::Vector3d& middle, double reach, std::size_t block) {
+                       const double bound = away(middle) - reach;
+                       if (bound < best.distance) near.push_back({bound, block, true});
+                     });
   std::make_heap(near.begin(), near.end(), is_farther);
-  for (auto end = near.end(); end != near.begin();) {  // few are looked at, so they are not sorted
-    std::pop_heap(near.begin(), end, is_farther);
-    const Candidate& candidate = *--end;
-    if (candidate.bound >= best.distance) break;
-    const double distance = bodies.cube_distance(body, pose, candidate.center, cells.edge(), best.distance);
+  while (!near.empty()) {
+    std::pop_heap(near.begin(), near.end(), is_farther);
+    const Candidate next = near.back();
+    near.pop_back();
+    if (next.bound >= best.distance) break;
+    if (next.is_block) {
+      const auto [first, end] = cells.shell(next.index);
+      for (std::size_t i = first; i < end; ++i) {
+        const double bound = away(cells.shell_cell(i)) - half_diagonal;
+        if (bound >= best.distance) continue;
+        near.push_back({bound, i, false});
+        std::push_heap(near.begin(), near.end(), is_farther);
+      }
+      continue;
+    }
+    const Eigen::Vector3d& center = cells.shell_cell(next.index);
+    const double distance = bodies.cube_distance(body, pose, center, cells.edge(), best.distance);
     if (distance >= best.distance) continue;
-    best = {distance, candidate.center};
+    best = {distance, center};
     if (distance <= 0.0) break;
   }
   return best;
