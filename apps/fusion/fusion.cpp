@@ -17,6 +17,7 @@
 #include "apps/fusion/tag_search.hpp"
 #include "datasets/sources/ordered_frames.hpp"
 #include "mapping/maps/map_damage.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/parallel.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -69,6 +70,12 @@ void warn_of_leftovers(Fusion& fusion) {
                   "`source: {scans: {clear_infinite: true}}` of the setup lets them free space up to "
                   "range_max");
   }
+  if (const SourceOptions& source = fusion.setup.source; counts.no_returns > 0)
+    fusion.warnings.push_back(
+        grouped(counts.no_returns) + " readings of laser scans are no less than `no_return` (" +
+        short_text(source.no_return) + " m): " +
+        (source.clear_infinite ? "they free space up to there, as `clear_infinite` has it"
+                               : "nothing came back, and they were left out"));
   if (counts.scans_refused > 0) {
     fusion.warnings.push_back(std::to_string(counts.scans_refused) +
                               " scans start outside the map's range and were left out");

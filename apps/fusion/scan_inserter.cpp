@@ -104,8 +104,8 @@ std::string range_spike(const std::string& sensor, const ScanInserter::RangeCoun
   return grouped(at_largest) + " of " + grouped(all) + " readings of laser " + quote(sensor) + " are " +
          range + " m, its largest, and " + grouped(nearly) +
          " others lie beyond 0.9 of it: some lasers say so where nothing came "
-         "back; with `max_range` below " +
-         range + " of `map` in the setup they are no obstacles, but free the space up to it";
+         "back; `source: {scans: {no_return: " +
+         range + "}}` of the setup leaves them out";
 }
 
 }  // namespace
@@ -152,14 +152,30 @@ void ScanInserter::take(const Frame& frame, const CloudFrame& cloud) {
   if (setup_.source.clear_infinite)
     for (const Eigen::Vector3f& end : cloud.clear_to)
       if (setup_.map.max_range || end.norm() <= farthest) waiting.scan.clear_to.push_back(end);
-  if (cloud.kind == "laser2d") count_ranges(cloud, laser_ranges_[frame.sensor]);
+  if (cloud.kind == "laser2d") {
+    take_no_returns(waiting.scan);
+    count_ranges(waiting.scan, laser_ranges_[frame.sensor]);
+  }
   waiting_.push_back(std::move(waiting));
   release();
 }
 
-void ScanInserter::count_ranges(const CloudFrame& cloud, RangeCounts& counts) const {
+void ScanInserter::take_no_returns(Scan& scan) {
+  const double least = setup_.source.no_return;
+  if (least == 0.0) return;
+  const double nearly = least - 1e-6 * least;  // as floats have it
+  counts_.no_returns += std::erase_if(scan.points, [&](const Eigen::Vector3f& point) {
+    const double range = point.cast<double>().norm();
+    if (!(range >= nearly)) return false;
+    if (setup_.source.clear_infinite && (setup_.map.max_range || least <= farthest))
+      scan.clear_to.emplace_back(point * static_cast<float>(least / range));
+    return true;
+  });
+}
+
+void ScanInserter::count_ranges(const Scan& scan, RangeCounts& counts) const {
   const double most = std::min(setup_.map.max_range.value_or(farthest), farthest);
-  for (const Eigen::Vector3f& point : cloud.points) {
+  for (const Eigen::Vector3f& point : scan.points) {
     const double range = point.norm();
     if (!(range < most)) continue;
     const auto place = static_cast<std::size_t>(std::lround(1000.0 * range));

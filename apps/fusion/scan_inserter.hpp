@@ -39,7 +39,9 @@ class ScanInserter {
     const SensorSetup* sensor = nullptr;
     std::size_t unusable = 0;  ///< CloudFrame::unusable
   };
-  void count_ranges(const CloudFrame& cloud, RangeCounts& counts) const;
+  /// Takes out the readings of a 2D laser that say that nothing came back.
+  void take_no_returns(Scan& scan);
+  void count_ranges(const Scan& scan, RangeCounts& counts) const;
   bool is_ready(const Waiting& waiting) const;
   std::optional<Eigen::Isometry3d> place(const Waiting& waiting) const;
   std::optional<Eigen::Isometry3d> place_on_robot(const SensorSetup& sensor, double time) const;

@@ -209,6 +209,7 @@ SourceOptions read_source(const YamlFields& fields, const std::filesystem::path&
   if (fields.has("scans")) {
     const YamlFields scans = fields.map("scans");
     if (scans.has("clear_infinite")) source.clear_infinite = scans.boolean("clear_infinite");
+    if (const auto range = scans.optional_number("no_return", {0.1, 1e4})) source.no_return = *range;
     scans.finish();
   }
   if (fields.has("depth")) source.depth = read_depth(fields.map("depth"), folder, source.bag, source.notes);

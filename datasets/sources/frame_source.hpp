@@ -106,10 +106,12 @@ struct SourceOptions {
   DepthOptions depth;
   std::optional<CloudFrameOf> clouds = {};  ///< empty: the map's, with a warning where viewpoints are turned
   bool clear_infinite = false;              ///< beams of 2D lasers that say +inf free space up to their range
-  double resolution = 0.02;                 ///< m, of the map: what a sensor may move while it sweeps once
-  double camera_seconds = 10.0;             ///< how long a live camera is watched
-  std::vector<std::string> placed;          ///< sensors, or kinds of clouds, whose place the setup says
-  bool places_depth = false;                ///< the setup's sensors say where the sensor "depth" is
+  double no_return =
+      0.0;  ///< m, 2D lasers: readings of so much or more say that nothing came back; 0: none does
+  double resolution = 0.02;                   ///< m, of the map: what a sensor may move while it sweeps once
+  double camera_seconds = 10.0;               ///< how long a live camera is watched
+  std::vector<std::string> placed;            ///< sensors, or kinds of clouds, whose place the setup says
+  bool places_depth = false;                  ///< the setup's sensors say where the sensor "depth" is
   std::filesystem::path numbered_poses = {};  ///< of `sensors`, without times: for a folder of KITTI's scans
   std::vector<std::string> notes = {};        ///< sentences about these options that are to be told
 };

@@ -82,6 +82,24 @@ TEST_F(InfiniteBeams, ThatAreCalledAReturnOfTheLargestRangeAreTold) {
     EXPECT_NE(fusion.warnings[0].find("201 of 1,001 readings of laser '/scan' are 50 m, its largest"),
               std::string::npos)
         << fusion.warnings[0];
+    const Fusion cured = fused(", scans: {no_return: 50}"),
+                 cleared = fused(", scans: {no_return: 50, clear_infinite: true}");
+    for (const Fusion* each : {&cured, &cleared}) {
+      EXPECT_EQ(each->counts.no_returns, 201U);
+      ASSERT_EQ(each->warnings.size(), 1U) << each->warnings.back();
+      EXPECT_TRUE(
+          each->warnings[0].starts_with("201 readings of laser scans are no less than `no_return` (50 m)"))
+          << each->warnings[0];
+    }
+    // Between a beam of the spike and its neighbours: beyond these nobody saw.
+    const double angle = -1.0 + step * 200;
+    const Eigen::Vector3d way(12.0 * std::cos(angle), 12.0 * std::sin(angle), 0.51),
+        end(50.0 * std::cos(angle), 50.0 * std::sin(angle), 0.51);
+    EXPECT_EQ(fusion.map.snapshot().state(end), VoxelState::occupied);
+    EXPECT_EQ(cured.map.snapshot().state(end), VoxelState::unknown);
+    EXPECT_EQ(cured.map.snapshot().state(way), VoxelState::unknown);
+    EXPECT_EQ(cleared.map.snapshot().state(end), VoxelState::unknown);
+    EXPECT_EQ(cleared.map.snapshot().state(way), VoxelState::seen_free);
   }
 }
 

@@ -354,7 +354,9 @@ TEST(SetupDetector, SaysHowImagesAreSearchedAndRefusesWhatTheDetectorDoesNotDo) 
 
 TEST(Setup, SaysWhichPartOfABagIsReadAndWhatInfiniteBeamsDo) {
   const SourceOptions source =
-      parse_setup("source: {bag: {from: 2.5, to: 60}, scans: {clear_infinite: true}}\n", "s").source;
+      parse_setup("source: {bag: {from: 2.5, to: 60}, scans: {clear_infinite: true, no_return: 50}}\n", "s")
+          .source;
+  EXPECT_EQ(source.no_return, 50.0);
   EXPECT_EQ(source.bag.from, 2.5);
   EXPECT_EQ(source.bag.to, 60.0);
   EXPECT_TRUE(source.clear_infinite);
@@ -388,6 +390,7 @@ TEST(Setup, SaysWhichPartOfABagIsReadAndWhatInfiniteBeamsDo) {
            {"source: {bag: {fixed_frame: a, frames: [{parent: a, child: /a, pose: [0, 0, 0, 0, 0, 0]}]}}",
             "expected another frame than 'parent'"},
            {"source: {scans: {clear_infinite: 1}}", "expected true or false"},
+           {"source: {scans: {no_return: 0}}", "no_return"},
            {"source: {scans: {clear: true}}", "unknown key"}}) {
     const std::string sentence = complaint([&text = text] { parse_setup(text, "s"); });
     EXPECT_NE(sentence.find(words), std::string::npos) << sentence;
