@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "apps/problem_sets/planning_scene.hpp"
+#include "datasets/yaml/whole_turn.hpp"
 #include "datasets/yaml/yaml_fields.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/files/json_field.hpp"
@@ -28,6 +29,8 @@ constexpr const char* turn_keys[] = {"orientation_quat_xyzw", "orientation_quat_
 Eigen::Matrix3d turn_of(const JsonField& turn, std::string_view key) {
   if (key == "orientation_euler_xyz" || key == "rpy") {
     const Eigen::VectorXd angles = turn.numbers(3);
+    if (!std::all_of(angles.begin(), angles.end(), is_within_turn))
+      turn.refuse("angles in radians, each within a whole turn");
     return rotation_from_rpy(angles[0], angles[1], angles[2]);
   }
   const Eigen::Vector4d given = turn.numbers(4);

@@ -102,6 +102,9 @@ TEST_F(Import, WhatIsWrongIsReportedInOneSentence) {
                  "expected a unit quaternion w, x, y, z");
   expect_refused("json", "a.json", box_with("\"rpy\": [0, 0, 1], \"quaternion_xyzw\": [0, 0, 0, 1]"),
                  "expected the same turn as 'quaternion_xyzw'");
+  for (const char* key : {"rpy", "orientation_euler_xyz"})
+    expect_refused("json", "a.json", box_with("\"" + std::string(key) + "\": [0, 0, 90]"),
+                   std::string(key) + "': expected angles in radians, each within a whole turn");
   expect_refused("json", "a.json", "{\"problems\": 3}", "problems");
   expect_refused("json", "a.json", "{\"problems\": {}}", "the files hold no problem, expected at least one");
   expect_refused("json", "a.json", "{\"problems\": {\"a\": [{\"start\": [0], \"goals\": []}]}}",
