@@ -59,7 +59,7 @@ std::optional<Eigen::Isometry3d> base_of(const YamlFields& root) {
   std::optional<Eigen::Isometry3d> base;
   const YamlFields state = root.map("trajectory_start").map("multi_dof_joint_state");
   for (const YamlFields& transform : state.list_of_maps("transforms")) {
-    const Eigen::Isometry3d pose = ros_pose(transform, "translation", "rotation");
+    const Eigen::Isometry3d pose = ros_transform(transform);
     if (pose.isApprox(Eigen::Isometry3d::Identity(), 1e-9)) continue;
     if (base) state.fail("transforms", "expected at most one that is not the identity: the robot's base");
     base = pose;

@@ -3,6 +3,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "apps/problem_sets/message_keys.hpp"
 #include "apps/problem_sets/own_names.hpp"
 #include "apps/problem_sets/planning_scene.hpp"
 #include "apps/problem_sets/scene_fields.hpp"
@@ -47,9 +48,11 @@ class GoalReader {
   /// Adds a goal, or, where a position may be in any of several regions, one for each.
   /// @param number of the goal in the request
   void add(const YamlFields& goal, std::size_t number, std::vector<ForeignGoal>& goals) const {
+    require_no_lost_keys(goal, RosMessage::constraints);
     if (!goal.list_of_maps("visibility_constraints").empty()) leave("visibility_constraints of a goal");
     ForeignGoal read;
     for (const YamlFields& joint : goal.list_of_maps("joint_constraints")) {
+      require_no_lost_keys(joint, RosMessage::joint_constraint);
       const JointBand& band =
           read.bands.emplace_back(JointBand{joint.text("joint_name"), joint.number("position", within_reach),
                                             joint.number("tolerance_below", not_negative, 0.0),
@@ -113,12 +116,14 @@ class GoalReader {
 
   /// The pose at each region of the constraint, as MoveIt takes any of them.
   std::vector<ForeignPose> at_positions(const YamlFields& constraint, ForeignPose pose) const {
+    require_no_lost_keys(constraint, RosMessage::position_constraint);
     const Eigen::Isometry3d* map_from_frame = frame_of(constraint);
     if (map_from_frame == nullptr) return {};
     pose.point = ros_coordinates(constraint, "target_point_offset", "xyz");
     if (!constraint.has("constraint_region"))
       constraint.fail("constraint_region", "expected the region of the goal, with 'primitives'");
     const YamlFields region = constraint.map("constraint_region");
+    require_no_lost_keys(region, RosMessage::region);
     const auto primitives = region.list_of_maps("primitives");
     if (primitives.empty()) {
       leave("a goal whose region is no box, sphere or cylinder");
@@ -137,10 +142,10 @@ class GoalReader {
   }
 
   bool set_turn(const YamlFields& constraint, ForeignPose& pose) const {
+    require_no_lost_keys(constraint, RosMessage::orientation_constraint);
     const Eigen::Isometry3d* map_from_frame = frame_of(constraint);
     if (map_from_frame == nullptr) return false;
-    pose.pose.map_from_tip.linear() =
-        map_from_frame->linear() * ros_pose(constraint, "position", "orientation").linear();
+    pose.pose.map_from_tip.linear() = map_from_frame->linear() * ros_turn(constraint, "orientation");
     Eigen::Array3d tolerance;
     for (int axis = 0; axis < 3; ++axis)
       tolerance[axis] =
@@ -190,6 +195,7 @@ ForeignProblem read_motion_request(const std::string& text, const std::filesyste
                                    const SceneContext& context, const ForeignWorld& scene,
                                    std::vector<std::string>& left_out) {
   const YamlFields request(text, "request " + quote_path(file.string()));
+  require_no_lost_keys(request, RosMessage::plan_request);
   ForeignProblem problem;
   problem.name = file.stem().string();
   problem.group = ros_word(request, "group_name");

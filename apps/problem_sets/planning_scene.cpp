@@ -5,6 +5,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "apps/problem_sets/message_keys.hpp"
 #include "apps/problem_sets/scene_fields.hpp"
 #include "apps/problem_sets/scene_octomap.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -60,6 +61,7 @@ class SceneReader {
 
   ForeignWorld read() {
     world_.name = file_.stem().string();
+    require_no_lost_keys(scene_, RosMessage::planning_scene);
     if (scene_.has("robot_state")) {
       require_base_at_origin(scene_.map("robot_state"));
       world_.joints = ros_joints(scene_.map("robot_state"));
@@ -80,6 +82,7 @@ class SceneReader {
   void leave(const std::string& what) { left_out_.push_back(file_.filename().string() + ": " + what); }
 
   void read_world(const YamlFields& world) {
+    require_no_lost_keys(world, RosMessage::scene_world);
     if (world.has("octomap")) add_octomap(world.map("octomap"));
     const auto objects = world.list_of_maps("collision_objects");
     if (objects.size() > most_objects) world.fail("collision_objects", "expected at most 100000 of them");
@@ -93,9 +96,10 @@ class SceneReader {
     frames_.place_links(context_.robot, world_.joints);
     std::vector<FixedFrame> others;
     for (const YamlFields& entry : scene_.list_of_maps("fixed_frame_transforms")) {
+      require_no_lost_keys(entry, RosMessage::transform_stamped);
       if (!entry.has("transform")) continue;
       FixedFrame frame{entry, ros_frame(entry), ros_word(entry, "child_frame_id"),
-                       ros_pose(entry.map("transform"), "translation", "rotation")};
+                       ros_transform(entry.map("transform"))};
       if (frame.child.starts_with('/')) frame.child.erase(0, 1);
       if (frame.header != frame.child)
         others.push_back(std::move(frame));
@@ -143,6 +147,7 @@ class SceneReader {
   }
 
   void add_octomap(const YamlFields& octomap) {
+    require_no_lost_keys(octomap, RosMessage::octomap_with_pose);
     if (!octomap.has("octomap")) return;
     const Eigen::Isometry3d origin =
         octomap.has("origin") ? ros_pose(octomap.map("origin")) : Eigen::Isometry3d::Identity();
@@ -271,6 +276,7 @@ class SceneReader {
   }
 
   void add_object(const YamlFields& object) {
+    require_no_lost_keys(object, RosMessage::collision_object);
     const std::string operation = ros_operation(object);
     if (operation == "remove") return remove_object(object);
     const std::string name = object.text("id");
@@ -293,6 +299,7 @@ class SceneReader {
     for (std::size_t i = 0; i < planes.size(); ++i) {
       ForeignSolid& solid = world_.solids.emplace_back(ForeignSolid{name, "plane"});
       solid.map_from_shape = map_from_object * places[i];
+      require_no_lost_keys(planes[i], RosMessage::plane);
       const auto plane = planes[i].numbers("coef", within_reach, 4);
       planes_[name].emplace_back(plane[0], plane[1], plane[2], plane[3]);
       spread(solid, planes_[name].back());
@@ -379,21 +386,8 @@ SceneFileKind kind_of_scene_file(const std::string& text, const std::filesystem:
   const YamlFields fields(text, "file " + called(file));
   if (fields.has("world")) return SceneFileKind::scene;
   if (fields.has("goal_constraints") || fields.has("start_state")) return SceneFileKind::request;
-  static const std::set<std::string> without_world{// what else a moveit_msgs/PlanningScene has
-                                                   "name",
-                                                   "robot_state",
-                                                   "robot_model_name",
-                                                   "fixed_frame_transforms",
-                                                   "allowed_collision_matrix",
-                                                   "link_scale",
-                                                   "is_diff",
-                                                   "object_colors",
-                                                   "link_padding"};
-  const std::vector<std::string> keys = fields.keys();
-  const bool is_scene = !keys.empty() && std::all_of(keys.begin(), keys.end(), [](const std::string& key) {
-    return without_world.contains(key);
-  });
-  return is_scene ? SceneFileKind::scene : SceneFileKind::neither;
+  // A moveit_msgs/PlanningScene may have no world.
+  return has_keys_of(fields, RosMessage::planning_scene) ? SceneFileKind::scene : SceneFileKind::neither;
 }
 
 ForeignWorld read_planning_scene(const std::string& text, const std::filesystem::path& file,

@@ -7,6 +7,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "apps/problem_sets/message_keys.hpp"
 #include "apps/problem_sets/planning_scene.hpp"
 #include "datasets/yaml/whole_turn.hpp"
 #include "datasets/yaml/yaml_fields.hpp"
@@ -60,18 +61,6 @@ Eigen::Isometry3d pose_of_object(const JsonField& object) {
     }
   }
   return pose;
-}
-
-/// Whether a key would say where something is or how large.
-bool tells_of_space(const std::string& key) {
-  static const char* const telling[] = {"orient", "rot",   "quat",   "euler",  "rpy",    "angle", "yaw",
-                                        "pose",   "pos",   "center", "centre", "origin", "trans", "offset",
-                                        "frame",  "axis",  "size",   "dim",    "extent", "radi",  "length",
-                                        "height", "width", "depth",  "scale",  "matrix", "unit",  "base"};
-  std::string word;
-  for (const char c : key) word += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return std::any_of(std::begin(telling), std::end(telling),
-                     [&](const char* part) { return word.find(part) != std::string::npos; });
 }
 
 /// Refuses keys that would say where or how large a solid is, and are not known; returns other unknown ones.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "apps/problem_sets/message_keys.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -65,6 +66,17 @@ std::vector<Eigen::Vector3d> mesh_inside(const YamlFields& mesh) {
 
 }  // namespace
 
+namespace {
+
+/// "x, y, z"
+std::string spaced(const std::string& names) {
+  std::string text;
+  for (const char name : names) text += (text.empty() ? "" : ", ") + std::string(1, name);
+  return text;
+}
+
+}  // namespace
+
 Eigen::VectorXd ros_coordinates(const YamlFields& fields, const std::string& key, const std::string& names) {
   Eigen::VectorXd values = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(names.size()));
   if (!fields.has(key)) return values;
@@ -73,20 +85,42 @@ Eigen::VectorXd ros_coordinates(const YamlFields& fields, const std::string& key
     return Eigen::Map<const Eigen::VectorXd>(list.data(), static_cast<Eigen::Index>(list.size()));
   }
   const YamlFields map = fields.map(key);
+  for (const std::string& name : map.keys())
+    if (name.size() != 1 || names.find(name) == std::string::npos)
+      map.fail(name, "expected no such key, as what it says would be lost, or one of " + spaced(names));
   for (std::size_t i = 0; i < names.size(); ++i)
     values[static_cast<Eigen::Index>(i)] = map.number(std::string(1, names[i]), within_reach, 0.0);
   return values;
 }
 
-Eigen::Isometry3d ros_pose(const YamlFields& fields, const std::string& position,
-                           const std::string& orientation) {
-  const Eigen::Vector3d at = ros_coordinates(fields, position, "xyz");
-  const Eigen::Vector4d turn = ros_coordinates(fields, orientation, "xyzw");
+Eigen::Matrix3d ros_turn(const YamlFields& fields, const std::string& key) {
+  const Eigen::Vector4d turn = ros_coordinates(fields, key, "xyzw");
   try {
-    return pose_of_quaternion(at, turn);
+    return pose_of_quaternion(Eigen::Vector3d::Zero(), turn).linear();
   } catch (const std::invalid_argument& error) {
-    fields.fail(orientation, error.what());
+    fields.fail(key, error.what());
   }
+}
+
+namespace {
+
+Eigen::Isometry3d pose_of_parts(const YamlFields& fields, const std::string& place, const std::string& turn) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.translation() = ros_coordinates(fields, place, "xyz");
+  pose.linear() = ros_turn(fields, turn);
+  return pose;
+}
+
+}  // namespace
+
+Eigen::Isometry3d ros_pose(const YamlFields& pose) {
+  require_no_lost_keys(pose, RosMessage::pose);
+  return pose_of_parts(pose, "position", "orientation");
+}
+
+Eigen::Isometry3d ros_transform(const YamlFields& transform) {
+  require_no_lost_keys(transform, RosMessage::transform);
+  return pose_of_parts(transform, "translation", "rotation");
 }
 
 std::string ros_word(const YamlFields& fields, const std::string& key) {
@@ -113,15 +147,17 @@ std::string ros_operation(const YamlFields& object) {
 std::string ros_frame(const YamlFields& fields) {
   if (!fields.has("header")) return "";
   const YamlFields header = fields.map("header");
+  require_no_lost_keys(header, RosMessage::header);
   std::string frame = ros_word(header, "frame_id");
   if (frame.starts_with('/')) frame.erase(0, 1);
   return frame;
 }
 
 void require_base_at_origin(const YamlFields& state) {
+  require_no_lost_keys(state, RosMessage::robot_state);
   if (!state.has("multi_dof_joint_state")) return;
   for (const YamlFields& pose : state.map("multi_dof_joint_state").list_of_maps("transforms"))
-    if (!ros_pose(pose, "translation", "rotation").isApprox(Eigen::Isometry3d::Identity(), 1e-9))
+    if (!ros_transform(pose).isApprox(Eigen::Isometry3d::Identity(), 1e-9))
       pose.fail("translation", "expected the robot's base at the map's origin, as the robot stands there");
 }
 
@@ -139,6 +175,7 @@ std::map<std::string, double> ros_joints(const YamlFields& state) {
 }
 
 void read_primitive(const YamlFields& primitive, ForeignSolid& solid) {
+  require_no_lost_keys(primitive, RosMessage::primitive);
   const std::string type = primitive.text("type");
   const auto dimensions = [&](std::size_t count) { return primitive.numbers("dimensions", sizes, count); };
   if (type == "1" || type == "box") {
@@ -188,6 +225,7 @@ std::vector<ForeignSolid> ros_solids(const YamlFields& object, const std::string
   const auto meshes = object.list_of_maps("meshes");
   const auto places_of_meshes = ros_poses(object, "mesh_poses", meshes.size());
   for (std::size_t i = 0; i < meshes.size(); ++i) {
+    require_no_lost_keys(meshes[i], RosMessage::mesh);
     ForeignSolid& solid = add(places_of_meshes[i]);
     solid.kind = "mesh";
     solid.triangles =
@@ -200,8 +238,10 @@ RosAttached ros_attached(const YamlFields& state, const PackageFolders& packages
                          const std::filesystem::path& folder) {
   RosAttached bodies;
   for (const YamlFields& entry : state.list_of_maps("attached_collision_objects")) {
+    require_no_lost_keys(entry, RosMessage::attached_object);
     if (!entry.has("object")) entry.fail("object", "expected the object that is attached");
     const YamlFields object = entry.map("object");
+    require_no_lost_keys(object, RosMessage::collision_object);
     const std::string operation = ros_operation(object);
     if (operation == "remove") {
       bodies.removed.push_back({ros_word(object, "id"), ros_word(entry, "link_name")});

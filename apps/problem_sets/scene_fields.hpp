@@ -16,9 +16,14 @@ namespace clearway {
 /// [x, y, z] or {x: …, y: …, z: …}; a coordinate that is left out is 0. @param names "xyz" or "xyzw"
 Eigen::VectorXd ros_coordinates(const YamlFields& fields, const std::string& key, const std::string& names);
 
-/// A pose of a position and an orientation; transforms call them translation and rotation.
-Eigen::Isometry3d ros_pose(const YamlFields& fields, const std::string& position = "position",
-                           const std::string& orientation = "orientation");
+/// A unit quaternion; none where the key is left out, or all four numbers are 0, as ROS writes it.
+Eigen::Matrix3d ros_turn(const YamlFields& fields, const std::string& key);
+
+/// geometry_msgs/Pose: position and orientation.
+Eigen::Isometry3d ros_pose(const YamlFields& pose);
+
+/// geometry_msgs/Transform: translation and rotation.
+Eigen::Isometry3d ros_transform(const YamlFields& transform);
 
 /// A word; empty when it is left out, or written as ROS writes an empty one: ''.
 std::string ros_word(const YamlFields& fields, const std::string& key);

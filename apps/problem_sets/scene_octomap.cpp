@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "apps/problem_sets/message_keys.hpp"
 #include "apps/problem_sets/scene_fields.hpp"
 #include "mapping/files/map_leaves.hpp"
 #include "mapping/files/octree_check.hpp"
@@ -35,6 +36,7 @@ std::size_t nodes_in(const std::string& bytes, bool is_binary, const std::string
 
 std::optional<ForeignSolid> read_octomap(const YamlFields& octomap,
                                          const Eigen::Isometry3d& map_from_octomap) {
+  require_no_lost_keys(octomap, RosMessage::octomap);
   if (!octomap.has("data")) return std::nullopt;
   const std::string bytes = bytes_of(octomap);
   if (bytes.empty()) return std::nullopt;

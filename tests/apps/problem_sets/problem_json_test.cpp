@@ -64,7 +64,7 @@ TEST_F(Import, WhatItDoesNotUnderstandIsNeverTakenForFreeSpaceInSilence) {
   EXPECT_EQ(import_with("\"mesh\": [], \"cuboid\": {}").status, exit_done);
   std::filesystem::remove_all(folder_.path() / "out");
   const std::string scene =
-      folder_.write("a.yaml", "world: {collision_objects: [{id: odd, primitive: [{type: box}]}]}");
+      folder_.write("a.yaml", "world: {collision_objects: [{id: odd, parts: [{type: box}]}]}");
   EXPECT_NE(import("mbm", {scene}).out.find("'odd', which has neither primitives nor meshes"),
             std::string::npos);
   std::filesystem::remove_all(folder_.path() / "out");
