@@ -144,7 +144,8 @@ class SuiteWriter {
     const Robot& robot = robot_of(ready.motion);
     ready.question = {
         problem.name, configuration(ordered_values(robot, problem, problem.start, "start")), {}, {}};
-    keep_goals(problem, [&](ForeignGoal& goal) { settle_joints(problem, robot, goal); });
+    keep_goals(problem,
+               [&](ForeignGoal& goal) { settle_joints(problem, robot, ready.question.start, goal); });
     ready.question.goals = std::move(problem.goals);
     AttachedLoads attached = loads_of(problem.attached, robot, ready.question.start);
     ready.question.loads = std::move(attached.loads);

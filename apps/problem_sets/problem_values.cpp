@@ -71,7 +71,8 @@ void resolve_followers(const ForeignProblem& problem, const Robot& whole, Foreig
   }
 }
 
-void settle_joints(const ForeignProblem& problem, const Robot& robot, ForeignGoal& goal) {
+void settle_joints(const ForeignProblem& problem, const Robot& robot, const Configuration& start,
+                   ForeignGoal& goal) {
   if (!goal.has_joints()) return;
   try {
     goal.joints.by_joint = allowed_values(goal, robot);
@@ -88,6 +89,10 @@ void settle_joints(const ForeignProblem& problem, const Robot& robot, ForeignGoa
     throw std::invalid_argument("problem " + quote(problem.name) + ": " + error.what());
   }
   goal.joints.values = ordered_values(robot, problem, goal.joints, "goal");
+  if (!goal.bands.empty()) {
+    const Configuration nearest = by_whole_turns(robot, configuration(goal.joints.values), start);
+    goal.joints.values.assign(nearest.begin(), nearest.end());
+  }
   goal.pose.reset();
 }
 

@@ -25,9 +25,12 @@ void require_known(const ForeignProblem& problem, const ForeignGoal& goal, const
 void resolve_followers(const ForeignProblem& problem, const Robot& whole, ForeignGoal& goal);
 
 /// Makes a goal of joint values one of values in the robot's order, within limits. A goal of a pose alone
-/// stays.
+/// stays. Constraints on joints that turn without end ask for any whole turn, as in MoveIt: of these the one
+/// nearest to the start.
+/// @param start in the robot's order
 /// @throws std::invalid_argument where the values do not keep what the goal asks of a pose or of what stands
 /// still
-void settle_joints(const ForeignProblem& problem, const Robot& robot, ForeignGoal& goal);
+void settle_joints(const ForeignProblem& problem, const Robot& robot, const Configuration& start,
+                   ForeignGoal& goal);
 
 }  // namespace clearway

@@ -86,6 +86,45 @@ TEST_F(ImportGoals, OfAJointThatTheGroupDoesNotMoveCountAsWell) {
                   "stands at 0.02");
 }
 
+/// Two joints without limits; a finger follows the second by `multiplier`.
+std::string spinner(const std::string& multiplier) {
+  const std::string sphere = "<sphere radius='0.05'/>";
+  return "<robot name='spinner'><link name='base'/>" + worlds::urdf_link("upper", "0.2 0 0", sphere) +
+         worlds::urdf_link("lower", "0.2 0 0", sphere) + worlds::urdf_link("finger", "0.2 0 0", sphere) +
+         worlds::urdf_joint("shoulder", "continuous", "base", "upper", "0 0 0", "0 0 1", "") +
+         worlds::urdf_joint("elbow", "continuous", "upper", "lower", "0.4 0 0", "0 0 1", "") +
+         worlds::urdf_joint("follow", "continuous", "lower", "finger", "0.4 0 0", "0 0 1",
+                            "<mimic joint='elbow' multiplier='" + multiplier + "'/>") +
+         "</robot>";
+}
+
+/// MoveIt compares angles of such joints, and OMPL goes the shorter way; within tolerances as well.
+TEST_F(ImportGoals, OfJointsWithoutLimitsAreTheWholeTurnNearestToTheStart) {
+  const auto goal_from = [&](double start, const std::string& constraint, const std::string& multiplier) {
+    std::filesystem::remove_all(folder_ / "out");
+    robot_ = folder_.write("spinner.urdf", spinner(multiplier));
+    const CommandRun run = import(
+        "mbm",
+        {folder_.write("scene.yaml", "world: {collision_objects: []}"),
+         folder_.write("request.yaml", "start_state: {joint_state: {name: [shoulder, elbow], position: [0, " +
+                                           std::to_string(start) + "]}}\ngoal_constraints: [" +
+                                           goal(joint("shoulder", 0.0) + ", " + constraint) + "]")});
+    EXPECT_EQ(run.status, exit_done) << run.log;
+    const std::string file = std::filesystem::directory_iterator(folder_ / "out/problems")->path();
+    const std::string text = read_file(file);
+    return Json::parse(text.substr(text.find('{')))["goals"][0][1].get<double>();
+  };
+  const double turn = 2.0 * std::acos(-1.0);
+  EXPECT_NEAR(goal_from(3.1, joint("elbow", -3.1), "1"), 3.1832, 1e-4) << "0.083 rad from the start";
+  EXPECT_NEAR(goal_from(-3.1, joint("elbow", 3.1), "1"), -3.1832, 1e-4);
+  EXPECT_NEAR(goal_from(7.0, joint("elbow", 0.5), "1"), 0.5 + turn, 1e-6);
+  EXPECT_NEAR(goal_from(0.2, joint("elbow", 12.0), "1"), 12.0 - 2.0 * turn, 1e-6);
+  EXPECT_NEAR(goal_from(3.1, joint("elbow", -3.1, 0.2, 0.2) + ", " + joint("elbow", -2.8, 0.1, 0.1), "1"),
+              -2.9 + turn, 1e-6)
+      << "of -2.9 to -2.9 the nearest to -3.1, a turn on";
+  EXPECT_NEAR(goal_from(3.1, joint("elbow", -3.1), "0.5"), -3.1, 1e-6) << "a turn would move the finger";
+}
+
 std::string at_region(const std::string& link, const std::vector<Eigen::Vector3d>& places) {
   std::string primitives, poses;
   for (const Eigen::Vector3d& at : places) {
