@@ -19,9 +19,12 @@ constexpr double rests_within = 1e-6;       ///< rad/s or m/s
 constexpr double same_place_within = 1e-9;  ///< rad or m
 constexpr double torque_rounding = 1e-3;    ///< of a limit, of velocities and accelerations in a file
 
+/// Whether it is one of the robot's joints, or follows one (mimic); plan_of_trajectory compares its rates.
 bool moves_by_plan(const Robot& robot, const std::string& name) {
   return std::any_of(robot.joints.begin(), robot.joints.end(),
-                     [&](const Joint& joint) { return joint.name == name; });
+                     [&](const Joint& joint) { return joint.name == name; }) ||
+         std::any_of(robot.links.begin(), robot.links.end(),
+                     [&](const Link& link) { return link.joint_name == name && link.joint >= 0; });
 }
 
 /// What a joint that stands still does between its points: the control points of its polynomials stay there.

@@ -1,6 +1,7 @@
 // Trajectories of other programs, and plans with their joints in another order, at `clearway check`.
 #include "apps/check/trajectory_plan.hpp"
 
+#include "apps/check/timed_trajectory.hpp"
 #include "mapping/files/map_digest.hpp"
 #include "planning/files/query_record.hpp"
 #include "planning/robot_files/load_robot.hpp"
@@ -248,6 +249,9 @@ TEST_F(CheckTrajectory, JointsThatFollowOthersMayBeInItWhereTheseTakeThem) {
   trajectory.accelerations = {{0.2, -0.4, 0.0, 0.0}, {}};
   const Plan plan = plan_of_trajectory(trajectory, robot, "t.json");
   EXPECT_EQ(plan.waypoints().back(), Configuration(Eigen::Vector3d(0.4, 0.3, 0.06)));
+  const auto timed = timed_trajectory(trajectory, robot, "t.json");
+  ASSERT_TRUE(timed);
+  EXPECT_EQ(timed->points[0].velocity, Eigen::VectorXd(Eigen::Vector3d(0.0, 0.0, 0.02)));
   const auto refusal = [&](std::vector<double>& values, double value) -> std::string {
     const double right = std::exchange(values[0], value);
     std::string sentence;
