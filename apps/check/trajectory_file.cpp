@@ -217,6 +217,8 @@ std::vector<ForeignTrajectory> read_trajectories(const std::filesystem::path& fi
   if (entries.empty()) root.fail("joint_names", "expected the names of a JointTrajectory");
   entries.front().start = start_of(root);
   entries.front().map_from_base = base_of(root);
+  if (!root.is_map("model_id") && !root.is_list("model_id"))
+    entries.front().model = root.prose("model_id", "");
   join_entries(entries, file);
   return entries;
 }

@@ -22,6 +22,7 @@ struct ForeignTrajectory {
   /// all are 0.
   std::vector<double> times{};
   std::vector<std::vector<double>> velocities{}, accelerations{};  ///< of each point with a time; empty: none
+  std::string model{};  ///< the robot that the file is for, model_id of a DisplayTrajectory; empty: not said
   std::string field{};  ///< "trajectory[1]" of one of several, by which messages name it; else empty
 };
 

@@ -185,6 +185,13 @@ void require_base(const ForeignTrajectory& trajectory, const Eigen::Isometry3d& 
                    ", expected --base " + flag + ", if that pose is of the map's frame, or no such pose");
 }
 
+std::string model_note(const ForeignTrajectory& trajectory, const Robot& robot) {
+  const std::string& model = trajectory.model;
+  if (model.empty() || model == robot.name || model == robot.model) return {};
+  return "the trajectory is for robot " + quote(model) + " (model_id), and judged for " +
+         quote(robot.model.empty() ? robot.name : robot.model);
+}
+
 Plan plan_of_trajectory(const ForeignTrajectory& trajectory, const Robot& robot,
                         const std::filesystem::path& file) {
   const std::vector<std::size_t> places = places_of_joints(trajectory, robot, file);

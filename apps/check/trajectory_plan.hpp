@@ -18,6 +18,9 @@ std::vector<std::string> hold_unnamed_joints(ForeignTrajectory& trajectory, cons
 void require_base(const ForeignTrajectory& trajectory, const Eigen::Isometry3d& map_from_base,
                   const std::filesystem::path& file);
 
+/// Says that the file is for a robot of another name (model_id), as RViz does; empty where it is not.
+std::string model_note(const ForeignTrajectory& trajectory, const Robot& robot);
+
 /// The points as a plan of one leg from the first (where the file says where the robot is before, from there)
 /// to the last, in the order of the robot's joints. What the trajectory says of joints that stand still has
 /// to be where they stand, and of joints that follow others (mimic) what these make of them, within 1e-4 rad

@@ -174,6 +174,8 @@ int run_check(const CheckOptions& options, Console& console) {
   if (is_trajectory) {
     adopt_terms(report.contract, plan, !timed.empty());
     require_base(entries.front(), report.contract.map_from_base.value, options.plan);
+    if (const std::string note = model_note(entries.front(), robot); !note.empty())
+      report.contract.notes.push_back(note);
     if (!unnamed.empty())
       report.contract.notes.push_back(
           "the trajectory does not name " + listed(unnamed) + ": judged where trajectory_start" +

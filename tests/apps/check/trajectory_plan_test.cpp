@@ -131,6 +131,23 @@ TEST_F(CheckTrajectory, GoalsAndResponsesAreReadAsTheTrajectoryInThem) {
   EXPECT_NE(failed.log.find("where planning failed"), std::string::npos) << failed.log;
 }
 
+/// A DisplayTrajectory names its robot; RViz warns, and shows it nevertheless.
+TEST_F(CheckTrajectory, AModelOfAnotherNameIsSaid) {
+  const auto notes_with = [&](const Json& model) {
+    Json message{{"model_id", model},
+                 {"trajectory", {{{"joint_trajectory", trajectory({{0.3, 0.0}, {0.5, 0.0}})}}}}};
+    const CommandRun run = check_file("t.json", message.dump(), {"--json"});
+    EXPECT_EQ(run.status, exit_done) << run.out << run.log;
+    return Json::parse(run.out)["contract"]["notes"].dump();
+  };
+  EXPECT_NE(
+      notes_with("ur10e").find("the trajectory is for robot 'ur10e' (model_id), and judged for 'point'"),
+      std::string::npos)
+      << notes_with("ur10e");
+  for (const char* same : {"", "point"})
+    EXPECT_EQ(notes_with(same).find("model_id"), std::string::npos) << same;
+}
+
 /// MoveIt says by a virtual joint where the base stands: 0.6 along x the disc is painted for other values.
 TEST_F(CheckTrajectory, ABaseThatTheFilePutsElsewhereIsNotJudgedHere) {
   const auto at = [&](double x, const std::vector<std::string>& flags) {
