@@ -34,7 +34,7 @@ function openMap(arrays: Arrays): MapView | null {
     if (!options.webgl) throw new Error("WebGL switched off");
     return new MapView(page, arrays, options, () => sayInView(lost));
   } catch (error) {
-    sayInView("This browser offers no WebGL 2, so the map cannot be drawn in 3D. Plans, plots, figures and tables are complete. "
+    sayInView(`This browser offers no WebGL 2, so the map cannot be drawn in 3D. ${page.plans.length > 0 ? "Plans, plots, figures and tables" : "Figures"} are complete. `
       + `(${(error as Error).message})`);
     return null;
   }

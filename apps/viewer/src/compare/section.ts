@@ -40,8 +40,9 @@ const share = (value: number) => (100 * value).toFixed(value > 0 && value < 1 ? 
 function nameCell(planner: Planner, color: number, ...marks: HTMLElement[]): HTMLElement {
   const options = Object.entries(planner.options).map(([key, value]) => `${key} = ${value}`).join("\n");
   const promise = planner.certified ? [] : [el("small", { class: "mark", title: "This planner does not prove its edges" }, "not certified")];
-  return el("td", { class: "planner", "data-value": String(color) }, el("i", { class: "swatch", style: `background:${colorOf(color)}`, "data-color": String(color) }),
-    el("span", { title: `${planner.planner}\n${options}` }, planner.label), ...promise, ...marks);
+  return el("td", { class: "planner", "data-value": String(color) },
+    el("span", { class: "name", title: `${planner.planner}\n${options}` }, el("i", { class: "swatch", style: `background:${colorOf(color)}`, "data-color": String(color) }), planner.label),
+    ...promise, ...marks);
 }
 
 /// A bar, the counts, and the share of valid runs with its interval.
