@@ -77,7 +77,7 @@ class Snapshot {
   /// Calls `visit` for each stored leaf with a state other than unknown, in the tree's order.
   void visit_leaves(const std::function<void(const Voxel&)>& visit) const;
   /// The same for those alone whose cubes meet `box`, and perhaps some that lie within a voxel of it: takes
-  /// as long as there are leaves about the box. An axis along which the box is not a number is not limited.
+  /// time in proportion to their number. An end of the box that is not a number does not limit it.
   void visit_leaves(const Eigen::AlignedBox3d& box, const std::function<void(const Voxel&)>& visit) const;
 
   /// Bit mask of the volumes whose critical parts include `part`; 0 when none does.

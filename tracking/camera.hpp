@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "mapping/voxels/eigen_layout.hpp"
 #include "tracking/lens_distortion.hpp"
 
 namespace clearway {

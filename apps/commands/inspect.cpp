@@ -155,10 +155,10 @@ int run_inspect(const InspectOptions& options, Console& console) {
   const MapLeaves leaves = loaded ? MapLeaves(edited(options, *loaded, tally))
                                   : MapLeaves::in_file(options.map, options.cloud_resolution);
   const Snapshot& map = leaves.about();
-  const std::optional<QueryRecord> record = record_to_keep(options);
+  const KeptRecord kept = record_to_keep(options);
   std::optional<Snapshot> other;
   if (!options.diff.empty()) other = load_map(options.diff, options.cloud_resolution);
-  if (const std::string remark = record_remark(options); !remark.empty()) console.warn("note: " + remark);
+  if (!kept.remark.empty()) console.warn("note: " + kept.remark);
   if (const std::string remark = painted_csv_remark(options.map, loaded ? *loaded : map); !remark.empty())
     console.warn("note: " + remark);
   if (const std::string remark =
@@ -196,7 +196,7 @@ int run_inspect(const InspectOptions& options, Console& console) {
   if (!options.view.empty())
     save_file(options.view, other ? difference_page(drawn, name) : map_page(leaves, name, place));
   if (!options.save.empty()) {
-    save_edited(options, record, map);
+    save_edited(options, kept.record, map);
     json["saved"] = options.save.string();
   }
 

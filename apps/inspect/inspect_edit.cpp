@@ -11,6 +11,7 @@
 #include "mapping/maps/map_edit.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/input_file.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/files/query_record.hpp"
 
 namespace clearway {
@@ -87,22 +88,25 @@ std::optional<QueryRecord> record_of(const std::filesystem::path& map) {
 
 }  // namespace
 
-std::optional<QueryRecord> record_to_keep(const InspectOptions& options) {
+KeptRecord record_to_keep(const InspectOptions& options) {
   if (options.save.empty()) return {};
-  std::optional<QueryRecord> record = record_of(options.map);
-  return record || options.merge.empty() ? record : record_of(options.merge);
-}
-
-std::string record_remark(const InspectOptions& options) {
-  if (options.save.empty() || options.merge.empty()) return {};
-  const std::optional<QueryRecord> kept = record_of(options.map);
-  std::optional<QueryRecord> other = record_of(options.merge);
-  if (!kept || !other) return {};
-  other->map_sha256 = kept->map_sha256;
-  other->made_for = kept->made_for;
-  if (to_json(*kept) == to_json(*other)) return {};
-  return "both maps have a record of their queries: that of " + quote_path(options.map.string()) +
-         " is kept, that of " + quote_path(options.merge.string()) + " is not";
+  KeptRecord kept{record_of(options.map)};
+  if (options.merge.empty()) return kept;
+  if (!kept.record) return {record_of(options.merge)};
+  const std::string is_not = " is kept, that of " + quote_path(options.merge.string()) + " is not";
+  try {
+    std::optional<QueryRecord> other = record_of(options.merge);
+    if (!other) return kept;
+    other->map_sha256 = kept.record->map_sha256;
+    other->made_for = kept.record->made_for;
+    if (to_json(*kept.record) == to_json(*other)) return kept;
+  } catch (const std::runtime_error&) {  // DamagedFile
+    kept.remark = "the record of queries of " + quote_path(options.map.string()) + is_not + ": it is damaged";
+    return kept;
+  }
+  kept.remark =
+      "both maps have a record of their queries: that of " + quote_path(options.map.string()) + is_not;
+  return kept;
 }
 
 void save_edited(const InspectOptions& options, std::optional<QueryRecord> record, const Snapshot& map) {

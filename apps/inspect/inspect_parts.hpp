@@ -70,12 +70,16 @@ std::string hand_edit_remark(const InspectOptions& options, const HandEditTally&
 nlohmann::ordered_json describe_hand_edit(const HandEditTally& tally);
 void print_hand_edit(const nlohmann::ordered_json& json, std::ostream& out);
 
+/// A record of queries, and what to tell of another one; none: empty.
+struct KeptRecord {
+  std::optional<QueryRecord> record = {};
+  std::string remark = {};
+};
+
 /// The queries that MAP has a record of, else those of the map of --merge, for the map that --save makes of
 /// them; none of them without --save.
-/// @throws as load_query_record
-std::optional<QueryRecord> record_to_keep(const InspectOptions& options);
-/// What to tell when both have a record and these differ; empty otherwise.
-std::string record_remark(const InspectOptions& options);
+/// @throws as load_query_record, of the record that would be kept
+KeptRecord record_to_keep(const InspectOptions& options);
 
 /// Writes the map to --save, with these queries. @throws std::invalid_argument when that would replace a map
 /// that was read.

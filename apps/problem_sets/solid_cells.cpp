@@ -1,7 +1,6 @@
 #include "apps/problem_sets/solid_cells.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <tuple>
 

@@ -192,8 +192,8 @@ std::string unread(const mrpt::obs::CObservation& observation) {
   std::string_view kind = observation.GetRuntimeClass()->className;
   kind.remove_prefix(std::min(kind.size(), kind.rfind(':') + 1));
   if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) return {};
-  return "what MRPT keeps as " + std::string(kind) + " is not read, as of sensor " +
-         quote(observation.sensorLabel);
+  return "sensor " + quote(observation.sensorLabel) + ": what MRPT keeps as " + std::string(kind) +
+         " is not read";
 }
 
 }  // namespace

@@ -158,10 +158,11 @@ void add_points(std::array<Eigen::Vector3f, 3> corners, double step, std::vector
 }
 
 /// About how many of them.
-double points_over(const std::array<Eigen::Vector3f, 3>& corners, double step) {
-  const double area = 0.5 * (corners[1] - corners[0]).cross(corners[2] - corners[0]).cast<double>().norm();
+double points_over(const CloudFace& corners, double step) {
+  const auto corner = [&](std::size_t i) { return Eigen::Vector3d(corners[i % 3].cast<double>()); };
+  const double area = 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm();
   double around = 0.0;
-  for (std::size_t i = 0; i < 3; ++i) around += (corners[i] - corners[(i + 1) % 3]).cast<double>().norm();
+  for (std::size_t i = 0; i < 3; ++i) around += (corner(i) - corner(i + 1)).norm();
   return area / (step * step) + around / step + 3.0;
 }
 
@@ -186,7 +187,7 @@ CloudSurface read_surface(const std::filesystem::path& file, double edge) {
                         "' is damaged: a face of it has a corner that is not finite, and without it there "
                         "would be a hole; expected finite corners, or points alone");
     asked += points_over(corners, step);
-    if (asked > most)
+    if (!(asked <= most))
       throw std::invalid_argument("'" + file.string() +
                                   "' has faces of more than 50 million points at voxels of " + to_text(edge) +
                                   " m: expected smaller ones, or a coarser --cloud-resolution");

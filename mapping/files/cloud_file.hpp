@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "mapping/files/cloud_spacing.hpp"
+#include "mapping/voxels/eigen_layout.hpp"
 
 namespace clearway {
 
@@ -37,8 +38,7 @@ struct CloudSurface {
 
 /// The points as read_cloud has them, with others on the faces no farther apart than 0.4 `edge`, metres.
 /// @throws std::invalid_argument where these would be more than 50 million; DamagedFile as above, and for a
-/// face
-///         with a corner that is not finite.
+///         face with a corner that is not finite.
 CloudSurface read_surface(const std::filesystem::path& file, double edge);
 
 /// A cloud and the place it was seen from, both in the file's own frame.

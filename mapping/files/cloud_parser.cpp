@@ -169,11 +169,11 @@ void require_plain_vertices(const std::filesystem::path& file) {
   if (has_vertex_lists(ply_header(content))) throw std::runtime_error("lists of its vertices are cut off");
 }
 
-using Triangle = std::array<std::uint32_t, 3>;
+using TriangleIndices = std::array<std::uint32_t, 3>;
 
 /// Each face as a fan about its first corner.
-std::vector<Triangle> fans(const std::vector<pcl::Vertices>& faces, std::size_t points) {
-  std::vector<Triangle> triangles;
+std::vector<TriangleIndices> fans(const std::vector<pcl::Vertices>& faces, std::size_t points) {
+  std::vector<TriangleIndices> triangles;
   for (const pcl::Vertices& face : faces) {
     const auto& corners = face.vertices;
     for (const auto corner : corners)
@@ -215,7 +215,7 @@ std::string read_with_pcl(const std::filesystem::path& file, const std::string& 
     throw std::runtime_error("it holds fewer points than its header says");
   }
   const Coordinate coordinates[3] = {coordinate(cloud, "x"), coordinate(cloud, "y"), coordinate(cloud, "z")};
-  const std::vector<Triangle> triangles = fans(mesh.polygons, count);
+  const std::vector<TriangleIndices> triangles = fans(mesh.polygons, count);
   std::string points(points_at + count * sizeof(Eigen::Vector3f), '\0');
   const float viewpoint[7] = {origin.x(), origin.y(), origin.z(), turn.w(), turn.x(), turn.y(), turn.z()};
   std::memcpy(points.data(), viewpoint, sizeof(viewpoint));
@@ -228,7 +228,8 @@ std::string read_with_pcl(const std::filesystem::path& file, const std::string& 
     }
   }
   if (!triangles.empty())
-    points.append(reinterpret_cast<const char*>(triangles.data()), triangles.size() * sizeof(Triangle));
+    points.append(reinterpret_cast<const char*>(triangles.data()),
+                  triangles.size() * sizeof(TriangleIndices));
   return points;
 }
 
@@ -268,10 +269,11 @@ ParsedCloud parse_cloud(const std::filesystem::path& file) {
   cloud.points.resize(count);
   const std::size_t rest = points_at + count * sizeof(Eigen::Vector3f);
   std::memcpy(cloud.points.data()->data(), bytes.data() + points_at, rest - points_at);
-  cloud.triangles.resize((bytes.size() - rest) / sizeof(Triangle));
+  cloud.triangles.resize((bytes.size() - rest) / sizeof(TriangleIndices));
   if (!cloud.triangles.empty())
-    std::memcpy(cloud.triangles.data(), bytes.data() + rest, cloud.triangles.size() * sizeof(Triangle));
-  for (const Triangle& triangle : cloud.triangles)
+    std::memcpy(cloud.triangles.data(), bytes.data() + rest,
+                cloud.triangles.size() * sizeof(TriangleIndices));
+  for (const TriangleIndices& triangle : cloud.triangles)
     for (const std::uint32_t corner : triangle)
       if (corner >= count) refuse(file, "a face names a point that it does not hold");
   return cloud;

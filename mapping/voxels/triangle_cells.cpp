@@ -1,10 +1,13 @@
 #include "mapping/voxels/triangle_cells.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 namespace clearway {
 namespace {
+
+constexpr double farthest_cell = 1e9;
 
 /// Halves the block of cells `first` to `last` along its longest side, as long as the triangle meets it.
 void visit_block(const Triangle& triangle, double edge, const Eigen::Vector3i& first,
@@ -57,7 +60,8 @@ void visit_cells_met(const Triangle& triangle, double edge,
   const Eigen::Vector3d low = triangle[0].cwiseMin(triangle[1]).cwiseMin(triangle[2]);
   const Eigen::Vector3d high = triangle[0].cwiseMax(triangle[1]).cwiseMax(triangle[2]);
   const auto cell = [&](const Eigen::Vector3d& point, double aside) {
-    return Eigen::Vector3i((point.array() / edge + aside).floor().cast<int>());
+    return Eigen::Vector3i(
+        (point.array() / edge + aside).floor().max(-farthest_cell).min(farthest_cell).cast<int>());
   };
   visit_block(triangle, edge, cell(low, -1e-6), cell(high, 1e-6), visit);
 }

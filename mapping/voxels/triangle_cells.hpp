@@ -15,8 +15,8 @@ using Triangle = std::array<Eigen::Vector3d, 3>;
 bool triangle_meets_box(const Triangle& triangle, const Eigen::Vector3d& center, const Eigen::Vector3d& half);
 
 /// Calls `visit` once for each cell that the triangle meets, as above: cell (i, j, k) reaches from
-/// `edge` (i, j, k) on by `edge` along each axis. Takes as long as there are such cells.
-/// @param triangle finite, less than 1e9 edges from the origin
+/// `edge` (i, j, k) on by `edge` along each axis. Takes time in proportion to their number.
+/// @param triangle finite; of what lies more than 1e9 edges from the origin no cell is promised
 void visit_cells_met(const Triangle& triangle, double edge,
                      const std::function<void(const Eigen::Vector3i&)>& visit);
 

@@ -150,7 +150,7 @@ TEST(Snapshot, LeavesOfABoxAreAllThatMeetItAndNoneAVoxelAway) {
       Eigen::AlignedBox3d box(corner, corner + Eigen::Vector3d(side(random), side(random), side(random)));
       if (trial % 5 == 1) box.min().x() = -HUGE_VAL;
       if (trial % 5 == 2) box.max().y() = std::numeric_limits<double>::quiet_NaN();
-      const Eigen::Vector3d grown = Eigen::Vector3d::Constant(2.0 * map.resolution());
+      const Eigen::Vector3d grown = Eigen::Vector3d::Constant((1.0 + 1e-9) * map.resolution());
       const auto meets = [](const Voxel& leaf, const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
         const Eigen::Vector3d half = Eigen::Vector3d::Constant(leaf.size / 2);
         return !((leaf.center + half).array() < low.array()).any() &&

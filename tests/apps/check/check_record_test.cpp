@@ -170,6 +170,13 @@ TEST_F(CheckRecorded, it_counts_for_a_map_merged_with_one_that_has_none_whicheve
   EXPECT_NE(both.second.find("both maps have a record of their queries: that of '" + map + "' is kept"),
             std::string::npos)
       << both.second;
+  folder_.write("bare/queries.json", "{}");  // damaged: that of the first is kept, that of the second wanted
+  const auto damaged = merged(map, bare);
+  EXPECT_TRUE(damaged.first);
+  EXPECT_NE(damaged.second.find("it is damaged"), std::string::npos) << damaged.second;
+  std::filesystem::remove_all(folder_.file("merged"));
+  EXPECT_EQ(run_command({"inspect", bare, "--merge", map, "--save", folder_.file("merged")}).status,
+            exit_damaged);
 }
 
 TEST_F(CheckRecorded, a_record_of_another_map_or_robot_does_not_count_and_a_damaged_one_is_reported) {

@@ -61,22 +61,34 @@ list(JOIN headers "\n" includes)
 file(WRITE ${WORK}/headers/every_header.cpp "${includes}\nint main() {}\n")
 file(WRITE ${WORK}/headers/CMakeLists.txt "cmake_minimum_required(VERSION 3.25)\nproject(every_header LANGUAGES C CXX)\n\
 find_package(clearway 0.2 REQUIRED)\nadd_executable(every_header every_header.cpp)\ntarget_link_libraries(every_header PRIVATE\n\
-  clearway::mapping clearway::planning clearway::tracking clearway::datasets)\n")
+  clearway::mapping clearway::planning clearway::tracking clearway::datasets)\n\
+add_library(poses STATIC poses.cpp)\ntarget_link_libraries(poses PRIVATE Eigen3::Eigen)\n\
+add_executable(reads_poses reads_poses.cpp)\ntarget_link_libraries(reads_poses PRIVATE poses clearway::mapping)\n\
+foreach(target poses reads_poses)\n  target_compile_options(\${target} PRIVATE \${AVX})\nendforeach()\n")
+# A library beside ours, and a program of both: they agree on where a pose lies, whatever they are compiled for.
+file(WRITE ${WORK}/headers/poses.hpp "#include <Eigen/Geometry>\nstruct Stamped { char stamp; Eigen::Isometry3d pose; };\n\
+Stamped seventh();\n")
+file(WRITE ${WORK}/headers/poses.cpp "#include \"poses.hpp\"\nStamped seventh() {\n\
+  return {1, Eigen::Isometry3d(Eigen::Translation3d(7, 0, 0))};\n}\n")
+file(WRITE ${WORK}/headers/reads_poses.cpp "#include \"poses.hpp\"\n#include \"mapping/voxels/sphere.hpp\"\n#include <iostream>\n\
+int main() { std::cout << seventh().pose.translation().x(); }\n")
 # The examples are compiled for another instruction set: what both sides share must not depend on it.
 file(STRINGS /proc/cpuinfo avx REGEX "^flags.* avx " LIMIT_COUNT 1)
+if(avx)
+  set(for_avx -mavx)
+endif()
 foreach(project headers examples)
   set(source ${WORK}/headers)
   set(flags -Wall)
   if(project STREQUAL examples)
     set(source ${SOURCE}/apps/examples)
-    if(avx)
-      set(flags "-Wall -mavx")
-    endif()
+    string(APPEND flags " ${for_avx}")
   endif()
   run(COMMAND ${CMAKE_COMMAND} -G Ninja -S ${source} -B ${WORK}/${project}/build -DCMAKE_PREFIX_PATH=${prefix}
-    -DCMAKE_CXX_FLAGS=${flags} -DCMAKE_COMPILE_WARNING_AS_ERROR=ON)
+    -DCMAKE_CXX_FLAGS=${flags} -DCMAKE_COMPILE_WARNING_AS_ERROR=ON "-DAVX=${for_avx}")
   run(COMMAND ${CMAKE_COMMAND} --build ${WORK}/${project}/build)
 endforeach()
+run(COMMAND ${WORK}/headers/build/reads_poses PRINTS "^7$")
 set(ENV{CLEARWAY_DATASETS} ${prefix}/share/clearway)
 file(GLOB examples ${SOURCE}/apps/examples/*.cpp)
 foreach(example ${examples})

@@ -362,7 +362,7 @@ TEST_F(ReportPageInChromium, OpensWithACutWhereWallsHideWhatItIsAbout) {
   }
 }
 
-/// What differs, but is blocked in neither or in both, is not drawn else: it may be much.
+/// What differs, but is blocked in neither or in both, is hidden otherwise, because it may be much.
 TEST_F(ReportPageInChromium, ShowsOtherChangesWhereNothingElseDiffers) {
   const auto room = [](double radius, bool has_box) {
     VoxelScene scene{0.05, {box_of(-1.0, -1.0, 0.0, 1.0, 1.0, 0.05)}, {{{-0.5, 0.0, 0.5}, radius}}, {"tool"}};

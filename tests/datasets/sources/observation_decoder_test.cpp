@@ -287,7 +287,7 @@ TEST(ObservationDecoder, SensorsThatAreNotReadAreNamed) {
   EXPECT_TRUE(decoded(turning, &skipped).empty());
   EXPECT_TRUE(decoded(mrpt::obs::CObservationIMU(), &skipped).empty());
   ASSERT_EQ(skipped.size(), 2U);
-  EXPECT_EQ(skipped[0], "what MRPT keeps as CObservationRotatingScan is not read, as of sensor 'Velodyne'");
+  EXPECT_EQ(skipped[0], "sensor 'Velodyne': what MRPT keeps as CObservationRotatingScan is not read");
   EXPECT_EQ(skipped[1], "");
 }
 
