@@ -173,7 +173,8 @@ void append_splines(const SplineVerdict& splines, double duration, Rows& rows) {
     std::string shares;
     for (const auto& [share, limits] : {std::pair{splines.velocity_share, " of velocity limits"},
                                         std::pair{splines.acceleration_share, " of acceleration limits"}})
-      if (share > 0.0) shares += (shares.empty() ? ", at most " : " and ") + percent(share) + limits;
+      if (share.value_or(0.0) > 0.0)
+        shares += (shares.empty() ? ", at most " : " and ") + percent(*share) + limits;
     rows.emplace_back("motion", "valid: " + significant(duration, 4) + " s" + shares);
   }
 }
@@ -185,6 +186,8 @@ void append_torques(const TorqueFinding& torques, Rows& rows) {
                       "gravity alone takes more than 95 % of the torque limit of joint " + shortened(joint));
 }
 
+Json or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
+
 Json splines_json(const SplineVerdict& splines, double duration) {
   return {{"verdict", splines.is_valid()       ? "valid"
                       : !splines.fault.empty() ? "refused"
@@ -192,8 +195,8 @@ Json splines_json(const SplineVerdict& splines, double duration) {
                                                : "refused"},
           {"fault", splines.fault},
           {"duration_s", duration},
-          {"velocity_share", splines.velocity_share},
-          {"acceleration_share", splines.acceleration_share},
+          {"velocity_share", or_null(splines.velocity_share)},
+          {"acceleration_share", or_null(splines.acceleration_share)},
           {"straight_lines", splines.lines},
           {"cubics", splines.cubics},
           {"quintics", splines.quintics}};

@@ -113,7 +113,7 @@ SplineVerdict check_timed(const std::vector<TimedTrajectory>& entries, const Rob
       all.path = next.path;
       all.path.min_clearance = clearance;
       all.fault = next.fault;
-      all.velocity_share = std::max(all.velocity_share, next.velocity_share);
+      all.velocity_share = std::max(all.velocity_share, next.velocity_share);  // none is below all
       all.acceleration_share = std::max(all.acceleration_share, next.acceleration_share);
       all.lines += next.lines;
       all.cubics += next.cubics;

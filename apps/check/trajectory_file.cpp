@@ -86,8 +86,10 @@ std::map<std::string, double> start_of(const YamlFields& root) {
   return start;
 }
 
-/// Seconds, as ROS 2 (sec, nanosec), ROS 1 (secs, nsecs) and bridges between them (sec, nsec) write them.
+/// Seconds, as ROS 2 (sec, nanosec), ROS 1 (secs, nsecs) and bridges between them (sec, nsec) write them, or
+/// a number of seconds, as Robowflex does.
 double time_of(const YamlFields& point) {
+  if (!point.is_map("time_from_start")) return point.number("time_from_start", {0.0, 1e9});
   const YamlFields time = point.map("time_from_start");
   double sum = 0.0;
   std::size_t known = 0;

@@ -166,7 +166,7 @@ std::string torque_fault(const Robot& robot, double period, const TorqueTerms& t
   text.imbue(std::locale::classic());
   text << "motion: after " << period * found.place << " s the torque of joint "
        << shortened(robot.joints[static_cast<std::size_t>(found.joint)].name) << " is " << found.torque
-       << ", its limit " << terms.limits[found.joint] << " by the URDF's effort, of which 0 states none";
+       << ", beyond its limit of " << terms.limits[found.joint] << ", the URDF's effort";
   return text.str();
 }
 

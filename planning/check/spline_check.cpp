@@ -155,10 +155,10 @@ class SplineChecker {
   }
 
   void compare(const char* what, std::size_t edge, std::size_t j, const Bezier& rate, double limit,
-               double rounding, double& share) {
+               double rounding, std::optional<double>& share) {
     if (!(limit > 0.0)) return;  // not known
     const BezierPeak found = peak(rate, static_cast<Eigen::Index>(j));
-    share = std::max(share, std::abs(found.value) / limit);
+    share = std::max(share.value_or(0.0), std::abs(found.value) / limit);
     if (std::abs(found.value) > limit * (1.0 + excess) + std::min(rounding, most_rounding * limit))
       refuse_rate(what, edge, found, j, limit);
   }

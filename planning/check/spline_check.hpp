@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,9 +23,9 @@ struct SplineVerdict {
   PathVerdict path;   ///< of the curve; `edge` is that from point `edge` to the next, `parameter` a share of
                       ///< its time; without `clearance`
   std::string fault;  ///< one sentence where a limit of velocity or acceleration is exceeded; else empty
-  double velocity_share = 0.0, acceleration_share = 0.0;  ///< of the limits that are known, the greatest
-  std::size_t lines = 0, cubics = 0, quintics = 0;        ///< edges of each kind
-  std::vector<Configuration> chords{};                    ///< that hold the curve to 0.5 mrad or mm
+  std::optional<double> velocity_share, acceleration_share;  ///< of limits, the greatest; none: none is known
+  std::size_t lines = 0, cubics = 0, quintics = 0;           ///< edges of each kind
+  std::vector<Configuration> chords{};                       ///< that hold the curve to 0.5 mrad or mm
 
   bool is_valid() const { return path.valid && fault.empty(); }
 };

@@ -19,6 +19,11 @@ std::size_t joint_index(const Robot& robot, const std::string& name, const std::
   const std::vector<std::string> names = joint_names(robot);
   const auto found = std::find(names.begin(), names.end(), name);
   if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+  for (const Link& link : robot.links)
+    if (link.joint_name == name && link.joint >= 0)
+      throw std::invalid_argument(
+          file.string() + ": joint " + quote(name) + " cannot be fixed, because it follows " +
+          quote(names[static_cast<std::size_t>(link.joint)]) + " (mimic), expected that one");
   const std::string nearest = nearest_name(name.substr(0, 100), names, 3);
   throw std::invalid_argument(file.string() + ": joint " + quote(name) +
                               " cannot be fixed, because no joint of that name moves" +

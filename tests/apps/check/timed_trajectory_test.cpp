@@ -81,6 +81,7 @@ TEST_F(CheckTimed, SpeedsBeyondALimitAreRefused) {
   EXPECT_EQ(quintic.status, exit_done) << quintic.out;
   EXPECT_NEAR(Json::parse(quintic.out)["motion"]["velocity_share"].get<double>(), 1.875 * 0.3 / 0.57, 1e-9);
   EXPECT_EQ(Json::parse(quintic.out)["motion"]["quintics"], 1);
+  EXPECT_TRUE(Json::parse(quintic.out)["motion"]["acceleration_share"].is_null()) << quintic.out;
   EXPECT_NE(quintic.out.find("no acceleration limit of any joint"), std::string::npos) << quintic.out;
 }
 
@@ -160,6 +161,10 @@ TEST_F(CheckTimed, TimesAreReadByTheirNamesOrRefused) {
   EXPECT_EQ(at({{"sec", 0}, {"nsec", 900'000'000}}, {{"sec", 1}, {"nsec", 100'000'000}}), exit_no);  // 2 m/s
   EXPECT_EQ(at({{"secs", 0}, {"nsecs", 100'000'000}}, {{"secs", 1}, {"nsecs", 0}}), exit_done);
   EXPECT_EQ(at({{"sec", 0}}, {{"sec", 1}}), exit_done);
+  EXPECT_EQ(at(0.0, 0.5), exit_done);
+  EXPECT_EQ(at(0.9, 1.1), exit_no);  // 2 m/s
+  EXPECT_EQ(at(0.0, "1 s"), exit_bad_input);
+  EXPECT_EQ(at(-0.5, 1.0), exit_bad_input);
   EXPECT_EQ(at({{"sec", 0}, {"nanos", 0}}, {{"sec", 1}, {"nanos", 0}}), exit_bad_input);
   EXPECT_EQ(at({{"sec", 0}, {"secs", 0}}, {{"sec", 1}, {"secs", 1}}), exit_bad_input);
   EXPECT_EQ(at(Json::object(), {{"sec", 1}}), exit_bad_input);

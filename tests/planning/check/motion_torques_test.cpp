@@ -130,12 +130,12 @@ TEST(GreatestTorques, TheSentenceNamesTimeJointTorqueAndLimit) {
   terms.limits[2] = 12.0;
   EXPECT_EQ(torque_fault(robot, 0.25, terms, {1.5, -18.0, 5.0, 2, {}}),
             "motion: after 1.25 s the torque of joint " + shortened(robot.joints[2].name) +
-                " is -18, its limit 12 by the URDF's effort, of which 0 states none");
+                " is -18, beyond its limit of 12, the URDF's effort");
   expect_same_in_every_locale(
       [&] {
         return torque_fault(robot, 0.25, terms, {1.5, -18.25, 5.0, 2, {}});
       },
-      "is -18.25, its limit 12");
+      "is -18.25, beyond its limit of 12");
   EXPECT_EQ(torque_fault(robot, 0.25, terms, {1.1, 13.2, 5.0, 2, {}}, 0.2), "");
   EXPECT_NE(torque_fault(robot, 0.25, terms, {1.3, 13.2, 5.0, 2, {}}, 0.2), "");
 }

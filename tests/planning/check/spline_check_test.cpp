@@ -170,7 +170,7 @@ TEST(SplineCheck, ComparesTheGreatestRatesOfRandomTrajectories) {
     if (pull == 0.0) pull = 1.0;  // straight lines alone
     const SplineVerdict found = check(disc(of_speed * speed, of_pull * pull), empty, points);
     ASSERT_TRUE(found.path.valid) << found.path.first_contact;
-    EXPECT_NEAR(found.velocity_share, 1.0 / of_speed, 1e-4);
+    EXPECT_NEAR(found.velocity_share.value(), 1.0 / of_speed, 1e-4);
     const bool is_exceeded = of_speed < 0.9999 || (of_pull < 0.9999 && pull != 1.0);
     if (of_speed > 1.0001 && of_pull > 1.0001) {
       EXPECT_EQ(found.fault, "") << i;
@@ -237,8 +237,8 @@ TEST(SplineCheck, KindsAreOfTheHighestDegreeThatBothPointsAllow) {
   const SplineVerdict found = check(disc(0.2, 1.0), with_voxels({}), points);
   EXPECT_TRUE(found.is_valid()) << found.fault;
   EXPECT_EQ((std::array{found.quintics, found.cubics, found.lines}), (std::array<std::size_t, 3>{1, 1, 2}));
-  EXPECT_NEAR(found.velocity_share, 0.1 * 1.875 / 0.2, 1e-9);  // of the quintic from rest to rest
-  EXPECT_NEAR(found.acceleration_share, 0.6, 1e-9);            // of the cubic
+  EXPECT_NEAR(found.velocity_share.value(), 0.1 * 1.875 / 0.2, 1e-9);  // of the quintic from rest to rest
+  EXPECT_NEAR(found.acceleration_share.value(), 0.6, 1e-9);            // of the cubic
   const SplineVerdict fast = check(disc(0.18), with_voxels({}), points);
   EXPECT_TRUE(fast.path.valid);
   EXPECT_FALSE(fast.is_valid());

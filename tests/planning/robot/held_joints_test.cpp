@@ -137,7 +137,7 @@ TEST(HeldJoints, WhatCannotBeHeldIsRefusedInOneSentence) {
   EXPECT_EQ(refusal({{"turm", 0.0, HoldSource::asked}}),
             "--fix: joint 'turm' cannot be fixed, because no joint of that name moves, did you mean 'turn'?");
   EXPECT_EQ(refusal({{"side", 0.0, HoldSource::settings}}),
-            "t.yaml: joint 'side' cannot be fixed, because no joint of that name moves");
+            "t.yaml: joint 'side' cannot be fixed, because it follows 'reach' (mimic), expected that one");
   EXPECT_EQ(refusal({{"turn", 3.5, HoldSource::asked}}),
             "--fix: joint 'turn' is fixed at 3.5, expected a number within its limits -3 to 3");
   EXPECT_EQ(refusal({{"turn", 0.0, HoldSource::asked}, {"reach", 0.0, HoldSource::asked}}),
