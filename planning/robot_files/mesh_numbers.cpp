@@ -123,10 +123,10 @@ class PlyNumbers {
   bool is_text_, is_big_;
 };
 
-/// Vertices and faces as lines of a text .ply.
+/// Vertices and faces of a .ply.
 class PlainPly {
  public:
-  explicit PlainPly(std::uint64_t vertices) : vertices_(vertices) {}
+  explicit PlainPly(std::uint64_t vertices) : is_used_(vertices) {}
 
   /// Takes the numbers of one element.
   void add(const PlyElement& element, PlyNumbers& numbers) {
@@ -140,32 +140,53 @@ class PlainPly {
       }
       std::vector<double> list(static_cast<std::size_t>(numbers.take(property.count_bytes, false)));
       for (double& number : list) number = numbers.take(property.bytes, property.is_real);
-      if (property.name != "vertex_indices" && property.name != "vertex_index") continue;
-      if (element.name == "face") add_face(list);
-      if (element.name == "tristrips") add_strips(list);
+      add_list(element.name, property.name, list);
     }
-    if (element.name != "vertex") return;
-    for (const double number : vertex) vertex_lines_ += to_text(number) + ' ';
-    vertex_lines_ += '\n';
+    if (element.name == "vertex") vertices_.push_back(vertex);
   }
 
+  /// As a text, without vertices that no face has, if those of all faces are known.
   std::string text() const {
-    return "ply\nformat ascii 1.0\nelement vertex " + std::to_string(vertices_) +
+    const bool leaves_out = faces_ > 0 && !has_unknown_lists_;
+    std::vector<std::uint64_t> place;
+    std::uint64_t count = 0;
+    std::string vertex_lines, face_lines;
+    for (std::size_t i = 0; i < vertices_.size(); ++i) {
+      place.push_back(count);
+      if (leaves_out && !is_used_[i]) continue;
+      for (const double number : vertices_[i]) vertex_lines += to_text(number) + ' ';
+      vertex_lines += '\n';
+      ++count;
+    }
+    for (std::size_t at = 0; at < corners_.size(); at += corners_[at] + 1) {
+      face_lines += std::to_string(corners_[at]);
+      for (std::size_t i = 1; i <= corners_[at]; ++i)
+        face_lines += ' ' + std::to_string(place[static_cast<std::size_t>(corners_[at + i])]);
+      face_lines += '\n';
+    }
+    return "ply\nformat ascii 1.0\nelement vertex " + std::to_string(count) +
            "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
-           std::to_string(faces_) + "\nproperty list uint uint vertex_indices\nend_header\n" + vertex_lines_ +
-           face_lines_;
+           std::to_string(faces_) + "\nproperty list uint uint vertex_indices\nend_header\n" + vertex_lines +
+           face_lines;
   }
 
  private:
+  /// Lists of faces may be textures, too; those of other elements may be faces.
+  void add_list(const std::string& element, const std::string& property, const std::vector<double>& list) {
+    const bool is_indices = property == "vertex_indices" || property == "vertex_index";
+    if (element == "face" && is_indices) return add_face(list);
+    if (element == "tristrips" && is_indices) return add_strips(list);
+    has_unknown_lists_ = has_unknown_lists_ || element != "face";
+  }
   void add_face(const std::vector<double>& corners) {
     if (corners.empty()) return;
-    face_lines_ += std::to_string(corners.size());
+    corners_.push_back(corners.size());
     for (const double corner : corners) {
-      if (!(corner >= 0.0 && corner < static_cast<double>(vertices_)))
+      if (!(corner >= 0.0 && corner < static_cast<double>(is_used_.size())))
         throw std::runtime_error("a face names a vertex that is not there");
-      face_lines_ += ' ' + std::to_string(static_cast<std::uint64_t>(corner));
+      corners_.push_back(static_cast<std::uint64_t>(corner));
+      is_used_[static_cast<std::size_t>(corner)] = true;
     }
-    face_lines_ += '\n';
     ++faces_;
   }
   /// Strips that end with -1, of triangles of three corners in a row.
@@ -176,8 +197,11 @@ class PlainPly {
         add_face({corners[i], corners[i + 1], corners[i + 2]});
   }
 
-  std::uint64_t vertices_, faces_ = 0;
-  std::string vertex_lines_, face_lines_;
+  std::vector<bool> is_used_;  ///< of each vertex: a face has it
+  std::vector<std::array<double, 3>> vertices_;
+  std::vector<std::uint64_t> corners_;  ///< of each face how many it has, and their vertices
+  std::uint64_t faces_ = 0;
+  bool has_unknown_lists_ = false;
 };
 
 std::string_view without_byte_order_mark(std::string_view text) {

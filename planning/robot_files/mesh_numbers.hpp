@@ -20,13 +20,14 @@ std::string plain_obj(const std::string& content);
 
 /// The vertices and faces of a .ply file as a text, so that assimp reads what is there: it loses properties
 /// behind a comment, takes the rows of an element before `vertex` for vertices, and a first byte 0x0A of
-/// binary data for the end of a line. Strips of triangles become faces; what else there is, is left out.
+/// binary data for the end of a line. Strips of triangles become faces; what else there is, is left out, and
+/// so are vertices that no face has, where there are faces and no lists that may be some.
 /// @pre check_mesh_is_whole and check_numbers_of_ply take it
 /// @throws std::runtime_error with a clause, for binary coordinates that are no floating point numbers, and
 /// faces of vertices that are not there
 std::string plain_ply(const std::string& content);
 
-/// All vertices of what plain_ply gives, those of no face, too.
+/// All vertices of what plain_ply gives.
 std::vector<Eigen::Vector3d> vertices_of_ply(const std::string& plain);
 
 /// The facets of a .stl file, of all its solids and of none, so that assimp reads what is there: of a binary

@@ -273,6 +273,26 @@ TEST_F(MeshNumbers, APlySaysWhichOfItsNumbersCannotBe) {
             std::string::npos);
 }
 
+/// A .ply counts its faces, so that none can be lost unseen.
+TEST_F(MeshNumbers, PointsOfAPlyBesideItsFacesAreNoPartOfTheBody) {
+  const std::string far = "9 9 9\n", near = "0 0 0\n0.1 0 0\n0 0.1 0\n0 0 0.1\n",
+                    head =
+                        "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
+                        "property float z\nelement face 2\nproperty list uchar int vertex_indices\n",
+                    patches = "element patch 1\nproperty list uchar int corners\n", end = "end_header\n";
+  const Points body{{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}, {0, 0, 0.1}};
+  for (const std::string& text :
+       {head + end + near + far + "3 0 1 2\n3 0 2 3\n", head + end + far + near + "3 1 2 3\n3 1 3 4\n"}) {
+    const MeshHull hull = read("m.ply", text);
+    ASSERT_EQ(hull.failure, "");
+    EXPECT_EQ(hull.corners.size(), 4U);
+    EXPECT_LT(farthest_from(body, hull.corners), 1e-7);
+    EXPECT_EQ(read_mesh_triangles({folder_.write("m.ply", text), {1, 1, 1}}).corners.size(), 6U);
+  }
+  const MeshHull all = read("m.ply", head + patches + end + near + far + "3 0 1 2\n3 0 2 3\n4 0 1 2 4\n");
+  EXPECT_LT(farthest_from({{9, 9, 9}}, all.corners), 1e-6) << "lists that may be faces, too";
+}
+
 /// What is joined to a file, or what its header forgets, is no part of the mesh: nothing may be lost so.
 TEST_F(MeshNumbers, DataBehindThoseThatAreCountedIsDamage) {
   const MeshSample other = ellipsoid(3, 4, {1.0F, 1.0F, 1.0F});
