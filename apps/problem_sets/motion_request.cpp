@@ -3,10 +3,10 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "apps/problem_sets/message_keys.hpp"
 #include "apps/problem_sets/own_names.hpp"
 #include "apps/problem_sets/planning_scene.hpp"
 #include "apps/problem_sets/scene_fields.hpp"
+#include "datasets/yaml/message_keys.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {

@@ -5,9 +5,9 @@
 #include <set>
 #include <stdexcept>
 
-#include "apps/problem_sets/message_keys.hpp"
 #include "apps/problem_sets/scene_fields.hpp"
 #include "apps/problem_sets/scene_octomap.hpp"
+#include "datasets/yaml/message_keys.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {

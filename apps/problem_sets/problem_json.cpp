@@ -7,8 +7,8 @@
 #include <set>
 #include <stdexcept>
 
-#include "apps/problem_sets/message_keys.hpp"
 #include "apps/problem_sets/planning_scene.hpp"
+#include "datasets/yaml/message_keys.hpp"
 #include "datasets/yaml/whole_turn.hpp"
 #include "datasets/yaml/yaml_fields.hpp"
 #include "mapping/system/plain_text.hpp"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "apps/problem_sets/message_keys.hpp"
+#include "datasets/yaml/message_keys.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {

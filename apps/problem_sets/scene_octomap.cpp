@@ -3,8 +3,8 @@
 #include <cmath>
 #include <string>
 
-#include "apps/problem_sets/message_keys.hpp"
 #include "apps/problem_sets/scene_fields.hpp"
+#include "datasets/yaml/message_keys.hpp"
 #include "mapping/files/map_leaves.hpp"
 #include "mapping/files/octree_check.hpp"
 #include "mapping/files/octree_file.hpp"

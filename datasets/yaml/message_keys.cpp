@@ -1,4 +1,4 @@
-#include "apps/problem_sets/message_keys.hpp"
+#include "datasets/yaml/message_keys.hpp"
 
 #include <algorithm>
 #include <cctype>

@@ -1,4 +1,5 @@
-#include "apps/problem_sets/message_keys.hpp"
+// Keys that `clearway import mbm` refuses, and those that pass.
+#include "datasets/yaml/message_keys.hpp"
 
 #include "tests/apps/problem_sets/import_fixture.hpp"
 
