@@ -14,6 +14,7 @@
 #include <cctype>
 #include <cstring>
 #include <memory>
+#include <sstream>
 #include <stdexcept>
 
 #include "mapping/files/ply_header.hpp"
@@ -143,6 +144,34 @@ std::unique_ptr<NamelessFile> readable_ply(const std::filesystem::path& file) {
   }
 }
 
+/// What PCL shall read in place of a .pcd file; nothing for the file itself. Of compressed columns PCL takes
+/// those named `_` (padding) for absent, and all behind them for others.
+std::unique_ptr<NamelessFile> readable_pcd(const std::filesystem::path& file) {
+  const InputFile input(file, "cloud");
+  std::string content;
+  input.read_at(0, std::min(input.size(), megabyte), content);
+  std::istringstream lines(content);
+  std::string header, line;
+  bool has_padding = false;
+  while (std::getline(lines, line) && !line.starts_with("DATA")) {
+    std::istringstream words(line);
+    std::string word, renamed;
+    while (words >> word) {
+      const bool is_padding =
+          word == "_" && (renamed.starts_with("FIELDS") || renamed.starts_with("COLUMNS"));
+      has_padding = has_padding || is_padding;
+      renamed += (renamed.empty() ? "" : " ") + (is_padding ? "padding" : word);
+    }
+    header += renamed + "\n";
+  }
+  if (!has_padding || line.find("binary_compressed") == std::string::npos) return nullptr;
+  if (!lines.good()) return nullptr;  // without data
+  header += line + "\n";
+  const auto data = static_cast<std::uint64_t>(lines.tellg());
+  input.read_at(data, input.size() - data, content);
+  return std::make_unique<NamelessFile>(header + content);
+}
+
 /// PCL reads a .ply file's camera and gives it to nobody.
 void take_ply_camera(const std::filesystem::path& file, Eigen::Vector4f& origin, Eigen::Quaternionf& turn) {
   const InputFile input(file, "cloud");
@@ -245,7 +274,7 @@ std::string read_in_child(const std::filesystem::path& file) {
   const std::size_t budget = 128 * megabyte + 20 * size;
   const int seconds = 4 + static_cast<int>(size / (2 * megabyte));
   const bool is_pcd = extension_of(file) == ".pcd";
-  const auto other = is_pcd ? nullptr : readable_ply(file);
+  const auto other = is_pcd ? readable_pcd(file) : readable_ply(file);
   const std::string readable = other ? other->name() : file.string();
   ChildOutcome read = run_in_child([&] { return read_with_pcl(file, readable, is_pcd); },
                                    {budget, budget, seconds, other ? other->descriptor() : -1});

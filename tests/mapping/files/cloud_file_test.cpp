@@ -134,6 +134,49 @@ TEST(CloudFile, AFaceWithACornerThatIsNotFiniteIsNoHole) {
   EXPECT_EQ(read_cloud(file).size(), 5U);  // as points
 }
 
+/// Columns of fields one after the other, in LZF's runs of literals.
+std::string compressed_pcd(const std::string& fields, const std::vector<std::vector<float>>& columns) {
+  const std::size_t count = columns.front().size();
+  std::string all, runs, sizes, types, counts;
+  for (const std::vector<float>& column : columns) {
+    all.append(reinterpret_cast<const char*>(column.data()), column.size() * sizeof(float));
+    sizes += " 4", types += " F", counts += " 1";
+  }
+  for (std::size_t at = 0; at < all.size(); at += 32) {
+    const std::string run = all.substr(at, 32);
+    runs += static_cast<char>(run.size() - 1);
+    runs += run;
+  }
+  const std::uint32_t bytes[] = {static_cast<std::uint32_t>(runs.size()),
+                                 static_cast<std::uint32_t>(all.size())};
+  const std::string points = std::to_string(count);
+  return "# .PCD v0.7\nVERSION 0.7\nFIELDS " + fields + "\nSIZE" + sizes + "\nTYPE" + types + "\nCOUNT" +
+         counts + "\nWIDTH " + points + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + points +
+         "\nDATA binary_compressed\n" + std::string(reinterpret_cast<const char*>(bytes), sizeof(bytes)) +
+         runs;
+}
+
+TEST(CloudFile, PaddingAmongCompressedColumnsLeavesThePointsWhereTheyAre) {
+  const TemporaryFolder folder;
+  std::vector<float> x, y, z, other;
+  Points expected;
+  for (int i = 0; i < 40; ++i) {
+    x.push_back(0.1F * static_cast<float>(i));
+    y.push_back(-1.0F - x.back());
+    z.push_back(3.5F);
+    other.push_back(77.0F);
+    expected.emplace_back(x.back(), y.back(), z.back());
+  }
+  EXPECT_EQ(read_cloud(folder.write("plain.pcd", compressed_pcd("x y z", {x, y, z}))), expected);
+  EXPECT_EQ(read_cloud(folder.write("behind.pcd", compressed_pcd("x y z _ i", {x, y, z, other, other}))),
+            expected);
+  EXPECT_EQ(read_cloud(folder.write("before.pcd", compressed_pcd("_ x _ y z", {other, x, other, y, z}))),
+            expected);
+  std::string cut = compressed_pcd("_ x y z", {other, x, y, z});
+  cut.resize(cut.size() - 60);
+  EXPECT_THROW(read_cloud(folder.write("cut.pcd", cut)), DamagedFile);
+}
+
 TEST(CloudFile, TextOfAPlyMayEndItsLinesAsWindowsDoes) {
   const TemporaryFolder folder;
   std::string text =
