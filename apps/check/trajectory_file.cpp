@@ -8,6 +8,7 @@
 #include "apps/check/trajectory_entries.hpp"
 #include "apps/console/parse.hpp"
 #include "apps/problem_sets/scene_fields.hpp"
+#include "datasets/yaml/message_keys.hpp"
 #include "datasets/yaml/yaml_fields.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -58,6 +59,7 @@ std::optional<Eigen::Isometry3d> base_of(const YamlFields& root) {
     return std::nullopt;
   std::optional<Eigen::Isometry3d> base;
   const YamlFields state = root.map("trajectory_start").map("multi_dof_joint_state");
+  require_no_lost_keys(state, RosMessage::multi_dof_joint_state);
   for (const YamlFields& transform : state.list_of_maps("transforms")) {
     const Eigen::Isometry3d pose = ros_transform(transform);
     if (pose.isApprox(Eigen::Isometry3d::Identity(), 1e-9)) continue;

@@ -17,7 +17,6 @@
 #include "apps/fusion/tag_search.hpp"
 #include "datasets/sources/ordered_frames.hpp"
 #include "mapping/maps/map_damage.hpp"
-#include "mapping/system/number_text.hpp"
 #include "mapping/system/parallel.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -61,8 +60,9 @@ void warn_of_leftovers(Fusion& fusion) {
   if (counts.infinite_beams > 0) {
     std::string beams = grouped(counts.infinite_beams) + " beams of laser scans are +inf";
     if (counts.beams_at_range > 0)
-      beams += " or, " + grouped(counts.beams_at_range) +
-               " of them, no less than range_max, which is taken for the same";
+      beams += " or, " + grouped(counts.beams_at_range) + " of them, no less than range_max" +
+               (fusion.setup.source.no_return > 0.0 ? " or `no_return`" : "") +
+               ", which is taken for the same";
     fusion.warnings.push_back(
         fusion.setup.source.clear_infinite
             ? beams + ", of which " + grouped(counts.points.cleared) + " free space up to range_max"
@@ -70,12 +70,6 @@ void warn_of_leftovers(Fusion& fusion) {
                   "`source: {scans: {clear_infinite: true}}` of the setup lets them free space up to "
                   "range_max");
   }
-  if (const SourceOptions& source = fusion.setup.source; counts.no_returns > 0)
-    fusion.warnings.push_back(
-        grouped(counts.no_returns) + " readings of laser scans are no less than `no_return` (" +
-        short_text(source.no_return) + " m): " +
-        (source.clear_infinite ? "they free space up to there, as `clear_infinite` has it"
-                               : "nothing came back, and they were left out"));
   if (counts.scans_refused > 0) {
     fusion.warnings.push_back(std::to_string(counts.scans_refused) +
                               " scans start outside the map's range and were left out");

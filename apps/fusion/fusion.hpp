@@ -36,9 +36,8 @@ struct FusionCounts {
   std::size_t scans_inserted =
       0;              ///< of the scans: in the map by now; others wait for a pose, or were left out
   ScanCounts points;  ///< summed over the scans
-  std::size_t infinite_beams = 0;  ///< of 2D lasers: they said +inf, or range_max
+  std::size_t infinite_beams = 0;  ///< of 2D lasers: they said +inf, range_max or `no_return` of the setup
   std::size_t beams_at_range = 0;  ///< of these, those that did not say +inf
-  std::size_t no_returns = 0;      ///< readings of 2D lasers no less than `no_return` of the setup
   Eigen::Vector3d scan_origin_sum =
       Eigen::Vector3d::Zero();  ///< of the scans, metres: from where they looked
   std::vector<std::string>

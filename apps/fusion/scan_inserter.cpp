@@ -100,12 +100,14 @@ std::string range_spike(const std::string& sensor, const ScanInserter::RangeCoun
   if (at_largest < least || static_cast<double>(at_largest) < least_share * static_cast<double>(all) ||
       nearly > at_largest || all - at_largest < least)  // of the last, a round room may be all that there is
     return "";
-  const std::string range = short_text(0.001 * static_cast<double>(largest), 6);
+  const auto text = [](std::size_t millimetres) {
+    return short_text(0.001 * static_cast<double>(millimetres), 6);
+  };
   return grouped(at_largest) + " of " + grouped(all) + " readings of laser " + quote(sensor) + " are " +
-         range + " m, its largest, and " + grouped(nearly) +
-         " others lie beyond 0.9 of it: some lasers say so where nothing came "
-         "back; `source: {scans: {no_return: " +
-         range + "}}` of the setup leaves them out";
+         text(largest) + " m, its largest, and " + grouped(nearly) +
+         " others lie beyond 0.9 of it: some lasers say so where nothing came back; `source: {scans: "
+         "{no_return: " +
+         text(largest - 1) + "}}` of the setup leaves them out";  // they are rounded
 }
 
 }  // namespace
@@ -162,15 +164,17 @@ void ScanInserter::take(const Frame& frame, const CloudFrame& cloud) {
 
 void ScanInserter::take_no_returns(Scan& scan) {
   const double least = setup_.source.no_return;
-  if (least == 0.0) return;
-  const double nearly = least - 1e-6 * least;  // as floats have it
-  counts_.no_returns += std::erase_if(scan.points, [&](const Eigen::Vector3f& point) {
+  if (least == 0.0 || !setup_.source.bag.scans.empty())
+    return;  // those of bags are read so, before they sweep
+  const std::size_t taken = std::erase_if(scan.points, [&](const Eigen::Vector3f& point) {
     const double range = point.cast<double>().norm();
-    if (!(range >= nearly)) return false;
+    if (!(range >= least - 1e-6 * least)) return false;  // as floats have it
     if (setup_.source.clear_infinite && (setup_.map.max_range || least <= farthest))
       scan.clear_to.emplace_back(point * static_cast<float>(least / range));
     return true;
   });
+  counts_.infinite_beams += taken;
+  counts_.beams_at_range += taken;
 }
 
 void ScanInserter::count_ranges(const Scan& scan, RangeCounts& counts) const {

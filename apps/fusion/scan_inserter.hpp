@@ -39,7 +39,8 @@ class ScanInserter {
     const SensorSetup* sensor = nullptr;
     std::size_t unusable = 0;  ///< CloudFrame::unusable
   };
-  /// Takes out the readings of a 2D laser that say that nothing came back.
+  /// Takes out the readings of a 2D laser that say that nothing came back; with `clear_infinite` they are
+  /// rays.
   void take_no_returns(Scan& scan);
   void count_ranges(const Scan& scan, RangeCounts& counts) const;
   bool is_ready(const Waiting& waiting) const;

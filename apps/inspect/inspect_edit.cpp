@@ -10,6 +10,7 @@
 #include "mapping/files/painted_csv.hpp"
 #include "mapping/maps/map_edit.hpp"
 #include "mapping/system/atomic_file.hpp"
+#include "mapping/system/damaged_file.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/files/query_record.hpp"
@@ -100,8 +101,12 @@ KeptRecord record_to_keep(const InspectOptions& options) {
     other->map_sha256 = kept.record->map_sha256;
     other->made_for = kept.record->made_for;
     if (to_json(*kept.record) == to_json(*other)) return kept;
-  } catch (const std::runtime_error&) {  // DamagedFile
+  } catch (const DamagedFile&) {
     kept.remark = "the record of queries of " + quote_path(options.map.string()) + is_not + ": it is damaged";
+    return kept;
+  } catch (const std::invalid_argument&) {
+    kept.remark =
+        "the record of queries of " + quote_path(options.map.string()) + is_not + ": it cannot be read";
     return kept;
   }
   kept.remark =

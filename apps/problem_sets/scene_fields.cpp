@@ -87,7 +87,7 @@ Eigen::VectorXd ros_coordinates(const YamlFields& fields, const std::string& key
   const YamlFields map = fields.map(key);
   for (const std::string& name : map.keys())
     if (name.size() != 1 || names.find(name) == std::string::npos)
-      map.fail(name, "expected no such key, as what it says would be lost, or one of " + spaced(names));
+      map.fail(name, "expected no such key, as what it says would be lost; known are " + spaced(names));
   for (std::size_t i = 0; i < names.size(); ++i)
     values[static_cast<Eigen::Index>(i)] = map.number(std::string(1, names[i]), within_reach, 0.0);
   return values;
@@ -156,7 +156,9 @@ std::string ros_frame(const YamlFields& fields) {
 void require_base_at_origin(const YamlFields& state) {
   require_no_lost_keys(state, RosMessage::robot_state);
   if (!state.has("multi_dof_joint_state")) return;
-  for (const YamlFields& pose : state.map("multi_dof_joint_state").list_of_maps("transforms"))
+  const YamlFields base = state.map("multi_dof_joint_state");
+  require_no_lost_keys(base, RosMessage::multi_dof_joint_state);
+  for (const YamlFields& pose : base.list_of_maps("transforms"))
     if (!ros_transform(pose).isApprox(Eigen::Isometry3d::Identity(), 1e-9))
       pose.fail("translation", "expected the robot's base at the map's origin, as the robot stands there");
 }

@@ -226,11 +226,19 @@ void BagFrames::visit(const std::function<void(const Frame&)>& take) {
   });
 }
 
+/// A scan whose readings from `no_return` on are beyond its range.
+RosLaserScan BagFrames::laser_scan_in(WireReader& in) const {
+  RosLaserScan scan = read_laser_scan(in);
+  const auto least = static_cast<float>(options_.no_return);
+  if (least > 0.0F && scan.range_max > least) scan.range_max = least;
+  return scan;
+}
+
 std::vector<Frame> BagFrames::frames_in(const BagMessage& message) {
   const BagTopic& topic = bag_.topics()[message.topic];
   if (topic.type == "sensor_msgs/LaserScan") {
     WireReader in(message.bytes, *topic.wire);
-    const RosLaserScan scan = read_laser_scan(in);
+    const RosLaserScan scan = laser_scan_in(in);
     if (has_opposite_angles(scan)) account_.note_opposite_angles(topic.name);
     if (scan.time_increment != 0.0F && !options_.bag.fixed_frame.empty())
       return frames_of_sweep(scan, topic.name, time_of(scan.header, message.time), 0.25 * options_.resolution,
@@ -335,7 +343,7 @@ Frame BagFrames::frame_of(const BagMessage& message) {
     message_from_sensor.linear() = camera_->frame_from_camera;
     frame.content = std::move(picture);
   } else {
-    const RosLaserScan scan = read_laser_scan(in);
+    const RosLaserScan scan = laser_scan_in(in);
     header = scan.header;
     frame.content = laser_cloud(scan, options_.clear_infinite);
   }

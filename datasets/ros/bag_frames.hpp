@@ -45,6 +45,7 @@ class BagFrames {
   void learn();
   void learn_camera(const std::string& topic, const RosCameraInfo& info);
   void learn_step(const std::string& topic, double step);
+  RosLaserScan laser_scan_in(WireReader& in) const;
   /// What a sensor saw: one frame, or the parts of a sweep.
   std::vector<Frame> frames_in(const BagMessage& message);
   Frame frame_of(const BagMessage& message);

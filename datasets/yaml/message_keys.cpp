@@ -28,6 +28,7 @@ const Names& keys_of(RosMessage kind) {
       {RosMessage::octomap, {"header", "binary", "id", "resolution", "data"}},
       {RosMessage::robot_state,
        {"joint_state", "multi_dof_joint_state", "attached_collision_objects", "is_diff"}},
+      {RosMessage::multi_dof_joint_state, {"header", "joint_names", "transforms", "twist", "wrench"}},
       {RosMessage::attached_object, {"link_name", "object", "touch_links", "detach_posture", "weight"}},
       {RosMessage::collision_object,
        {"header", "pose", "id", "type", "primitives", "primitive_poses", "meshes", "mesh_poses", "planes",
@@ -65,7 +66,8 @@ bool has_part(const std::string& key, std::span<const char* const> parts) {
 /// Whether a list or map of this name would be of things, states or constraints.
 bool tells_of_things(const std::string& key) {
   static const char* const telling[] = {"primit", "mesh",   "scal",  "plane", "shape", "solid", "octomap",
-                                        "object", "obstac", "state", "joint", "goal",  "start", "constraint"};
+                                        "object", "obstac", "state", "joint", "goal",  "start", "constraint",
+                                        "attach", "bod",    "box",   "spher", "cylin", "cone"};
   return has_part(key, telling);
 }
 
@@ -74,19 +76,23 @@ bool tells_of_tolerance(const std::string& key) {
   return has_part(key, telling);
 }
 
-bool is_filled(const YamlFields& message, const std::string& key) {
-  if (message.is_map(key)) return !message.map(key).keys().empty();
-  return message.is_list(key) && !message.words_among(key).empty();
+/// Words that hold such letters and say nothing of space.
+bool is_note(const std::string& key) {
+  static const char* const notes[] = {"repositor", "purpose",   "compos",   "database", "protocol",
+                                      "prototype", "framework", "communit", "transpar", "expos",
+                                      "propos",    "timestamp", "dispos"};
+  return has_part(key, notes);
 }
 
 }  // namespace
 
 bool tells_of_space(const std::string& key) {
-  static const char* const telling[] = {"orient", "rot",   "quat",   "euler",  "rpy",    "angle", "yaw",
-                                        "pose",   "pos",   "center", "centre", "origin", "trans", "offset",
-                                        "frame",  "axis",  "size",   "dim",    "extent", "radi",  "length",
-                                        "height", "width", "depth",  "scale",  "matrix", "unit",  "base"};
-  return has_part(key, telling);
+  static const char* const telling[] = {
+      "orient", "rot",   "quat",   "euler",  "rpy",  "angle", "yaw",   "pose",   "pos",  "center", "centre",
+      "origin", "trans", "offset", "frame",  "axis", "size",  "dim",   "extent", "radi", "length", "height",
+      "width",  "depth", "scale",  "matrix", "unit", "base",  "locat", "coord",  "diam", "thick",  "inflat"};
+  const bool is_axis = key.size() == 1 && std::string_view("xyz").find(key) != std::string_view::npos;
+  return is_axis || (has_part(key, telling) && !is_note(key));
 }
 
 bool has_keys_of(const YamlFields& message, RosMessage kind) {
@@ -100,9 +106,9 @@ void require_no_lost_keys(const YamlFields& message, RosMessage kind) {
   for (const std::string& key : message.keys()) {
     if (known.contains(key) || !message.has(key)) continue;
     const bool is_composed = message.is_map(key) || message.is_list(key);
-    if (is_composed && !is_filled(message, key)) continue;
+    if (is_composed && message.is_empty(key)) continue;
     if (tells_of_space(key) || tells_of_tolerance(key) || (is_composed && tells_of_things(key)))
-      message.fail(key, "expected no such key, as what it says would be lost, or one of " +
+      message.fail(key, "expected no such key, as what it says would be lost; known are " +
                             listed({known.begin(), known.end()}));
   }
 }

@@ -20,6 +20,7 @@ enum class RosMessage {
   octomap_with_pose,
   octomap,
   robot_state,
+  multi_dof_joint_state,
   attached_object,
   collision_object,
   primitive,

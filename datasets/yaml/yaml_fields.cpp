@@ -112,6 +112,11 @@ bool YamlFields::is_map(const std::string& key) const {
   return node.IsDefined() && node.IsMap();
 }
 
+bool YamlFields::is_empty(const std::string& key) const {
+  const YAML::Node node = find(key);
+  return !node.IsDefined() || node.size() == 0;
+}
+
 bool YamlFields::is_word(const std::string& key) const {
   const YAML::Node node = find(key);
   return node.IsDefined() && node.IsScalar() && !parsed_number(node);

@@ -39,10 +39,11 @@ class YamlFields {
   YamlFields(const std::string& text, const std::string& name, std::size_t most = most_yaml_nodes);
 
   bool has(const std::string& key) const;
-  bool names(const std::string& key) const;    ///< has it, if with nothing after it
-  bool is_list(const std::string& key) const;  ///< false for what is absent, too
-  bool is_map(const std::string& key) const;   ///< the same
-  bool is_word(const std::string& key) const;  ///< a scalar that is no number
+  bool names(const std::string& key) const;     ///< has it, if with nothing after it
+  bool is_list(const std::string& key) const;   ///< false for what is absent, too
+  bool is_map(const std::string& key) const;    ///< the same
+  bool is_empty(const std::string& key) const;  ///< a list or map without entries, or absent
+  bool is_word(const std::string& key) const;   ///< a scalar that is no number
   double number(const std::string& key, Bounds bounds) const;
   double number(const std::string& key, Bounds bounds, double otherwise) const;
   std::optional<double> optional_number(const std::string& key, Bounds bounds) const;

@@ -131,6 +131,8 @@ class PlainPly {
   /// Takes the numbers of one element.
   void add(const PlyElement& element, PlyNumbers& numbers) {
     std::array<double, 3> vertex{};
+    if (element.name != "vertex" && element.name != "face" && element.name != "tristrips")
+      may_have_other_faces_ = true;
     for (const PlyProperty& property : element.properties) {
       if (property.count_bytes == 0) {
         const double number = numbers.take(property.bytes, property.is_real);
@@ -140,14 +142,14 @@ class PlainPly {
       }
       std::vector<double> list(static_cast<std::size_t>(numbers.take(property.count_bytes, false)));
       for (double& number : list) number = numbers.take(property.bytes, property.is_real);
-      add_list(element.name, property.name, list);
+      add_list(element.name, property, list);
     }
     if (element.name == "vertex") vertices_.push_back(vertex);
   }
 
   /// As a text, without vertices that no face has, if those of all faces are known.
   std::string text() const {
-    const bool leaves_out = faces_ > 0 && !has_unknown_lists_;
+    const bool leaves_out = faces_ > 0 && !may_have_other_faces_;
     std::vector<std::uint64_t> place;
     std::uint64_t count = 0;
     std::string vertex_lines, face_lines;
@@ -171,12 +173,12 @@ class PlainPly {
   }
 
  private:
-  /// Lists of faces may be textures, too; those of other elements may be faces.
-  void add_list(const std::string& element, const std::string& property, const std::vector<double>& list) {
-    const bool is_indices = property == "vertex_indices" || property == "vertex_index";
+  /// Lists of whole numbers by other names may be faces, too; real ones are textures.
+  void add_list(const std::string& element, const PlyProperty& property, const std::vector<double>& list) {
+    const bool is_indices = property.name == "vertex_indices" || property.name == "vertex_index";
     if (element == "face" && is_indices) return add_face(list);
     if (element == "tristrips" && is_indices) return add_strips(list);
-    has_unknown_lists_ = has_unknown_lists_ || element != "face";
+    may_have_other_faces_ = may_have_other_faces_ || !property.is_real;
   }
   void add_face(const std::vector<double>& corners) {
     if (corners.empty()) return;
@@ -201,7 +203,7 @@ class PlainPly {
   std::vector<std::array<double, 3>> vertices_;
   std::vector<std::uint64_t> corners_;  ///< of each face how many it has, and their vertices
   std::uint64_t faces_ = 0;
-  bool has_unknown_lists_ = false;
+  bool may_have_other_faces_ = false;
 };
 
 std::string_view without_byte_order_mark(std::string_view text) {

@@ -15,7 +15,7 @@ class MessageKeys : public Import {
   void expect_refused(const CommandRun& run, const std::string& path) {
     EXPECT_EQ(run.status, exit_bad_input) << path << ": " << run.out;
     EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
-    EXPECT_NE(run.log.find(path + ": expected no such key, as what it says would be lost, or one of "),
+    EXPECT_NE(run.log.find(path + ": expected no such key, as what it says would be lost; known are "),
               std::string::npos)
         << run.log;
   }

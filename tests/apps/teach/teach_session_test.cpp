@@ -58,7 +58,7 @@ TEST_F(TeachSessionOf, StartAndGoalsLieInsideOfThePaintAndAPlanBetweenThemIsAppr
   EXPECT_NE(act(TeachAction::start, "0,0").find("start: "), std::string::npos);  // nothing is painted yet
   EXPECT_EQ(session_.state(), TeachState::ready);
   paint_everything();
-  EXPECT_NE(act(TeachAction::start, "0").find("start: got 1 values, expected 2"), std::string::npos);
+  EXPECT_NE(act(TeachAction::start, "0").find("start: got 1 value, expected 2"), std::string::npos);
   EXPECT_EQ(act(TeachAction::start, "0,0.3"), "");
   EXPECT_EQ(session_.state(), TeachState::selecting);
   EXPECT_EQ(act(TeachAction::plan), "plan: no goal is chosen; 'goal' chooses one");

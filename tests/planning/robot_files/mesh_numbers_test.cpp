@@ -289,8 +289,19 @@ TEST_F(MeshNumbers, PointsOfAPlyBesideItsFacesAreNoPartOfTheBody) {
     EXPECT_LT(farthest_from(body, hull.corners), 1e-7);
     EXPECT_EQ(read_mesh_triangles({folder_.write("m.ply", text), {1, 1, 1}}).corners.size(), 6U);
   }
-  const MeshHull all = read("m.ply", head + patches + end + near + far + "3 0 1 2\n3 0 2 3\n4 0 1 2 4\n");
-  EXPECT_LT(farthest_from({{9, 9, 9}}, all.corners), 1e-6) << "lists that may be faces, too";
+  const std::string holes = "property list uchar int holes\n", textures = "property list uchar float uv\n",
+                    edges = "element edge 1\nproperty int vertex1\nproperty int vertex2\n";
+  for (const auto& [text, what] :
+       {std::pair(head + patches + end + near + far + "3 0 1 2\n3 0 2 3\n4 0 1 2 4\n",
+                  "lists that may be faces, too"),
+        std::pair(head + edges + end + near + far + "3 0 1 2\n3 0 2 3\n0 4\n", "edges"),
+        std::pair(head + holes + end + near + far + "3 0 1 2 1 4\n3 0 2 3 0\n", "other lists of faces")}) {
+    const MeshHull all = read("m.ply", text);
+    EXPECT_LT(farthest_from({{9, 9, 9}}, all.corners), 1e-6) << what;
+  }
+  const MeshHull textured =
+      read("m.ply", head + textures + end + near + far + "3 0 1 2 2 0.5 0.5\n3 0 2 3 0\n");
+  EXPECT_EQ(textured.corners.size(), 4U);
 }
 
 /// What is joined to a file, or what its header forgets, is no part of the mesh: nothing may be lost so.
