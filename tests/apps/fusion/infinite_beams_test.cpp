@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "apps/fusion/fusion.hpp"
+#include "datasets/sources/recording.hpp"
 #include "tests/worlds/bags/scan_bag.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
@@ -120,6 +121,35 @@ TEST_F(InfiniteBeams, OfALaserThatMovesAreTakenByTheirReadings) {
   std::size_t far = 0;
   fusion.map.snapshot().visit_leaves([&](const Voxel& leaf) { far += leaf.center.norm() > 30.0; });
   EXPECT_EQ(far, 0U);
+}
+
+TEST_F(InfiniteBeams, OfARawlogAreTakenByTheirReadingsToo) {
+  const std::string log = "/usr/share/mrpt/datasets/localization_demo.rawlog";
+  std::size_t nearer = 0, all = 0;
+  RecordingReader reader(log);
+  while (const auto frame = reader.next()) {
+    const auto* cloud = std::get_if<CloudFrame>(&frame->content);
+    if (cloud == nullptr || cloud->kind != "laser2d") continue;
+    all += cloud->points.size();
+    for (const Eigen::Vector3f& point : cloud->points) nearer += point.norm() < 5.0F;
+  }
+  ASSERT_GT(nearer, 1000U);
+  ASSERT_GT(all, nearer + 1000);
+  const auto fused_with = [&](const std::string& scans) {
+    folder_.write("r.yaml", "map: {resolution: 0.1}\nsource: {scans: {" + scans + "}}\n");
+    return fuse(log, {.setup_file = folder_ / "r.yaml"}, [](double) {});
+  };
+  const Fusion plain = fused_with("clear_infinite: false"), cut = fused_with("no_return: 5"),
+               clear = fused_with("no_return: 5, clear_infinite: true");
+  EXPECT_EQ(plain.counts.infinite_beams, 0U);
+  EXPECT_EQ(plain.counts.points.inserted, all);
+  for (const Fusion* each : {&cut, &clear}) {
+    EXPECT_EQ(each->counts.infinite_beams, all - nearer);
+    EXPECT_EQ(each->counts.beams_at_range, all - nearer);
+    EXPECT_EQ(each->counts.points.inserted, nearer);
+  }
+  EXPECT_EQ(cut.counts.points.cleared, 0U);
+  EXPECT_EQ(clear.counts.points.cleared, all - nearer);
 }
 
 TEST_F(InfiniteBeams, ThatReadTheLargestRangeAreTheSameAndTold) {

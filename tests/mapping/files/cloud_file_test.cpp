@@ -123,6 +123,19 @@ TEST(CloudFile, EveryPointOfAFaceIsInAnOccupiedVoxelHoweverLittleOfItTheVoxelHol
   }
 }
 
+TEST(CloudFile, FacesTooLargeToBeFilledAreRefusedWhateverTheyOverflow) {
+  const TemporaryFolder folder;
+  const std::string file =
+      folder.write("huge.ply", ply_of_faces({{3e38F, 0, 0}, {-3e38F, 0, 0}, {0, 3e38F, 0}}));
+  try {
+    load_map(file, 0.02);
+    ADD_FAILURE() << "accepted";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("more than 50 million points"), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(CloudFile, AFaceWithACornerThatIsNotFiniteIsNoHole) {
   const TemporaryFolder folder;
   std::vector<Eigen::Vector3f> corners{{1, -1, -1}, {1, 1, -1}, {1, 1, 1}, {2, 0, 0}, {2, 1, 0}, {2, 0, 1}};
