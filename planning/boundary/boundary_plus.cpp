@@ -31,6 +31,7 @@ PlanResult failed(const PlanProblem& problem, const BoundaryPlusSearch& search, 
   result.explored = search.explored();
   result.final_distance = (problem.goal - result.explored.back()).norm();
   result.explanation = "Stuck after " + search.effort() + ".";
+  if (search.trees().samples() > 0) result.explanation += " " + search.trees().reach();
   return result;
 }
 

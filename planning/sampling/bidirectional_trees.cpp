@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <string>
 
 #include "mapping/system/random_unit.hpp"
 
@@ -226,6 +227,23 @@ std::vector<WaypointOrigin> BidirectionalTrees::path_origins() const {
   for (int i = met; i > 0; i = trees_[goal].nodes[static_cast<std::size_t>(i)].parent)
     origins.push_back(origin_of(goal, i));
   return origins;
+}
+
+/// Some configuration that was reached from the root is farther from it than a share of the space's extent.
+bool BidirectionalTrees::got_away(Side side) const {
+  const double far = range_share * length(near_low_, near_high_);
+  const std::vector<Node>& nodes = trees_[side].nodes;
+  return std::any_of(nodes.begin(), nodes.end(),
+                     [&](const Node& node) { return length(nodes.front().q, node.q) > far; });
+}
+
+std::string BidirectionalTrees::reach() const {
+  std::string text = std::to_string(trees_[start].nodes.size()) + " reached from the start, " +
+                     std::to_string(trees_[goal].nodes.size()) + " from the goal";
+  const bool from_start = got_away(start), from_goal = got_away(goal);
+  if (from_start != from_goal)
+    text += std::string(": the ") + (from_goal ? "start" : "goal") + " may be walled in";
+  return "Configurations: " + text + ".";
 }
 
 double BidirectionalTrees::sampled_share() const {

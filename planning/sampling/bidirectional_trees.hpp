@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "planning/problem/planner.hpp"
@@ -61,6 +62,11 @@ class BidirectionalTrees {
   /// Share of the path's weighted length that edges of samples make up. @pre is_joined()
   double sampled_share() const;
 
+  /// How many configurations were reached from start and goal, in a sentence for who reads that no path was
+  /// found; it says which of them may be walled in: the one whose tree stayed near it where the other's did
+  /// not.
+  std::string reach() const;
+
   std::uint64_t edges_checked() const { return edges_checked_; }
   int samples() const { return samples_; }
 
@@ -77,6 +83,7 @@ class BidirectionalTrees {
   int nearest(Side side, const Configuration& q) const;
   bool is_free(const Configuration& from, const Configuration& to);
   int extend(Side side, const Configuration& towards, bool from_anywhere);
+  bool got_away(Side side) const;
   int advance(Side side, int from, const Configuration& towards);
   bool connect(Side side, int other_node);
   Side next_side() const;

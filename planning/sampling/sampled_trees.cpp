@@ -32,6 +32,7 @@ TreePath connect_trees(const PlanProblem& problem, const TreeOptions& options) {
   result.out_of_time = !trees.is_joined() && problem.out_of_time();
   result.is_certified = trees.is_joined();
   result.samples = trees.samples();
+  result.reach = trees.reach();
   result.edges = trees.edges_checked();
   return result;
 }
@@ -50,8 +51,9 @@ PlanResult result_of(const PlanProblem& problem, const PlanResult& ends, TreePat
   if (!is_proved) {
     result.status = found.out_of_time ? PlanStatus::timed_out : PlanStatus::no_path;
     result.final_distance = (problem.goal - problem.start).norm();
-    result.explanation = path.empty() ? "No path found with " + std::to_string(found.samples) + " samples."
-                                      : "The path found could not be certified free.";
+    result.explanation =
+        path.empty() ? "No path found with " + std::to_string(found.samples) + " samples. " + found.reach
+                     : "The path found could not be certified free.";
     return result;
   }
   result.explanation = "Joined start and goal with " + std::to_string(found.samples) + " samples.";

@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "planning/problem/planner.hpp"
@@ -28,6 +29,7 @@ struct TreePath {
   std::vector<WaypointOrigin> origins{};  ///< of the waypoints, or none
   bool is_certified = false;              ///< each edge was certified, or is a part of one that was
   int samples = 0;
+  std::string reach{};  ///< how much the trees of start and goal reached: BidirectionalTrees::reach
   std::uint64_t configurations = 0, edges = 0;  ///< checked
   bool out_of_time = false;
 };

@@ -17,8 +17,8 @@ struct Wall {
   PathCost cost;
   PlanProblem problem;
 
-  Wall()
-      : space(robot, VoxelScene{0.05, {box_of(1, -0.8, -0.05, 1.1, 0.8, 0.05)}, {}, {}}.snapshot(),
+  explicit Wall(std::vector<Eigen::AlignedBox3d> walls = {box_of(1, -0.8, -0.05, 1.1, 0.8, 0.05)})
+      : space(robot, VoxelScene{0.05, std::move(walls), {}, {}}.snapshot(),
               {.parts = {}, .critical_by_default = false}),
         cost(robot),
         problem{space, cost, Vector2d(0.0, 0.0), Vector2d(2.5, 0.0)} {}
@@ -59,6 +59,20 @@ TEST(BidirectionalTrees, TracesAreJoinedWhereTheySeeEachOther) {
   ASSERT_TRUE(trees.join(BidirectionalTrees::goal, 1, 0.1, 4));
   scene.expect_path(trees);
   EXPECT_EQ(trees.sampled_share(), 0.0);
+}
+
+TEST(BidirectionalTrees, SayWhichEndMayBeWalledIn) {
+  const Wall open,
+      closed({box_of(2.2, -0.3, -0.05, 2.25, 0.35, 0.05), box_of(2.75, -0.3, -0.05, 2.8, 0.35, 0.05),
+              box_of(2.2, -0.3, -0.05, 2.8, -0.25, 0.05), box_of(2.2, 0.3, -0.05, 2.8, 0.35, 0.05)});
+  BidirectionalTrees trees = closed.trees();
+  std::mt19937_64 random(1);
+  ASSERT_FALSE(trees.grow(3000, random, nullptr));
+  const auto count = [&](BidirectionalTrees::Side side) { return std::to_string(trees.nodes(side).size()); };
+  EXPECT_EQ(trees.reach(), "Configurations: " + count(BidirectionalTrees::start) +
+                               " reached from the start, " + count(BidirectionalTrees::goal) +
+                               " from the goal: the goal may be walled in.");
+  EXPECT_EQ(open.trees().reach(), "Configurations: 1 reached from the start, 1 from the goal.");
 }
 
 TEST(BidirectionalTrees, NameTheOriginOfEachEdgeOfThePath) {
