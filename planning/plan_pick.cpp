@@ -15,6 +15,7 @@
 #include "planning/picks/straight_legs.hpp"
 #include "planning/problem/held_to_task.hpp"
 #include "planning/robot/goal_configurations.hpp"
+#include "planning/robot_files/tip_choice.hpp"
 #include "planning/sampling/rrtconnect.hpp"
 #include "planning/space/joint_weights.hpp"
 
@@ -316,7 +317,7 @@ Plan plan_pick(const PlanQuery& query, const Pick& pick) {
     plan.policies = legs.policies();
   }
   plan.pick = pick;
-  plan.tip = space.robot().links[static_cast<std::size_t>(space.robot().tip_link)].name;
+  plan.tip = tip_name(space.robot());
   report_ends(query, plan);
   plan.time_s = std::chrono::duration<double>(Clock::now() - begin).count();
   if (plan.status() == PlanStatus::solved) check_legs_of(space, pick, plan);

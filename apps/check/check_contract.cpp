@@ -14,6 +14,7 @@
 #include "mapping/system/plain_text.hpp"
 #include "planning/problem/planner.hpp"
 #include "planning/robot/kinematics.hpp"
+#include "planning/robot_files/tip_choice.hpp"
 #include "planning/space/part_policies.hpp"
 
 namespace clearway {

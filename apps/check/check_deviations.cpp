@@ -8,6 +8,7 @@
 #include "apps/query/loads.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/problem/planner.hpp"
+#include "planning/robot_files/tip_choice.hpp"
 
 namespace clearway {
 
@@ -280,7 +281,8 @@ void adopt_loads(const Plan& plan, const Robot& robot, Contract& contract) {
             " of the plan: expected none beside a pick, whose object is the one load");
   contract.loads = {plan.loads, TermSource::plan};
   contract.pick = {plan.pick, TermSource::plan};
-  if (contract.tip.empty() && contract.goal_poses.empty() && plan.tip != tip_name(robot))
+  if (contract.tip.empty() && contract.goal_poses.empty() && !is_own_tip_name(plan.tip) &&
+      plan.tip != tip_name(robot))
     contract.tip = plan.tip;
   state_tip(robot, contract.tip_link.source == TermSource::flag ? TermSource::flag : TermSource::plan,
             contract);

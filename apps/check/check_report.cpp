@@ -147,7 +147,7 @@ void append_contract(const Contract& contract, Rows& rows) {
   for (const GoalPose& goal : contract.goal_poses)
     rows.emplace_back("goal pose", describe_goal_pose(contract.tip, goal) + from(contract.goals.source));
   if (!contract.tip_link.value.empty())
-    rows.emplace_back("tip", "link " + shortened(contract.tip_link.value) + from(contract.tip_link.source));
+    rows.emplace_back("tip", describe_tip(contract.tip_link.value) + from(contract.tip_link.source));
   if (!contract.query.empty()) rows.emplace_back("query", "'" + contract.query + "' of the map's record");
   for (const std::string& note : contract.notes) rows.emplace_back("note", note);
 }

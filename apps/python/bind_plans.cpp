@@ -10,7 +10,9 @@
 #include "planning/plan_pick.hpp"
 #include "planning/planner_table.hpp"
 #include "planning/pose_goals.hpp"
+#include "planning/robot/goal_configurations.hpp"
 #include "planning/robot_files/srdf_file.hpp"
+#include "planning/robot_files/tip_choice.hpp"
 
 namespace clearway {
 namespace {
@@ -115,9 +117,9 @@ Plan plan(const NamedSpace& space, const py::object& start, const py::object& go
     const PoseGoals at_poses(*space, wanted.tip, wanted.poses, query.start);
     if (!pick) {
       Plan plan = plan_to_poses(query, at_poses);
-      const Robot& robot = space->robot();
-      plan.tip = wanted.tip.empty() ? robot.links[static_cast<std::size_t>(robot.tip_link)].name
-                                    : link_of_tip(robot, wanted.tip);
+      plan.tip =
+          tip_name(wanted.tip.empty() ? space->robot()
+                                      : with_tip(space->robot(), link_of_tip(space->robot(), wanted.tip)));
       return plan;
     }
     query.goals = at_poses.goals();

@@ -6,6 +6,7 @@
 #include "apps/console/parse.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/robot_files/srdf_file.hpp"
+#include "planning/robot_files/tip_choice.hpp"
 
 namespace clearway {
 
@@ -13,8 +14,8 @@ Robot with_tip_of(const Robot& robot, const std::string& tip) {
   return tip.empty() ? robot : with_tip(robot, link_of_tip(robot, tip));
 }
 
-std::string tip_name(const Robot& robot) {
-  return robot.links[static_cast<std::size_t>(robot.tip_link)].name;
+std::string describe_tip(const std::string& name) {
+  return (is_own_tip_name(name) ? "" : "link ") + shortened(name);
 }
 
 std::vector<NamedGoalPose> choose_goal_poses(const GoalPoseChoice& choice, bool has_goals, bool has_pick,

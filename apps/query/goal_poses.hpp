@@ -21,8 +21,8 @@ std::vector<NamedGoalPose> choose_goal_poses(const GoalPoseChoice& choice, bool 
 /// @throws std::invalid_argument when it has none of that name.
 Robot with_tip_of(const Robot& robot, const std::string& tip);
 
-/// The link that the robot's tip is on.
-std::string tip_name(const Robot& robot);
+/// "link hand", or "own tip on hand", for what `tip_name` says; cut where it is long.
+std::string describe_tip(const std::string& name);
 
 /// "link 'hand' at (0.4, 0, 0.3, 3.14, 0, 0), within 5 mm, within 0.1 rad, turned freely about z".
 /// @param tip link that the pose places; empty: "the tip at …"

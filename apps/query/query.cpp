@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "apps/console/parse.hpp"
+#include "apps/query/goal_poses.hpp"
 #include "apps/query/loads.hpp"
 #include "apps/query/survey_figures.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -346,7 +347,7 @@ std::vector<std::pair<std::string, std::string>> plan_figures(const Plan& plan) 
   if (!plan.map_integration.empty()) rows.emplace_back("map integration", plan.map_integration);
   if (!plan.map_caveat.empty()) rows.emplace_back("note", plan.map_caveat);
   for (const LegLoad& load : plan.loads) rows.emplace_back("load", describe_load(load));
-  if (!plan.tip.empty()) rows.emplace_back("tip", "link " + shortened(plan.tip));
+  if (!plan.tip.empty()) rows.emplace_back("tip", describe_tip(plan.tip));
   rows.emplace_back("policy", describe_policies(plan.policies, plan.seen_within));
   rows.emplace_back("padding", describe_padding(plan.padding, plan.position_accuracy));
   if (plan.survey) {

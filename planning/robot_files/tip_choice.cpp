@@ -1,5 +1,6 @@
 #include "planning/robot_files/tip_choice.hpp"
 
+#include <string_view>
 #include <vector>
 
 #include "mapping/system/input_file.hpp"
@@ -9,6 +10,9 @@
 
 namespace clearway {
 namespace {
+
+/// What begins the name of an own tip that is not its link's frame.
+constexpr std::string_view own_tip = "own tip on ";
 
 /// A robot's links as a tree.
 class Branches {
@@ -59,6 +63,14 @@ class Branches {
 };
 
 }  // namespace
+
+std::string tip_name(const Robot& robot) {
+  const std::string& link = robot.links[static_cast<std::size_t>(robot.tip_link)].name;
+  const bool is_frame_of_link = robot.link_from_tip.matrix() == Eigen::Matrix4d::Identity();
+  return is_frame_of_link ? link : std::string(own_tip) + link;
+}
+
+bool is_own_tip_name(const std::string& name) { return name.starts_with(own_tip); }
 
 bool is_tip_chosen(const Robot& robot) {
   if (robot.source.empty()) return true;  // who made it in memory

@@ -6,6 +6,14 @@
 
 namespace clearway {
 
+/// What plans call the tip of a robot: its link where the tip is that link's frame, as `--tip LINK` asks,
+/// else "own tip on LINK": settings may place a robot's own tip elsewhere on its link, such as between
+/// fingers.
+std::string tip_name(const Robot& robot);
+
+/// Whether that is what `tip_name` calls an own tip that is not its link's frame.
+bool is_own_tip_name(const std::string& name);
+
 /// Whether somebody chose the robot's own tip: its settings, or, of a planning group, an end effector or the
 /// only chain of its SRDF. Else it is the last link of the longest branch. Files are read anew.
 /// @throws as read_robot_settings and read_srdf

@@ -121,8 +121,8 @@ TEST_F(PickCommand, closes_the_fingers_of_a_hand_and_opens_them) {
 
 /// The robot's own tip is 0.13 m before the frame of link `hand`, which --tip names.
 TEST_F(PickCommand, names_the_tip_and_takes_another_one) {
-  EXPECT_EQ(written()["tip"], "hand");
-  expect_words(plan_->out, {"tip", "link hand"});
+  EXPECT_EQ(written()["tip"], "own tip on hand");
+  expect_words(plan_->out, {"tip", "own tip on hand"});
   EXPECT_EQ(plan_->out.find("nothing that the map knows"), std::string::npos);
   const std::string out = folder_->file("tip.json"),
                     deeper = folder_->write(
@@ -141,9 +141,12 @@ TEST_F(PickCommand, names_the_tip_and_takes_another_one) {
   };
   EXPECT_EQ(checked({"--tip", "hand"}).status, exit_done) << checked({"--tip", "hand"}).out;
   expect_words(checked({"--tip", "hand"}).out, {"link hand (flag)"});
+  const CommandRun by_plan = run_command({"check", out, "--map", folder_->file("map"), "--robot", "arm6"});
+  expect_words(by_plan.out, {"link hand (plan)"});
   const CommandRun by_default = checked({});
   EXPECT_EQ(by_default.status, exit_no);
-  expect_words(by_default.out, {"link hand (default)", "the tip takes the object 0.13 m"});
+  expect_words(by_default.out, {"own tip on hand (default)", "the tip takes the object 0.13 m",
+                                "the plan was made for the tip 'hand'"});
   // The hand turns against the link before its last joint.
   const Robot robot = load_robot("arm6");
   auto moved = static_cast<std::size_t>(robot.tip_link);

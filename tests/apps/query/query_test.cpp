@@ -110,6 +110,8 @@ TEST(Query, LegsWithoutAPathAreNotCountedAsSolvedAndACheckThatWasNotRunIsNoRefus
   EXPECT_FALSE(rows(plan).contains("tip"));
   plan.tip = "hand";
   EXPECT_EQ(rows(plan)["tip"], "link hand");
+  plan.tip = "own tip on hand";
+  EXPECT_EQ(rows(plan)["tip"], "own tip on hand");
   plan.validation.first_contact = "edge 0 at 0: hand touches a voxel";
   EXPECT_EQ(rows(plan)["check"], "REFUSED: edge 0 at 0: hand touches a voxel");
 }
