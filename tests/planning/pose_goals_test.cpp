@@ -41,7 +41,7 @@ Configuration free_configuration(Random& random, const ConfigurationSpace& space
 }
 
 TEST(PoseGoals, ChooseFreeConfigurationsThatReachThem) {
-  Random random(11);
+  Random random(12);
   int turned = 0, elsewhere = 0, blocked = 0;
   for (int round = 0; round < 60; ++round) {
     const ConfigurationSpace space = space_of(round % 2 == 0 ? "arm6" : "puma560", clutter(random, 60));
