@@ -237,12 +237,19 @@ bool BidirectionalTrees::got_away(Side side) const {
                      [&](const Node& node) { return length(nodes.front().q, node.q) > far; });
 }
 
+/// Few nodes of the one tree are told by many of the other's: the smaller tree grows three times as often.
+bool BidirectionalTrees::seems_walled_in(Side side) const {
+  constexpr std::size_t fewer = 100;
+  const bool is_small = fewer * trees_[side].nodes.size() <= trees_[other(side)].nodes.size();
+  return is_small || (!got_away(side) && got_away(other(side)));
+}
+
 std::string BidirectionalTrees::reach() const {
   std::string text = std::to_string(trees_[start].nodes.size()) + " reached from the start, " +
                      std::to_string(trees_[goal].nodes.size()) + " from the goal";
-  const bool from_start = got_away(start), from_goal = got_away(goal);
-  if (from_start != from_goal)
-    text += std::string(": the ") + (from_goal ? "start" : "goal") + " may be walled in";
+  for (const Side side : {start, goal})
+    if (seems_walled_in(side))
+      text += std::string(": the ") + (side == start ? "start" : "goal") + " may be walled in";
   return "Configurations: " + text + ".";
 }
 

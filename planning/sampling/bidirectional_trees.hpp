@@ -64,7 +64,7 @@ class BidirectionalTrees {
 
   /// How many configurations were reached from start and goal, in a sentence for who reads that no path was
   /// found; it says which of them may be walled in: the one whose tree stayed near it where the other's did
-  /// not.
+  /// not, or stayed small.
   std::string reach() const;
 
   std::uint64_t edges_checked() const { return edges_checked_; }
@@ -84,6 +84,7 @@ class BidirectionalTrees {
   bool is_free(const Configuration& from, const Configuration& to);
   int extend(Side side, const Configuration& towards, bool from_anywhere);
   bool got_away(Side side) const;
+  bool seems_walled_in(Side side) const;
   int advance(Side side, int from, const Configuration& towards);
   bool connect(Side side, int other_node);
   Side next_side() const;
