@@ -49,6 +49,9 @@ class BoxKind final : public ShapeKind {
   double signed_distance(const Shape& s, const Vector& point) const override {
     return boxed::signed_distance(s, point);
   }
+  lanes::Numbers signed_distances(const Shape& s, const FourPoints& points) const override {
+    return boxed::signed_distances(s, points);
+  }
   Vector offset_to(const Shape& s, const Vector& point) const override { return boxed::offset_to(s, point); }
   ShapeSurface surface(const Shape& s) const override { return box_surface(s.edges()); }
   std::shared_ptr<fcl::CollisionGeometryd> fcl_geometry(const Shape& s) const override {

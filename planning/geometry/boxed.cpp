@@ -42,6 +42,18 @@ double signed_distance(const Shape& shape, const Eigen::Vector3d& point) {
   return extents::distance(Eigen::Vector3d((point - shape.box_center()).cwiseAbs() - shape.edges() / 2));
 }
 
+lanes::Numbers signed_distances(const Shape& shape, const FourPoints& points) {
+  const Eigen::Vector3d &center = shape.box_center(), half = shape.edges() / 2;
+  const auto past = [&](const lanes::Numbers& along, int axis) {
+    return lanes::absolute(along - lanes::all(center[axis])) - lanes::all(half[axis]);
+  };
+  const lanes::Numbers x = past(points.x, 0), y = past(points.y, 1), z = past(points.z, 2);
+  const lanes::Numbers none = lanes::all(0.0), out_x = lanes::larger(x, none), out_y = lanes::larger(y, none),
+                       out_z = lanes::larger(z, none);
+  return lanes::root(out_x * out_x + out_y * out_y + out_z * out_z) +
+         lanes::smaller(lanes::larger(lanes::larger(x, y), z), none);
+}
+
 Eigen::Vector3d offset_to(const Shape& shape, const Eigen::Vector3d& point) {
   const Eigen::Vector3d local = point - shape.box_center();
   return local - local.cwiseMax(-shape.edges() / 2).cwiseMin(shape.edges() / 2);

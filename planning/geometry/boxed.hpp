@@ -2,6 +2,7 @@
 
 // Not part of the installed library.
 
+#include "planning/geometry/four_points.hpp"
 #include "planning/geometry/shape.hpp"
 
 /// What boxes and hulls share: answers from the box around them, of edges() about box_center().
@@ -9,6 +10,7 @@ namespace clearway::boxed {
 
 MedialSegment medial_segment(const Shape& shape);
 double signed_distance(const Shape& shape, const Eigen::Vector3d& point);
+lanes::Numbers signed_distances(const Shape& shape, const FourPoints& points);
 Eigen::Vector3d offset_to(const Shape& shape, const Eigen::Vector3d& point);
 
 /// The box in equal cells, nearly cubes, at most `most_cover_spheres`.

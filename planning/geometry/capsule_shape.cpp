@@ -61,6 +61,9 @@ class CapsuleKind final : public ShapeKind {
     const double beyond = std::max(std::abs(point.z()) - s.length() / 2, 0.0);
     return Vector(point.x(), point.y(), beyond).norm() - s.radius();
   }
+  lanes::Numbers signed_distances(const Shape& s, const FourPoints& points) const override {
+    return rounded::signed_distances(s.radius(), s.length() / 2, points);
+  }
   Vector offset_to(const Shape& s, const Vector& point) const override {
     return rounded::offset_to(s.radius(), {point.x(), point.y(), extents::past(point.z(), s.length() / 2)});
   }

@@ -87,6 +87,9 @@ class ConvexKind final : public ShapeKind {
   double signed_distance(const Shape& s, const Vector& point) const override {
     return boxed::signed_distance(s, point);
   }
+  lanes::Numbers signed_distances(const Shape& s, const FourPoints& points) const override {
+    return boxed::signed_distances(s, points);
+  }
   Vector offset_to(const Shape& s, const Vector& point) const override { return boxed::offset_to(s, point); }
   ShapeSurface surface(const Shape& s) const override { return {s.vertices(), hull_triangles(s.vertices())}; }
 

@@ -92,6 +92,14 @@ class CylinderKind final : public ShapeKind {
     return extents::distance(
         Eigen::Vector2d(point.head<2>().norm() - s.radius(), std::abs(point.z()) - s.length() / 2));
   }
+  lanes::Numbers signed_distances(const Shape& s, const FourPoints& points) const override {
+    const lanes::Numbers none = lanes::all(0.0),
+                         radial =
+                             lanes::root(points.x * points.x + points.y * points.y) - lanes::all(s.radius()),
+                         axial = lanes::absolute(points.z) - lanes::all(s.length() / 2),
+                         out = lanes::larger(radial, none), past = lanes::larger(axial, none);
+    return lanes::root(out * out + past * past) + lanes::smaller(lanes::larger(radial, axial), none);
+  }
   Vector offset_to(const Shape& s, const Vector& point) const override {
     const double rho = point.head<2>().norm();
     const double beyond = rho > s.radius() ? 1.0 - s.radius() / rho : 0.0;

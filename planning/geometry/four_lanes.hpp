@@ -1,7 +1,7 @@
 #pragma once
 
-// Private to the control step: four numbers side by side, the same operations in the same order, and so the
-// same bits, on every machine.
+// Not part of the installed library: four numbers side by side, the same operations in the same order, and so
+// the same bits, on every machine.
 
 #include <cmath>
 #include <cstdint>
@@ -20,6 +20,7 @@ constexpr int width = 4;
 struct Numbers {
   Pair low{}, high{};
   double operator[](int lane) const { return lane < 2 ? low[lane] : high[lane - 2]; }
+  void set(int lane, double value) { (lane < 2 ? low[lane] : high[lane - 2]) = value; }
 };
 struct Places {
   PlacePair low{}, high{};
@@ -46,6 +47,8 @@ inline Places operator==(const Numbers& a, const Numbers& b) { return {a.low == 
 inline Numbers select(const Places& truth, const Numbers& a, const Numbers& b) {
   return {truth.low ? a.low : b.low, truth.high ? a.high : b.high};
 }
+inline Numbers larger(const Numbers& a, const Numbers& b) { return select(a < b, b, a); }
+inline Numbers smaller(const Numbers& a, const Numbers& b) { return select(b < a, b, a); }
 inline bool any(const Places& truth) {
   const PlacePair both = truth.low | truth.high;
   return (both[0] | both[1]) != 0;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 
+#include "planning/geometry/four_points.hpp"
 #include "planning/geometry/shape.hpp"
 
 namespace fcl {
@@ -52,6 +53,8 @@ class ShapeKind {
   virtual Shape grown(const Shape& shape, double padding) const = 0;       ///< @pre padding > 0
   virtual Shape core(const Shape& shape, double depth) const = 0;
   virtual double signed_distance(const Shape& shape, const Vector& point) const = 0;
+  /// The signed distances of four points, those of signed_distance() but for rounding.
+  virtual lanes::Numbers signed_distances(const Shape& shape, const FourPoints& points) const = 0;
   virtual Vector offset_to(const Shape& shape, const Vector& point) const = 0;
   virtual ShapeSurface surface(const Shape& shape) const = 0;
 

@@ -35,6 +35,9 @@ class SphereKind final : public ShapeKind {
   double signed_distance(const Shape& s, const Vector& point) const override {
     return point.norm() - s.radius();
   }
+  lanes::Numbers signed_distances(const Shape& s, const FourPoints& points) const override {
+    return rounded::signed_distances(s.radius(), 0.0, points);
+  }
   Vector offset_to(const Shape& s, const Vector& point) const override {
     return rounded::offset_to(s.radius(), point);
   }

@@ -5,11 +5,13 @@
 #include <cmath>
 
 #include "planning/geometry/convex_hull.hpp"
+#include "planning/geometry/shape_kind.hpp"
 
 namespace clearway {
 namespace {
 
 constexpr double half_diagonal = 0.8660254037844387;  ///< of a cube of edge 1, rounded up
+constexpr int brick_bits = VoxelMarks::brick_edge * VoxelMarks::brick_edge * VoxelMarks::brick_edge;
 constexpr double most_cells_away = 1e15;  ///< from the origin: beyond, doubles distinguish no cells
 
 /// Bits of a brick lie in Morton order: 64 in a row are a cube of 4 x 4 x 4 voxels, 8 one of 2 x 2 x 2.
@@ -64,23 +66,38 @@ MarkedShape::MarkedShape(const Shape& shape) : shape_(shape) {
   }
 }
 
-double MarkedShape::distance(const Eigen::Vector3d& point) const {
-  if (shape_.has_exact_distance()) return shape_.signed_distance(point);
-  double most = -1e300;
-  for (const Eigen::Vector4d& plane : planes_) most = std::max(most, plane.head<3>().dot(point) - plane.w());
+lanes::Numbers MarkedShape::distances(const FourPoints& points) const {
+  if (shape_.has_exact_distance()) return shape_.kind_functions().signed_distances(shape_, points);
   // A flat hull has no faces, and no inside.
-  return planes_.empty() ? std::max(shape_.signed_distance(point), 0.0) : most;
+  if (planes_.empty())
+    return lanes::larger(shape_.kind_functions().signed_distances(shape_, points), lanes::all(0.0));
+  lanes::Numbers most = lanes::all(-1e300);
+  for (const Eigen::Vector4d& plane : planes_)
+    most = lanes::larger(
+        most, plane.x() * points.x + plane.y() * points.y + plane.z() * points.z - lanes::all(plane.w()));
+  return most;
 }
 
 bool MarkedShape::touches(const Eigen::Isometry3d& pose, const Eigen::Vector3d& center, double edge) const {
-  const double half = edge / 2;
   if (shape_.has_exact_distance()) {
-    // From the shape's point that is nearest to the cube's middle: it lies in the cube, or the plane through
-    // it has the shape on one side and the cube on the other; else nothing is known.
-    const Eigen::Vector3d local = pose.linear().transpose() * (center - pose.translation());
-    const Eigen::Vector3d offset = pose.linear() * shape_.offset_to(local);
-    if (offset.cwiseAbs().maxCoeff() <= half) return true;
-    if (offset.squaredNorm() > half * offset.cwiseAbs().sum() * (1.0 + 1e-9)) return false;
+    // Nearest points of the two in turn, from the cube's middle on. The shape's lies in the cube, or the
+    // plane through it has the shape on one side and the cube on the other, or the cube's corner that is
+    // deepest beyond that plane lies in the shape; else nothing is known yet.
+    constexpr int turns = 4;
+    const double half = edge / 2;
+    const Eigen::Matrix3d turned = pose.linear();
+    const auto local = [&](const Eigen::Vector3d& point) -> Eigen::Vector3d {
+      return turned.transpose() * (point - pose.translation());
+    };
+    Eigen::Vector3d in_cube = center;
+    for (int turn = 0; turn < turns; ++turn) {
+      const Eigen::Vector3d offset = turned * shape_.offset_to(local(in_cube));
+      const Eigen::Vector3d from_center = in_cube - offset - center;
+      if (from_center.cwiseAbs().maxCoeff() <= half) return true;
+      if (-offset.dot(from_center) > half * offset.cwiseAbs().sum() * (1.0 + 1e-9)) return false;
+      if (shape_.signed_distance(local(center - half * offset.cwiseSign())) <= 0.0) return true;
+      in_cube = center + from_center.cwiseMax(-half).cwiseMin(half);
+    }
   }
   return distance_to_cube(shape_, pose, center, edge, 0.0).lower <= 0.0;
 }
@@ -88,7 +105,22 @@ bool MarkedShape::touches(const Eigen::Isometry3d& pose, const Eigen::Vector3d& 
 struct VoxelMarks::Body {
   const MarkedShape& shape;
   const Eigen::Isometry3d& map_from_shape;
-  Eigen::Isometry3d shape_from_map;
+  Eigen::Matrix3d rotation;     ///< shape from map
+  Eigen::Vector3d translation;  ///< shape from map
+  FourPoints lower, upper;      ///< the corners of the cube [-1, 1]^3 in Morton order, turned by `rotation`
+  double surely;                ///< a surface that is nearer to a voxel's middle passes through the voxel
+
+  Body(const MarkedShape& shape, const Eigen::Isometry3d& pose, double edge)
+      : shape(shape),
+        map_from_shape(pose),
+        rotation(pose.linear().transpose()),
+        translation(-(rotation * pose.translation())),
+        surely(shape.shape().has_exact_distance() ? edge / 2 * (1.0 - 1e-9) : 0.0) {
+    for (int i = 0; i < 8; ++i) {
+      const Eigen::Vector3d corner(i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0);
+      (i < 4 ? lower : upper).set(i % 4, rotation * corner);
+    }
+  }
 };
 
 bool VoxelMarks::mark(const MarkedShape& shape, const Eigen::Isometry3d& map_from_shape) {
@@ -99,18 +131,22 @@ bool VoxelMarks::mark(const MarkedShape& shape, const Eigen::Isometry3d& map_fro
   const bool is_near = low.abs().maxCoeff() < most_cells_away && high.abs().maxCoeff() < most_cells_away;
   const double bricks = (high - low + 1.0).prod();
   if (!is_near || bricks > most_bricks_ || (looks_ += bricks) > most_looks_) return false;
-  const Body body{shape, map_from_shape, map_from_shape.inverse()};
+  const Body body(shape, map_from_shape, edge_);
   const Cell first = low.cast<std::int64_t>().matrix(), last = high.cast<std::int64_t>().matrix();
+  const double reach = half_diagonal * brick * (1.0 + 1e-9);
   for (std::int64_t z = first.z(); z <= last.z(); ++z) {
     for (std::int64_t y = first.y(); y <= last.y(); ++y) {
       for (std::int64_t x = first.x(); x <= last.x(); ++x) {
         const Cell at(x, y, z);
-        const Eigen::Vector3d corner = at.cast<double>() * brick;
-        const Eigen::Vector3d middle = corner.array() + brick / 2;
-        if (shape.distance(body.shape_from_map * middle) > half_diagonal * brick * (1.0 + 1e-9)) continue;
+        const Eigen::Vector3d middle =
+            body.rotation * ((at.cast<double>().array() + 0.5) * brick).matrix() + body.translation;
+        const double distance = shape.distances(FourPoints::all(middle))[0];
+        if (distance > reach) continue;
         const auto known = bricks_.find(at);
         Brick marks = known != bricks_.end() ? known->second : Brick{};
-        mark_cube(body, corner, brick_edge, 0, marks);
+        if (is_full(marks, 0, brick_bits)) continue;
+        distance <= -reach ? fill(marks, 0, brick_bits)
+                           : mark_eighths(body, at, middle, brick_edge, 0, marks);
         if (known != bricks_.end()) {
           known->second = marks;
         } else if (marked(marks) > 0) {
@@ -123,24 +159,33 @@ bool VoxelMarks::mark(const MarkedShape& shape, const Eigen::Isometry3d& map_fro
   return true;
 }
 
-/// @param corner the smallest, map frame @param cells along the cube's edge @param first its first bit
-void VoxelMarks::mark_cube(const Body& body, const Eigen::Vector3d& corner, int cells, int first,
-                           Brick& brick) const {
-  const int count = cells * cells * cells;
-  if (is_full(brick, first, count)) return;
-  const double size = cells * edge_;
-  const Eigen::Vector3d middle = corner.array() + size / 2;
-  const double distance = body.shape.distance(body.shape_from_map * middle);
-  const double reach = half_diagonal * size * (1.0 + 1e-9);
-  if (distance > reach) return;
-  if (distance <= -reach) return fill(brick, first, count);
-  if (cells == 1) {
-    if (distance < 0.0 || body.shape.touches(body.map_from_shape, middle, edge_)) fill(brick, first, 1);
-    return;
-  }
+bool VoxelMarks::touches(const Body& body, const Cell& brick_at, int bit) const {
+  const Cell cell = brick_at * brick_edge + cell_of(bit);
+  return body.shape.touches(body.map_from_shape, (cell.cast<double>().array() + 0.5) * edge_, edge_);
+}
+
+/// Of a cube that the surface may cross: its eight parts.
+/// @param at the brick that it lies in @param middle of the cube, shape's frame @param cells along its edge
+/// @param first its first bit
+void VoxelMarks::mark_eighths(const Body& body, const Cell& at, const Eigen::Vector3d& middle, int cells,
+                              int first, Brick& brick) const {
+  const int part = cells / 2, count = part * part * part;
+  const double size = part * edge_, reach = half_diagonal * size * (1.0 + 1e-9);
+  const FourPoints around = FourPoints::all(middle);
+  const FourPoints lower = around + size / 2 * body.lower, upper = around + size / 2 * body.upper;
+  double distances[8];
+  lanes::store(distances, body.shape.distances(lower));
+  lanes::store(distances + 4, body.shape.distances(upper));
   for (int i = 0; i < 8; ++i) {
-    const Eigen::Vector3d step(i & 1, (i >> 1) & 1, (i >> 2) & 1);
-    mark_cube(body, corner + step * (size / 2), cells / 2, first + i * count / 8, brick);
+    const int bit = first + i * count;
+    if (distances[i] > reach || is_full(brick, bit, count)) continue;
+    if (distances[i] <= -reach) {
+      fill(brick, bit, count);
+    } else if (part > 1) {
+      mark_eighths(body, at, i < 4 ? lower.point(i) : upper.point(i - 4), part, bit, brick);
+    } else if (distances[i] < body.surely || touches(body, at, bit)) {
+      fill(brick, bit, 1);
+    }
   }
 }
 

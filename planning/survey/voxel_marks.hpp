@@ -9,6 +9,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "planning/geometry/four_points.hpp"
 #include "planning/geometry/shape.hpp"
 
 namespace clearway {
@@ -23,8 +24,8 @@ class MarkedShape {
   explicit MarkedShape(const Shape& shape);
   const Shape& shape() const { return shape_; }
 
-  /// Distance of a point (shape's frame) from the surface, negative inside; outside of a hull a lower bound.
-  double distance(const Eigen::Vector3d& point) const;
+  /// Distances of points (shape's frame) from the surface, negative inside; outside of a hull lower bounds.
+  lanes::Numbers distances(const FourPoints& points) const;
 
   /// True unless the placed shape is proved apart from the cube: touching counts.
   bool touches(const Eigen::Isometry3d& pose, const Eigen::Vector3d& center, double edge) const;
@@ -64,7 +65,9 @@ class VoxelMarks {
     std::size_t operator()(const Cell& cell) const;
   };
   struct Body;
-  void mark_cube(const Body& body, const Eigen::Vector3d& corner, int cells, int first, Brick& brick) const;
+  bool touches(const Body& body, const Cell& brick_at, int bit) const;
+  void mark_eighths(const Body& body, const Cell& at, const Eigen::Vector3d& middle, int cells, int first,
+                    Brick& brick) const;
 
   double edge_, most_bricks_, most_looks_, looks_ = 0.0;
   std::unordered_map<Cell, Brick, CellHash> bricks_;

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "planning/geometry/convex_hull.hpp"
+#include "planning/geometry/shape_kind.hpp"
 #include "tests/worlds/random_world.hpp"
 
 namespace clearway {
@@ -104,6 +105,19 @@ TEST(Shape, SignedDistanceIsNegativeInsideAndTheDistanceOutside) {
         EXPECT_NEAR(shape.offset_to(point).norm(), expected, 1e-6);
         EXPECT_LT(std::abs(shape.signed_distance(point - shape.offset_to(point))), 1e-9);
       }
+    }
+  }
+}
+
+TEST(Shape, SignedDistancesOfFourPointsAreThoseOfEach) {
+  Random random(21);
+  for (int round = 0; round < 50; ++round) {
+    for (const Shape& shape : some_shapes(random)) {
+      FourPoints points;
+      for (int lane = 0; lane < 4; ++lane) points.set(lane, random.point(0.6));
+      const lanes::Numbers distances = shape.kind_functions().signed_distances(shape, points);
+      for (int lane = 0; lane < 4; ++lane)
+        ASSERT_NEAR(distances[lane], shape.signed_distance(points.point(lane)), 1e-15) << shape.name();
     }
   }
 }
