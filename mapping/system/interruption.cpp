@@ -36,11 +36,12 @@ void add_clause(std::string& sentence, const std::string& clause) {
   if (!clause.empty()) sentence += (sentence.empty() ? "" : "; ") + clause;
 }
 
-/// Ends all work, what began last first. With the lock held.
+/// Ends all work, what began last first. With the lock held. What ends may write files, and so begin and end
+/// work of its own: a copy is gone through.
 std::string end_all_work(State& all) {
   std::string sentence;
-  for (auto work = all.unfinished.rbegin(); work != all.unfinished.rend(); ++work)
-    add_clause(sentence, work->end());
+  const std::vector<OngoingWork> ongoing = all.unfinished;
+  for (auto work = ongoing.rbegin(); work != ongoing.rend(); ++work) add_clause(sentence, work->end());
   for (const auto& file : all.written) add_clause(sentence, "'" + file.string() + "' is written whole");
   return sentence.empty() ? "nothing was written" : sentence;
 }

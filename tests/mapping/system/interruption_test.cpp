@@ -1,0 +1,85 @@
+#include "mapping/system/interruption.hpp"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <deque>
+
+namespace clearway {
+namespace interruption_test {
+
+struct Ending {
+  int status = 0;
+  std::string what_is_there;
+};
+
+/// What a process leaves that does `work` and then gets SIGTERM.
+template <typename Work>
+Ending ended_by_signal(const Work& work) {
+  std::array<int, 2> ends{};
+  EXPECT_EQ(::pipe(ends.data()), 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    end_in_order_on_signals([&](int, const std::string& there) {
+      [[maybe_unused]] const auto written = ::write(ends[1], there.data(), there.size());
+    });
+    work();
+    ::_exit(0);
+  }
+  ::close(ends[1]);
+  Ending ending;
+  std::array<char, 4096> buffer{};
+  for (ssize_t n = 0; (n = ::read(ends[0], buffer.data(), buffer.size())) > 0;)
+    ending.what_is_there.append(buffer.data(), static_cast<std::size_t>(n));
+  ::close(ends[0]);
+  ::waitpid(child, &ending.status, 0);
+  return ending;
+}
+
+void expect_ended(const Ending& ending, const std::string& what_is_there) {
+  EXPECT_TRUE(WIFEXITED(ending.status));
+  EXPECT_EQ(WEXITSTATUS(ending.status), 128 + SIGTERM);
+  EXPECT_EQ(ending.what_is_there, what_is_there);
+}
+
+[[noreturn]] void wait_for_sigterm() {
+  ::kill(::getpid(), SIGTERM);
+  for (;;) ::pause();
+}
+
+TEST(Interruption, EndsWorkWhatBeganLastFirst) {
+  expect_ended(ended_by_signal([] { wait_for_sigterm(); }), "nothing was written");
+  expect_ended(ended_by_signal([] {
+                 const UnfinishedWork first([] { return "the first"; });
+                 {
+                   const UnfinishedWork done([] { return "what is done"; });
+                 }
+                 const UnfinishedWork second([] { return "the second"; }), silent([] { return ""; });
+                 written_file("a.csv");
+                 wait_for_sigterm();
+               }),
+               "the second; the first; 'a.csv' is written whole");
+}
+
+/// As the tables of a comparison that is interrupted, each of which is a file that is written in its turn.
+TEST(Interruption, WorkMayBeginAndEndOtherWorkWhileItEnds) {
+  for (const int begun : {1, 3, 4, 100}) {
+    expect_ended(ended_by_signal([&] {
+                   const UnfinishedWork first([] { return "the first"; }, "folder");
+                   const UnfinishedWork second([&]() -> std::string {
+                     std::deque<UnfinishedWork> other;
+                     for (int i = 0; i < begun; ++i) other.emplace_back([] { return "never"; });
+                     written_file("folder/table.csv");
+                     return "the second";
+                   });
+                   wait_for_sigterm();
+                 }),
+                 "the second; the first");
+  }
+}
+
+}  // namespace interruption_test
+}  // namespace clearway
