@@ -83,16 +83,16 @@ std::vector<std::string> broken_promises(const CompareResults& results) {
 namespace {
 
 std::vector<std::vector<std::string>> team_table(const CompareExperiment& experiment) {
-  std::vector<std::vector<std::string>> rows{{"planner", "arrived / valid / total", "safe", "outrun",
-                                              "refused", "motion s", "separation mm", "below d_s mm",
-                                              "allowed mm", "computed in s", "not arrived"}};
+  std::vector<std::vector<std::string>> rows{
+      {"planner", "arrived / valid / total", "safe", "outrun", "refused", "motion s", "separation mm",
+       "below d_s mm", "allowed mm", "top accel. % of limit", "computed in s", "not arrived"}};
   for (std::size_t i = 0; i < experiment.planners.size(); ++i) {
     const CompareSummary sum = summary(experiment, i);
     rows.push_back({experiment.planners[i].label, counts_text(sum), std::to_string(sum.safe),
                     std::to_string(sum.outrun), std::to_string(sum.refused), cell_text(sum.motion_median),
                     cell_text(1000.0 * sum.least_separation), cell_text(1000.0 * sum.worst_shortfall),
-                    cell_text(1000.0 * sum.allowed_shortfall), cell_text(sum.time_median),
-                    unsolved_text(sum)});
+                    cell_text(1000.0 * sum.allowed_shortfall), cell_text(100.0 * sum.top_acceleration, 3),
+                    cell_text(sum.time_median), unsolved_text(sum)});
   }
   return rows;
 }

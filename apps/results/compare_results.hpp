@@ -125,6 +125,7 @@ struct CompareSummary {
   double least_separation = std::numeric_limits<double>::quiet_NaN();  ///< m: of the runs that are not outrun
   double worst_shortfall = 0.0;    ///< m: of the runs that are not outrun, d_s less the least separation
   double allowed_shortfall = 0.0;  ///< m: of the same, the largest step_bound
+  double top_acceleration = 0.0;   ///< of the same, the greatest share of the limit: separation goes first
   double motion_median = 0.0;      ///< s, of valid runs
   double time_median = 0.0, time_p95 = 0.0;     ///< s
   double cpu_median = 0.0, check_median = 0.0;  ///< s, CPU: to plan; to check what was planned

@@ -14,7 +14,8 @@ namespace clearway {
 namespace compare_summary_test {
 
 /// A run of a team that had to keep 5 cm, and how near the check saw it come.
-CompareRun team_run(const std::string& check, double separation, double step_bound) {
+CompareRun team_run(const std::string& check, double separation, double step_bound,
+                    double acceleration = 1.0) {
   CompareRun run;
   run.status = check == "outrun" ? PlanStatus::no_path : PlanStatus::solved;
   run.check = check;
@@ -22,6 +23,7 @@ CompareRun team_run(const std::string& check, double separation, double step_bou
   run.team.emplace();
   run.team->security_distance = 0.05;
   run.team->step_bound = step_bound;
+  run.motion = {4.0, 0.9, acceleration};
   return run;
 }
 
@@ -37,19 +39,21 @@ CompareExperiment experiment_of(const std::vector<CompareRun>& runs) {
 TEST(CompareSummaryOfTeams, ATeamFallsShortByWhatItCameNearerThanItsSecurityDistance) {
   const CompareExperiment experiment = experiment_of(
       {team_run("valid", 0.06, 0.002), team_run("refused", 0.02, 0.004), team_run("valid", 0.047, 0.001),
-       team_run("outrun", 0.001, 0.1),  // no promise, no shortfall
-       team_run("none", 0.0, 0.1)});
+       team_run("outrun", 0.001, 0.1, 9.0),  // no promise, no shortfall
+       team_run("none", 0.0, 0.1), team_run("valid", 0.07, 0.001, 7.4)});
   const CompareSummary sum = summary(experiment, 0);
   EXPECT_NEAR(sum.worst_shortfall, 0.03, 1e-15);
   EXPECT_EQ(sum.least_separation, 0.02);
   EXPECT_EQ(sum.allowed_shortfall, 0.004);
-  EXPECT_EQ(sum.safe, 2U);
+  EXPECT_EQ(sum.top_acceleration, 7.4);
+  EXPECT_EQ(sum.safe, 3U);
   EXPECT_EQ(sum.refused, 1U);
   EXPECT_EQ(sum.outrun, 1U);
   const nlohmann::ordered_json json = summary_json(experiment, 0);
   EXPECT_NEAR(json["below_security_distance_m"].get<double>(), 0.03, 1e-15);
   EXPECT_EQ(json["least_separation_m"], 0.02);
   EXPECT_EQ(json["allowed_below_m"], 0.004);
+  EXPECT_EQ(json["top_acceleration_share"], 7.4);
 }
 
 TEST(CompareSummaryOfTeams, ATeamThatKeptItsDistanceFallsShortByNothing) {
