@@ -12,6 +12,7 @@
 #include "mapping/system/plain_text.hpp"
 #include "mapping/system/thread_time.hpp"
 #include "planning/advice/paint_advice.hpp"
+#include "planning/advice/without_map.hpp"
 #include "planning/auto_planner.hpp"
 #include "planning/check/check_legs.hpp"
 #include "planning/problem/held_to_task.hpp"
@@ -197,8 +198,13 @@ void survey(const SurveyDemands& demands, const ConfigurationSpace& space, Plan&
   refuse_surveyed(*plan.survey, demands, plan.validation);
 }
 
+void explain(PlanResult& leg, const std::string& sentence) {
+  if (!sentence.empty()) leg.explanation += (leg.explanation.empty() ? "" : " ") + sentence;
+}
+
 /// Where painting more would connect the ends of the leg that was not solved: the spheres go to `plan.paint`,
-/// the sentence to the leg's explanation.
+/// the sentence to the leg's explanation. Nothing that is painted helps where the robot itself is in the way,
+/// which is then the sentence.
 void advise(const PlanQuery& query, const Planner& planner, const LegSpaces& spaces, Plan& plan) {
   const std::size_t failed = plan.legs.size() - 1;
   const Configuration start = failed == 0 ? query.start : plan.legs[failed - 1].waypoints.back();
@@ -209,15 +215,19 @@ void advise(const PlanQuery& query, const Planner& planner, const LegSpaces& spa
   const auto begin = Clock::now();
   const double limit = std::min(query.advice_time, query.time_limit);
   std::atomic<bool> ran_out{false};  // a planner may ask from several threads
+  const PlanProblem problem{space, cost, start, query.goals[failed], query.seed, [&] {
+                              if (seconds_since(begin) > limit) ran_out = true;
+                              return ran_out.load();
+                            }};
+  PlanResult& leg = plan.legs[failed];
+  const bool has_no_path = leg.status == PlanStatus::no_path || leg.status == PlanStatus::timed_out;
+  if (has_no_path && is_without_path_in_empty_map(problem))
+    return explain(leg,
+                   "In an empty map no path is found either: the robot itself seems to keep start and goal "
+                   "apart, by bodies that would touch each other or by limits of joints.");
   PaintAdvice advice;
   try {
-    advice = advise_paint(planner,
-                          {space, cost, start, query.goals[failed], query.seed,
-                           [&] {
-                             if (seconds_since(begin) > limit) ran_out = true;
-                             return ran_out.load();
-                           }},
-                          follows_lattice);
+    advice = advise_paint(planner, problem, follows_lattice);
   } catch (const std::invalid_argument&) {
     return;  // beam_guided cannot search for this robot: no advice, and the plan stays as it is
   }
@@ -225,10 +235,7 @@ void advise(const PlanQuery& query, const Planner& planner, const LegSpaces& spa
   std::string sentence = advice.sentence();
   if (sentence.empty() && ran_out)
     sentence = "Where painting would help was not found in " + short_text(limit) + " s.";
-  if (!sentence.empty()) {
-    std::string& explanation = plan.legs[failed].explanation;
-    explanation += (explanation.empty() ? "" : " ") + sentence;
-  }
+  explain(leg, sentence);
 }
 
 }  // namespace

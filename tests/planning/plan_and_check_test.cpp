@@ -244,6 +244,32 @@ TEST(PlanAndCheck, SaysWherePaintingWouldConnectStartAndGoalUnlessNoTimeIsGivenF
   EXPECT_EQ(plain.explanation().find("Painting would connect"), std::string::npos);
 }
 
+/// An arm whose elbow meets a post of its own on the way round, and on the other way its joint's limit.
+TEST(PlanAndCheck, SaysWhenTheRobotItselfKeepsStartAndGoalApart) {
+  using namespace worlds;
+  const std::string ball = "<sphere radius='0.05'/>";
+  const UrdfRobot arm(
+      "posted", urdf_link("base", "0 0.4 0", ball) + "<link name='upper'/>" +
+                    urdf_link("elbow", "0 0 0", ball) +
+                    urdf_joint("swing", "revolute", "base", "upper", "0 0 0", "0 0 1", urdf_limit(-3, 3)) +
+                    urdf_joint("bend", "revolute", "upper", "elbow", "0.4 0 0", "0 0 1", urdf_limit(-3, 3)));
+  const auto planned = [&](const std::vector<Eigen::AlignedBox3d>& walls, double from, double to) {
+    const VoxelScene scene{0.05, walls, {}, {}};
+    const ConfigurationSpace space(arm.robot(), scene.snapshot(), anywhere_but_occupied());
+    return plan_and_check({.space = space,
+                           .start = Eigen::Vector2d(from, 0.0),
+                           .goals = {Eigen::Vector2d(to, 0.5)},
+                           .planner = make_planner("rrtconnect", {{"max_samples", "2000"}})});
+  };
+  const std::string by_itself = "the robot itself seems to keep start and goal apart";
+  const Plan apart = planned({box_of(1, 1, 1, 1.2, 1.2, 1.2)}, 0.0, 2.5);
+  EXPECT_EQ(apart.status(), PlanStatus::no_path);
+  EXPECT_NE(apart.explanation().find(by_itself), std::string::npos) << apart.explanation();
+  const Plan walled = planned({box_of(0.2, -0.5, -0.1, 0.3, -0.2, 0.1)}, 0.0, -2.5);
+  EXPECT_EQ(walled.status(), PlanStatus::no_path);
+  EXPECT_EQ(walled.explanation().find(by_itself), std::string::npos) << walled.explanation();
+}
+
 TEST(PlanAndCheck, RefusesForWhatIsSurveyedUnlessThatIsAllowedOrNoSurveyIsAskedFor) {
   FreeSpaceMap map({.resolution = 0.05});
   Scan scan;
