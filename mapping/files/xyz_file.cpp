@@ -95,8 +95,9 @@ class XyzReader {
       rest.remove_prefix(std::min(end + 1, rest.size()));
     }
     if (stated_ && *stated_ != static_cast<double>(count_))
-      throw DamagedFile(name() + " is damaged: it holds " + std::to_string(count_) +
-                        " points, its first line says " + std::to_string(static_cast<long long>(*stated_)));
+      throw DamagedFile(name() + " is damaged: it holds " + std::to_string(count_) + " points, " +
+                        (scans_ == 1 ? "its first line says " : "the counts of its scans say ") +
+                        std::to_string(static_cast<long long>(*stated_)));
     if (points_.empty())
       throw std::invalid_argument(name() + " holds no finite point: expected lines of x, y and z");
     return std::move(points_);
@@ -118,18 +119,29 @@ class XyzReader {
       return;
     }
     if (!has_begun_ && begin(line)) return;
-    take_point(line);
+    if (!begin_next_scan(line)) take_point(line);
+  }
+
+  /// A whole number alone on its line: of how many points.
+  static std::optional<double> stated_count(const std::vector<std::string>& columns) {
+    const std::optional<double> number = parsed_number(columns.front());
+    const bool is_count = columns.size() == 1 && number && *number >= 0.0 && *number <= most_points &&
+                          *number == std::floor(*number);
+    return is_count ? number : std::nullopt;
+  }
+
+  /// Files of several scans, in one frame, state the count of each before its points.
+  bool begin_next_scan(std::string_view line) {
+    if (!stated_ || *stated_ != static_cast<double>(count_)) return false;
+    const std::optional<double> more = stated_count(columns_of(line));
+    if (more) *stated_ += *more, ++scans_;
+    return more.has_value();
   }
 
   /// The first line that is no comment. @return whether it is no point
   bool begin(std::string_view line) {
     const std::vector<std::string> columns = columns_of(line);
-    const std::optional<double> first = parsed_number(columns.front());
-    if (columns.size() == 1 && !stated_ && first && *first >= 0.0 && *first <= most_points &&
-        *first == std::floor(*first)) {
-      stated_ = first;
-      return true;
-    }
+    if (!stated_ && (stated_ = stated_count(columns))) return true;
     if (const auto places = places_of(columns)) {
       places_ = *places;
       head_.clear();
@@ -153,6 +165,11 @@ class XyzReader {
              std::to_string(head_.size()));
   }
 
+  static std::string hint_of(std::string_view word) {
+    const bool may_be_decimals = word.find(',') != word.npos || word.find(' ') != word.npos;
+    return may_be_decimals ? " (are these decimal commas? numbers have points)" : "";
+  }
+
   void take_point(std::string_view line) {
     Eigen::Vector3f point;
     for (std::size_t column = 0; column <= last_place_; ++column) {
@@ -163,7 +180,7 @@ class XyzReader {
       const std::optional<double> number = parsed_number(word);
       const bool is_beyond =
           number && std::isfinite(*number) && std::abs(*number) > std::numeric_limits<float>::max();
-      if (!number || is_beyond) refuse("has " + quote(word));
+      if (!number || is_beyond) refuse("has " + quote(word) + hint_of(word));
       point[axis - places_.begin()] = static_cast<float>(*number);
     }
     ++count_;
@@ -176,6 +193,7 @@ class XyzReader {
   Places places_{0, 1, 2};
   std::size_t last_place_ = 2, line_ = 0, count_ = 0;
   std::optional<double> stated_;
+  int scans_ = 1;
   char delimiter_ = ' ';
   bool has_begun_ = false;
 };

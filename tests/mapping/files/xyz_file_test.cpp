@@ -43,6 +43,7 @@ TEST_F(XyzFile, WhatSurveyorsProgramsWriteIsRead) {
            "1;2.5;-3;117\n4;5;0.006;9\n",                              // intensity
            "//X Y Z R G B\n1 2.5 -3 0 0 0\n4 5 0.006 255 255 255\n",   // CloudCompare
            "2\n1 2.5 -3 -1204 90 88 80\n4 5 0.006 -1 1 1 1\n",         // Leica
+           "1\n1 2.5 -3 7 90 88 80\n1\n4 5 0.006 8 1 1 1\n0\n",        // of three scans
            "X,Y,Z,class\n1,2.5,-3,wall\n4,5,0.006,\n",                 // a table
            "\"id\";\"y\";\"z\";\"x\"\n7;2.5;-3;1\n8;5;0.006;4\n",      // in another order
            "# scan of a hall\n# id z y x\n1 -3 2.5 1\n2 0.006 5 4\n",  // the same, commented out
@@ -58,7 +59,10 @@ TEST_F(XyzFile, WhatIsNoPointIsRefusedByItsLine) {
   EXPECT_NE(refusal("1 2 3\n4 5\n").find("line 2 has too few numbers" + expected), std::string::npos);
   EXPECT_NE(refusal("1 2 3\n4 5 6m\n").find("line 2 has '6m'"), std::string::npos);
   EXPECT_NE(refusal("1,5 2,3 0,1\n").find("line 1 has '5 2'"), std::string::npos);  // decimal commas
-  EXPECT_NE(refusal("1,5;2,3;0,1\n").find("line 1 has '1,5'"), std::string::npos);
+  EXPECT_NE(refusal("1,5;2,3;0,1\n").find("line 1 has '1,5' (are these decimal commas?"), std::string::npos);
+  EXPECT_NE(refusal("1\n1 2 3\n2\n4 5 6\n").find("it holds 2 points, the counts of its scans say 3"),
+            std::string::npos);
+  EXPECT_NE(refusal("2\n2\n1 0 0\n").find("line 2 has too few numbers"), std::string::npos);  // .ptx
   EXPECT_NE(refusal("2\nwater\nO 0 0 0\nH 0 0 1\n").find("line 2 has 'water'"),
             std::string::npos);  // a molecule
   EXPECT_NE(refusal("a b c\n1 2 3\n").find("line 1 has 'a'"), std::string::npos);
