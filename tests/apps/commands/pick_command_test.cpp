@@ -141,7 +141,8 @@ TEST_F(PickCommand, names_the_tip_and_takes_another_one) {
   };
   EXPECT_EQ(checked({"--tip", "hand"}).status, exit_done) << checked({"--tip", "hand"}).out;
   expect_words(checked({"--tip", "hand"}).out, {"link hand (flag)"});
-  const CommandRun by_plan = run_command({"check", out, "--map", folder_->file("map"), "--robot", "arm6"});
+  const CommandRun by_plan =
+      run_command({"check", out, "--map", folder_->file("map"), "--robot", "arm6", "--accept-load"});
   expect_words(by_plan.out, {"link hand (plan)"});
   const CommandRun by_default = checked({});
   EXPECT_EQ(by_default.status, exit_no);
