@@ -151,23 +151,25 @@ Run run(const fs::path& recording, const Setup& setup, bool draws) {
 
 BenchResult bench_teach(const BenchOptions& options) {
   const fs::path folder = fs::temp_directory_path() / ("clearway_bench_teach_" + std::to_string(::getpid()));
-  fs::create_directories(folder);
+  const fs::path recording = folder / "kitchen" / "kitchen.rawlog",
+                 live_recording = folder / "live" / "live.rawlog";
+  for (const fs::path& file : {recording, live_recording}) fs::create_directories(file.parent_path());
   const Scene scene = large_kitchen();
-  simulate(scene, folder / "kitchen.rawlog");
+  simulate(scene, recording);
   options.say("images rendered");
   const Scene live = live_kitchen();
-  simulate(live, folder / "live.rawlog");
+  simulate(live, live_recording);
   std::vector<double> alone, drawn, draw_ms, latency_ms, images_hz, pictures_hz, depth_hz, behind;
   Run last;
   for (int i = 0; i < options.runs; ++i) {
-    last = run(folder / "kitchen.rawlog", scene.setup, false);
+    last = run(recording, scene.setup, false);
     alone.push_back(last.seconds_an_image);
-    const Run picture = run(folder / "kitchen.rawlog", scene.setup, true);
+    const Run picture = run(recording, scene.setup, true);
     drawn.push_back(picture.seconds_an_image);
     draw_ms.insert(draw_ms.end(), picture.draw_ms.begin(), picture.draw_ms.end());
   }
   for (int i = 0; i < options.runs; ++i) {
-    const LiveRun run = run_live(folder / "live.rawlog", live.setup);
+    const LiveRun run = run_live(live_recording, live.setup);
     latency_ms.insert(latency_ms.end(), run.latency_ms.begin(), run.latency_ms.end());
     images_hz.push_back(run.images_a_second);
     pictures_hz.push_back(run.pictures_a_second);
