@@ -1,8 +1,10 @@
 #include "mapping/scans/scan_filter.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <stdexcept>
 #include <string>
 
@@ -90,6 +92,21 @@ void drop_outliers(FilteredPoints& scan, const ScanFilter& filter) {
   scan.points = std::move(points);
 }
 
+/// Points whose centroid was an outlier are outliers: those of its cube, unless it may as well be the cube of
+/// one that stays, as of points on a border between cubes.
+void leave_outliers(const std::vector<Eigen::Vector3f>& centroids, double edge, FilteredPoints& scan) {
+  if (scan.thinned.empty()) return;
+  const auto cube_of = [&](const Eigen::Vector3f& point) {
+    const Eigen::Array3d cube = (point.cast<double>().array() / edge).floor();
+    return std::array{cube.x(), cube.y(), cube.z()};
+  };
+  std::set<std::array<double, 3>> kept, dropped;
+  for (const Eigen::Vector3f& point : scan.points) kept.insert(cube_of(point));
+  for (const Eigen::Vector3f& point : centroids)
+    if (const auto cube = cube_of(point); !kept.contains(cube)) dropped.insert(cube);
+  std::erase_if(scan.thinned, [&](const Eigen::Vector3f& point) { return dropped.contains(cube_of(point)); });
+}
+
 }  // namespace
 
 bool contains(const Capsule& capsule, const Eigen::Vector3d& point) {
@@ -118,11 +135,16 @@ FilteredPoints filter_points(const Scan& scan, const ScanFilter& filter) {
     }
   }
   if (filter.thin_to > 0.0) {
-    const std::size_t before = result.points.size();
+    result.thinned = result.points;
     thin(result.points, filter.thin_to);
-    result.dropped_filter += before - result.points.size();
+    result.dropped_filter += result.thinned.size() - result.points.size();
+    if (result.thinned.size() == result.points.size()) result.thinned.clear();
   }
-  if (filter.outlier_neighbours > 0) drop_outliers(result, filter);
+  if (filter.outlier_neighbours > 0) {
+    const std::vector<Eigen::Vector3f> centroids = result.thinned.empty() ? result.thinned : result.points;
+    drop_outliers(result, filter);
+    leave_outliers(centroids, filter.thin_to, result);
+  }
   return result;
 }
 

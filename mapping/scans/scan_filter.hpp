@@ -10,7 +10,9 @@ namespace clearway {
 struct FilteredPoints {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< where the rays start
   std::vector<Eigen::Vector3f> points;               ///< finite; nearer or farther than max_range
-  std::size_t dropped_invalid = 0;                   ///< NaN or infinite
+  /// Where thinning put centroids: the points that these stand for, which were hits, too.
+  std::vector<Eigen::Vector3f> thinned = {};
+  std::size_t dropped_invalid = 0;  ///< NaN or infinite
   std::size_t dropped_filter = 0;
 };
 

@@ -161,6 +161,15 @@ void add_clear_rays(const FusedTree& tree, const Scan& scan, const ScanFilter& f
   }
 }
 
+/// Points for which a centroid stands are hits as it is: their voxels are blocked, and no ray frees them.
+void add_thinned_hits(const FusedTree& tree, const FilteredPoints& kept, double max_range, ScanGrid& hits) {
+  for (const Eigen::Vector3f& point : kept.thinned) {
+    const Eigen::Vector3d at = point.cast<double>();
+    if (max_range > 0.0 && (at - kept.origin).norm() > max_range) continue;
+    if (const auto cell = tree.cell(at)) hits.set_occupied(*cell);
+  }
+}
+
 /// True when the filter keeps every point, so that scans need not go through filter_points.
 bool keeps_all(const ScanFilter& filter) {
   return filter.min_range == 0.0 && filter.thin_to == 0.0 && filter.crop.isEmpty() && filter.bodies.empty() &&
@@ -227,6 +236,8 @@ ScanRays& choose_rays(const FusedTree& tree, const Scan& scan, const ScanFilter&
   counts.dropped_filter = kept.dropped_filter;
   std::swap(shares[0].hits, workspace.grid);
   std::swap(shares[0].ends, workspace.chosen.ends);
+  if (insertion.integration == Integration::safe)
+    add_thinned_hits(tree, kept, filter.max_range, workspace.grid);
   if (scan.has_hits_only) {
     workspace.chosen.ends.clear();
     return workspace.chosen;

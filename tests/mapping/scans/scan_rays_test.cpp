@@ -1,6 +1,7 @@
 // Scan integration against stock OctoMap on the same points.
 
 #include "mapping/scans/scan_rays.hpp"
+#include "mapping/scans/scan_filter.hpp"
 
 #include <gtest/gtest.h>
 #include <octomap/ScanGraph.h>
@@ -192,6 +193,52 @@ TEST(ScanRays, ARealSphericalScanGivesStockOctoMapsTree) {
     EXPECT_EQ(map.insert(scan).inserted, scan.points.size());
   }
   expect_equal(stock, map.snapshot().tree());
+}
+
+/// A rough wall whose points one ray stands for in each cube of two voxels and more: all that was hit is
+/// blocked.
+TEST(ScanRays, ThinningTakesRaysAndNoHits) {
+  for (const bool drops_outliers : {false, true}) {
+    Dice dice(9);
+    Scan scan;
+    for (int i = 0; i < 4000; ++i)
+      scan.points.emplace_back(static_cast<float>(dice.uniform(1.9, 2.1)),
+                               static_cast<float>(dice.uniform(-1, 1)),
+                               static_cast<float>(dice.uniform(-1, 1)));
+    if (drops_outliers) scan.points.emplace_back(0.52F, 0.02F, 0.02F);
+    ScanFilter filter{.thin_to = 0.13};
+    if (drops_outliers) filter.outlier_neighbours = 8, filter.outlier_deviations = 6.0;
+    FreeSpaceMap safe({.resolution = 0.05}), centroids({.resolution = 0.05, .integration = compatible});
+    safe.insert(scan, filter);
+    EXPECT_EQ(centroids.insert(scan, filter).inserted, filter_points(scan, filter).points.size());
+    std::size_t lost = 0;
+    for (int i = 0; i < 4000; ++i) {
+      const Eigen::Vector3d point = scan.points[static_cast<std::size_t>(i)].cast<double>();
+      EXPECT_EQ(safe.snapshot().state(point), VoxelState::occupied) << point.transpose();
+      lost += centroids.snapshot().state(point) != VoxelState::occupied;
+    }
+    EXPECT_GT(lost, 1000U);  // what PCL's filter before OctoMap makes of it
+    const VoxelState outlier = safe.snapshot().state({0.52, 0.02, 0.02});
+    EXPECT_NE(outlier, VoxelState::occupied);
+  }
+}
+
+/// Whose centroids rounding may put on the other side of the border.
+TEST(ScanRays, ThinningKeepsHitsOnABorderBetweenItsCubes) {
+  for (const float x : {0.3F, 0.7F, 1.1F, 1.3F, 2.3F}) {
+    Dice dice(11);
+    Scan scan;
+    for (int i = 0; i < 4000; ++i)
+      scan.points.emplace_back(x, static_cast<float>(dice.uniform(-0.5, 0.5)),
+                               static_cast<float>(dice.uniform(-0.5, 0.5)));
+    FreeSpaceMap map({.resolution = 0.05});
+    map.insert(scan, {.thin_to = 0.1, .outlier_neighbours = 8, .outlier_deviations = 3.0});
+    const Snapshot snapshot = map.snapshot();
+    std::size_t lost = 0;
+    for (const Eigen::Vector3f& point : scan.points)
+      lost += snapshot.state(point.cast<double>()) != VoxelState::occupied;
+    EXPECT_LT(lost, 200U) << x;  // of cubes at the corners, whose centroids stand apart
+  }
 }
 
 TEST(ScanRays, EachSettingOfTheFilterCountsAlone) {
