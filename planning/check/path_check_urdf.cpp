@@ -69,8 +69,9 @@ void keep_soft_limits(tinyxml2::XMLElement& joint) {
   if (is_endless || value(high) < value(text_of(*limit, "upper"))) limit->SetAttribute("upper", high);
 }
 
-/// The file's joints and links alone. A body's shape becomes a sphere, because urdfdom knows no capsules and
-/// drops a body whose shape it does not know; its place stays. Masses go: KDL complains of one at the root.
+/// The file's joints and links alone. A body's shape becomes a sphere, of a mesh a box, because urdfdom knows
+/// no capsules and drops a body whose shape it does not know; its place stays. Masses go: KDL complains of
+/// one at the root.
 std::string bare_text(const Robot& robot) {
   const std::string text = read_text(urdf_of_robot(robot), robot.xacro);
   tinyxml2::XMLDocument xml;
@@ -95,8 +96,12 @@ std::string bare_text(const Robot& robot) {
       } else if (kind != "collision") {
         element->DeleteChild(part);
       } else if (auto* geometry = part->FirstChildElement("geometry")) {
+        const bool is_mesh = geometry->FirstChildElement("mesh") != nullptr;
         geometry->DeleteChildren();
-        geometry->InsertNewChildElement("sphere")->SetAttribute("radius", "1");
+        if (is_mesh)
+          geometry->InsertNewChildElement("box")->SetAttribute("size", "1 1 1");
+        else
+          geometry->InsertNewChildElement("sphere")->SetAttribute("radius", "1");
       }
       part = following;
     }
@@ -250,21 +255,44 @@ class FileReader {
     disagree(robot_, text.str());
   }
 
+  /// As bare_text has it.
+  static bool is_mesh(const urdf::Collision& collision) {
+    return collision.geometry && collision.geometry->type == urdf::Geometry::BOX;
+  }
+
+  /// Behind the bodies of all elements come the further convex pieces of meshes, each where its mesh is;
+  /// null: none is there.
+  static urdf::CollisionSharedPtr mesh_of_piece(const Body& body,
+                                                const std::vector<urdf::CollisionSharedPtr>& collisions) {
+    const auto found =
+        std::find_if(collisions.begin(), collisions.end(), [&](const urdf::CollisionSharedPtr& collision) {
+          return is_mesh(*collision) && isometry(collision->origin).isApprox(body.link_from_shape, 1e-9);
+        });
+    return found != collisions.end() ? *found : nullptr;
+  }
+
   void add_bodies() {
-    std::map<int, std::size_t> seen;
+    std::map<int, std::size_t> seen, all;
+    for (std::size_t own = 0; own < own_bodies(robot_); ++own) ++all[robot_.bodies[own].link];
     for (std::size_t own = 0; own < own_bodies(robot_); ++own) {
       const Body& body = robot_.bodies[own];
       const std::string& link = robot_.links[static_cast<std::size_t>(body.link)].name;
       const auto& collisions = model_->links_.at(link)->collision_array;
       const std::size_t number = seen[body.link]++;
-      if (number >= collisions.size())
+      const urdf::CollisionSharedPtr source =
+          number < collisions.size() ? collisions[number] : mesh_of_piece(body, collisions);
+      const bool is_hull = body.shape.name() == "convex";
+      if (!source || (number >= collisions.size() && !is_hull))
         disagree(robot_,
                  "link " + quote(link) + " has only " + std::to_string(collisions.size()) + " bodies");
-      kdl_.link_from_body.push_back(isometry(collisions[number]->origin));
+      const bool has_pieces = all[body.link] > collisions.size();  // and none in the place of another body
+      if (has_pieces ? is_hull != is_mesh(*source) : is_mesh(*source) && !is_hull)
+        disagree(robot_, "a body of link " + quote(link) + (is_hull ? " is no mesh" : " is a mesh"));
+      kdl_.link_from_body.push_back(isometry(source->origin));
     }
     for (std::size_t i = 0; i < own_links(robot_); ++i) {
       const auto& collisions = model_->links_.at(robot_.links[i].name)->collision_array;
-      if (seen[static_cast<int>(i)] != collisions.size())
+      if (seen[static_cast<int>(i)] < collisions.size())
         disagree(robot_, "link " + quote(robot_.links[i].name) + " has " + std::to_string(collisions.size()) +
                              " bodies, not " + std::to_string(seen[static_cast<int>(i)]));
     }

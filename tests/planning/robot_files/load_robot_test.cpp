@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "planning/check/path_check.hpp"
 #include "planning/robot/kinematics.hpp"
 #include "planning/robot/same_robot.hpp"
 #include "planning/space/configuration_space.hpp"
@@ -318,6 +319,21 @@ TEST_F(RobotFile, AConcaveMeshCountsAsSeveralConvexBodiesWhereItsSettingsSaySo) 
     const ConfigurationSpace space(robot, Snapshot(), {.critical_by_default = false});
     double reached = 0.0;
     for (double q = 0.0; q < 3.0 && space.is_free(Eigen::Vector2d(0.0, q)); q += 0.01) reached = q;
+    for (const double scale : {1.0, 0.5}) {  // the check, which reads the file itself, agrees
+      const auto verdict_to = [&](double slide) {
+        return check_path(scaled(robot, scale), Snapshot(), {}, 0.0,
+                          {Eigen::Vector2d(0.0, 0.0), scale * Eigen::Vector2d(0.0, slide)});
+      };
+      EXPECT_TRUE(verdict_to(reached - 0.01).valid) << verdict_to(reached - 0.01).first_contact;
+      EXPECT_FALSE(verdict_to(reached + 0.1).valid);
+    }
+    for (Shape shape : {Shape::sphere(0.1), Shape::capsule(0.1, 0.2)}) {
+      Robot other = robot;  // not what its file says
+      other.bodies.front().shape = shape;
+      EXPECT_NE(check_path(other, Snapshot(), {}, 0.0, {Eigen::Vector2d(0.0, 0.0)})
+                    .first_contact.find("a body of link 'base' is a mesh"),
+                std::string::npos);
+    }
     return reached;
   };
   EXPECT_NEAR(deepest("{}"), 3.0 - 1.1, 0.02);                // the hull's top
