@@ -15,6 +15,7 @@
 #include "planning/files/query_record.hpp"
 #include "planning/robot/kinematics.hpp"
 #include "planning/robot_files/srdf_file.hpp"
+#include "planning/robot_files/tip_choice.hpp"
 
 namespace clearway {
 namespace {
@@ -170,7 +171,9 @@ std::string PoseGoals::hint_of(const GoalPose& wanted) const {
          " joints reaches few poses exactly: leave a turn open (free axis, turn tolerance)";
 }
 
-Plan plan_to_poses(PlanQuery query, PoseGoals goals) {
+namespace {
+
+Plan plan_to_choices(PlanQuery query, PoseGoals& goals) {
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
   query.goals = goals.goals();
@@ -197,6 +200,14 @@ Plan plan_to_poses(PlanQuery query, PoseGoals goals) {
     plan = plan_and_check(query);
     ++others;
   }
+  return plan;
+}
+
+}  // namespace
+
+Plan plan_to_poses(PlanQuery query, PoseGoals goals) {
+  Plan plan = plan_to_choices(std::move(query), goals);
+  plan.tip = tip_name(goals.robot());
   return plan;
 }
 

@@ -26,6 +26,9 @@ class PoseGoals {
   PoseGoals(const ConfigurationSpace& space, const std::string& tip, std::vector<NamedGoalPose> poses,
             Configuration start);
 
+  /// The robot with the tip that the poses are of.
+  const Robot& robot() const { return robot_; }
+
   /// The choice of each goal: at first the best one.
   std::vector<Configuration> goals() const;
 
@@ -56,7 +59,8 @@ class PoseGoals {
 
 /// As plan_and_check, with `goals` in place of the query's own. A goal that cannot be reached is tried at its
 /// next configuration, while the time of all tries is below the query's limit; then the first try is the
-/// answer, and says how many others there were. The plan's goals are those that it was made for.
+/// answer, and says how many others there were. The plan's goals are those that it was made for, and its tip
+/// is theirs.
 /// @throws std::invalid_argument as plan_and_check
 Plan plan_to_poses(PlanQuery query, PoseGoals goals);
 

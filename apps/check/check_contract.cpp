@@ -378,7 +378,8 @@ Robot robot_of(const Contract& contract, const Robot& robot) {
 
 Robot tipped_robot_of(const Contract& contract, const Robot& robot) {
   const Robot placed = robot_of(contract, robot);
-  return contract.pick.source == TermSource::map ? placed : with_tip_of(placed, contract.tip);
+  const bool has_own_tip = !contract.pick.value || contract.pick.source == TermSource::map;
+  return has_own_tip ? placed : with_tip_of(placed, contract.tip);
 }
 
 JointLoad joint_load_of(const Contract& contract) {

@@ -107,7 +107,8 @@ void state_tip(const Robot& robot, TermSource source, Contract& contract);
 /// The robot at the scale and base of the contract, without its loads.
 Robot robot_of(const Contract& contract, const Robot& robot);
 
-/// The same, with the tip of the contract unless its pick is the map's, which is of the robot's own.
+/// The same, with the tip that the contract's pick grasps with: of a pick of the map the robot's own. Without
+/// a pick the tip is the robot's own, too, at which the payload hangs, whatever link goal poses are of.
 Robot tipped_robot_of(const Contract& contract, const Robot& robot);
 
 /// The loads of the contract; of a pick its object on the legs that carry it.

@@ -264,7 +264,6 @@ int run_plan(const PlanOptions& options, Console& console) {
   std::vector<Configuration> goals = chosen.goals;
   const std::vector<LegLoad> loads = choose_loads(options.attach, robot);
   const std::optional<Pick> pick = pick_of(options, robot);
-  for (const std::string& note : hold_notes(robot, loads)) console.warn("note: " + note);
   const std::vector<LegLoad> riding = pick ? std::vector<LegLoad>{{pick->object, {}}} : loads;
   const Robot loaded = with_all_loads(robot, riding);
   const auto [policies, load_policies] =
@@ -275,7 +274,8 @@ int run_plan(const PlanOptions& options, Console& console) {
       options.map, options.cloud_resolution);  // what is said before may be said again by the whole program
   report_degrees(options, robot, start, goals, console);
   report_turns(robot, start, goals, console);
-  for (const std::string& note : chosen.notes) console.warn("note: " + note);
+  for (const auto& notes : {hold_notes(robot, loads), chosen.notes})
+    for (const std::string& note : notes) console.warn("note: " + note);
   for (const std::string& note : robot_notes(robot, robot_request(options.robot).packages))
     console.warn("note: " + note);
   for (const std::string& note : volume_notes(robot, riding, map)) console.warn("note: " + note);
@@ -311,7 +311,6 @@ int run_plan(const PlanOptions& options, Console& console) {
               : at_poses ? plan_to_poses(query, *at_poses)
                          : plan_and_check(query);
   plan.map_caveat = joined(plan.map_caveat, cloud);
-  if (pick || at_poses) plan.tip = tip_name(with_tip_of(robot, options.goal_poses.tip));
   if (pick)
     for (const std::string& note : pick_notes(pick_of(plan, *pick, robot, map), padding))
       plan.map_caveat = joined(plan.map_caveat, note);

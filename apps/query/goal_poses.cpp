@@ -1,5 +1,7 @@
 #include "apps/query/goal_poses.hpp"
 
+#include <algorithm>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
 
@@ -33,7 +35,7 @@ std::vector<NamedGoalPose> choose_goal_poses(const GoalPoseChoice& choice, bool 
   std::vector<NamedGoalPose> poses;
   for (const std::string& text : choice.poses) {
     GoalPose pose{pose_from_numbers(parse_numbers(text, "--goal-pose"), "--goal-pose"),
-                  choice.position_tolerance, choice.turn_tolerance};
+                  choice.position_tolerance, std::min(choice.turn_tolerance, std::numbers::pi)};
     if (!choice.free_axis.empty()) pose.free_axis = choice.free_axis.front() - 'x';
     poses.push_back({pose, "--goal-pose " + text});
   }

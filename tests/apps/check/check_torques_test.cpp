@@ -1,11 +1,15 @@
 // `clearway check --payload --gravity`: torques of a motion under what flags and plan state.
 #include <gtest/gtest.h>
 
+#include <iomanip>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
+#include "apps/console/parse.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/free_space_map.hpp"
 #include "planning/files/plan_file.hpp"
+#include "planning/robot/kinematics.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/robot_files/torque_terms.hpp"
 #include "tests/apps/run_command.hpp"
@@ -74,6 +78,24 @@ TEST_F(CheckTorques, AreThoseUnderTheStatedPayloadAndGravity) {
   const Json contract = Json::parse(check(plan, {"--gravity=0,-9.81,0"}).out)["contract"];
   EXPECT_EQ(contract["payload_kg"], Json({{"value", 2.0}, {"source", "plan"}}));
   EXPECT_EQ(contract["gravity"], Json({{"value", {0.0, -9.81, 0.0}}, {"source", "flag"}}));
+}
+
+/// The payload hangs at the robot's own tip.
+TEST_F(CheckTorques, DoNotDependOnTheLinkThatGoalPosesAreOf) {
+  const Robot robot = load_robot("panda");
+  const std::vector<double> goal = plan_["waypoints"].back();
+  const LinkPoses map_from =
+      forward_kinematics(robot, Eigen::Map<const Configuration>(goal.data(), static_cast<Eigen::Index>(7)));
+  ASSERT_EQ(robot.links[5].name, "link5");
+  std::string pose;
+  for (const double number : numbers_from_pose(map_from[5])) {
+    std::ostringstream text;
+    text << std::setprecision(17) << number;
+    pose += (pose.empty() ? "" : ",") + text.str();
+  }
+  const CommandRun run = check(plan_, {"--goal-pose=" + pose, "--tip", "link5", "--payload", "2"});
+  EXPECT_EQ(run.status, exit_done) << run.out << run.log;
+  EXPECT_NEAR(torque_share(run), share({.payload = 2.0}), 1e-9);
 }
 
 TEST_F(CheckTorques, UnderAGravityThatOnlyThePlanStatesAreMarkedAsSuch) {
