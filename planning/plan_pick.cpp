@@ -259,6 +259,12 @@ void require_query(const PlanQuery& query) {
   if (!query.loads.empty()) throw std::invalid_argument("plan query: loads: expected none with a pick");
 }
 
+/// The query that names what it asks of the object as of any load.
+PlanQuery with_object(PlanQuery query, const Pick& pick) {
+  query.loads = {{pick.object, {}}};
+  return query;
+}
+
 void check_legs_of(const ConfigurationSpace& space, const Pick& pick, Plan& plan) {
   const auto begin = Clock::now();
   const ThreadStopwatch cpu(plan.check_cpu_s);
@@ -307,7 +313,7 @@ Plan plan_pick(const PlanQuery& query, const Pick& pick) {
   require_sound(pick, space.map().resolution(), space.options().padding);
   require_rigid_hold(space.robot(), pick);
   require_grip(space.robot(), pick);
-  Plan plan = empty_plan(query, *planner);
+  Plan plan = empty_plan(with_object(query, pick), *planner);
   const auto begin = Clock::now();
   {
     const ThreadStopwatch cpu(plan.cpu_s);

@@ -60,7 +60,10 @@ void require_grip(const Robot& robot, const Pick& pick) {
                                      [&](const HeldJoint& held) { return held.name == name; });
     if (is_held) refuse(name, "it is held still, expected a planning group (--group) with arm and hand");
     if (!joint) refuse(name, "expected a joint that robot " + quote(robot.name) + " plans for");
-    if (moves_tip(robot, *joint)) refuse(name, "expected a joint of the hand, this one moves the tip");
+    if (moves_tip(robot, *joint))
+      refuse(name, "expected a joint of the hand, this one moves the tip, link " +
+                       quote(robot.links[static_cast<std::size_t>(robot.tip_link)].name) +
+                       " (--tip chooses another)");
     for (const double value : {grip.open, grip.closed})
       if (!(value >= robot.joints[*joint].lower && value <= robot.joints[*joint].upper))
         refuse(name, "expected values within its limits, " + short_text(robot.joints[*joint].lower) + " to " +

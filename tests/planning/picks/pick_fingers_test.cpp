@@ -350,7 +350,8 @@ TEST_F(PickFingers, AGripThatTheRobotDoesNotHaveIsRefused) {
   pick_.grip = {{"thumb", {0.03, 0.0}}};
   EXPECT_THROW(require_grip(held, pick_), std::invalid_argument);
   EXPECT_EQ(refusal("turn", {0.03, 0.0}),
-            "pick 'can', grip, joint 'turn': expected a joint of the hand, this one moves the tip");
+            "pick 'can', grip, joint 'turn': expected a joint of the hand, this one moves the tip, link '" +
+                robot_.links[static_cast<std::size_t>(robot_.tip_link)].name + "' (--tip chooses another)");
   EXPECT_EQ(refusal("grip", {0.05, 0.0}),
             "pick 'can', grip, joint 'grip': expected values within its limits, 0 to 0.04, got 0.05");
 }
