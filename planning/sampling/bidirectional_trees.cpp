@@ -229,17 +229,21 @@ std::vector<WaypointOrigin> BidirectionalTrees::path_origins() const {
   return origins;
 }
 
-/// Some configuration that was reached from the root is farther from it than a share of the space's extent.
+/// Some configuration that was reached from the root is farther from it than a share of the space's extent:
+/// more than an edge or two.
 bool BidirectionalTrees::got_away(Side side) const {
-  const double far = range_share * length(near_low_, near_high_);
+  const double far = 1.5 * range_share * length(near_low_, near_high_);
   const std::vector<Node>& nodes = trees_[side].nodes;
   return std::any_of(nodes.begin(), nodes.end(),
                      [&](const Node& node) { return length(nodes.front().q, node.q) > far; });
 }
 
 /// Few nodes of the one tree are told by many of the other's: the smaller tree grows three times as often.
+/// A handful of samples says nothing.
 bool BidirectionalTrees::seems_walled_in(Side side) const {
   constexpr std::size_t fewer = 100;
+  constexpr int least_samples = 100;
+  if (samples_ < least_samples) return false;
   const bool is_small = fewer * trees_[side].nodes.size() <= trees_[other(side)].nodes.size();
   return is_small || (!got_away(side) && got_away(other(side)));
 }

@@ -4,6 +4,7 @@
 #include "planning/check/path_check_model.hpp"
 #include "planning/robot/kinematics.hpp"
 #include "planning/robot_files/load_robot.hpp"
+#include "planning/survey/path_poses.hpp"
 #include "tests/worlds/random_world.hpp"
 #include "tests/worlds/urdf_robots.hpp"
 
@@ -31,12 +32,6 @@ double largest_share(const Robot& robot) {
     }
   }
   return largest;
-}
-
-/// The robot without the file that it is from: made in memory, as the check then takes it.
-Robot without_file(Robot robot) {
-  robot.source.clear();
-  return robot;
 }
 
 /// Bodies whose places against each other differ from one configuration to another, and no others.

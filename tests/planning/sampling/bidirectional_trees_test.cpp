@@ -73,6 +73,11 @@ TEST(BidirectionalTrees, SayWhichEndMayBeWalledIn) {
                                " reached from the start, " + count(BidirectionalTrees::goal) +
                                " from the goal: the goal may be walled in.");
   EXPECT_EQ(open.trees().reach(), "Configurations: 1 reached from the start, 1 from the goal.");
+  for (int samples = 1; samples < 10; ++samples) {  // one tree has left its root's place, the other not yet
+    BidirectionalTrees few = open.trees();
+    few.grow(samples, random, nullptr);
+    EXPECT_EQ(few.reach().find("walled in"), std::string::npos) << few.reach();
+  }
 }
 
 TEST(BidirectionalTrees, NameTheOriginOfEachEdgeOfThePath) {
