@@ -13,10 +13,11 @@
 namespace clearway {
 namespace {
 
-constexpr double excess = 1e-6;         ///< share of a limit that rounding may take
-constexpr double text_digit = 1e-9;     ///< rad, m, s and their quotients: twice what rounding takes
-constexpr double most_rounding = 0.01;  ///< of a limit, however short the time between two points
-constexpr double rounded_away = 1e-9;   ///< rad or m: of positions
+constexpr double excess = 1e-6;               ///< share of a limit that rounding may take
+constexpr double single_precision = 0x1p-24;  ///< of positions that were learned or sent with it
+constexpr double text_digit = 1e-9;           ///< rad, m, s and their quotients: twice what rounding takes
+constexpr double most_rounding = 0.01;        ///< of a limit, however short the time between two points
+constexpr double rounded_away = 1e-9;         ///< rad or m: of positions
 constexpr double wide_tube = 5e-4, narrow_tube = 5e-5;  ///< rad or m of a joint
 constexpr std::size_t most_tubes = 200'000;
 constexpr double narrowest = 0x1p-30;  ///< share of an edge's time
@@ -101,8 +102,10 @@ class SplineChecker {
       const double h = velocity.duration;
       for (std::size_t j = 0; j < robot_.dof(); ++j) {
         const double limit = robot_.joints[j].max_velocity;
-        compare("velocity", edge, j, velocity, limit, text_digit * (limit + 3.0) / h,
-                verdict_.velocity_share);
+        const auto at = static_cast<Eigen::Index>(j);
+        const double places = std::abs(points_[edge].position[at]) + std::abs(points_[edge + 1].position[at]);
+        compare("velocity", edge, j, velocity, limit,
+                (text_digit * (limit + 3.0) + single_precision * places) / h, verdict_.velocity_share);
       }
       if (curves_[edge].control.size() == 2) continue;
       const Bezier acceleration = derivative(velocity);

@@ -41,9 +41,10 @@ struct SplineVerdict {
 ///   the width.
 /// - No joint leaves its limits, within 1e-9 rad or m.
 /// - No joint exceeds its max_velocity, nor on cubics and quintics its max_acceleration, by more than a
-///   millionth and what rounding of positions, velocities and times by 5e-10 may do, at most 1 %; nor does
-///   a velocity or acceleration that a point states and a curve takes. Limits of 0 are not
-///   known and not compared. Accelerations of straight lines are not compared: there velocities jump.
+///   millionth and what rounding of positions, velocities and times by 5e-10 may do, of velocities also that
+///   of positions to single precision, at most 1 %; nor does a velocity or acceleration that a point states
+///   and a curve takes. Limits of 0 are not known and not compared. Accelerations of straight lines are not
+///   compared: there velocities jump.
 /// What happens before the first point and after the last is not covered, nor how far the arm lags behind.
 /// @throws std::invalid_argument as check_path, and in one sentence for no points, values that are not
 ///         finite, sizes that are not those of the robot, times that do not rise, accelerations without

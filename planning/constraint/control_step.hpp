@@ -46,7 +46,7 @@ class ControlStep {
   /// Of the last solve: its multipliers (constraints of look, of add, upper, lower limits) and shares.
   const QuadraticSolver& solver() const { return solver_; }
   /// Smallest distance of all constraints; the influence distance when there is none. What no step can bring
-  /// to its damper has none.
+  /// to its damper has none, nor a voxel out of the body's reach.
   double separation() const;
 
   /// The second half of `look`, for who measures it.

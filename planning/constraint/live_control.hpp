@@ -16,7 +16,8 @@ struct LiveOptions {
   using Duration = std::chrono::steady_clock::duration;
   /// A map whose frame was taken longer ago than this is too old to move by, > 0. What comes towards the
   /// robot at v has come max_age * v nearer than the map says, and the period's motion: the security distance
-  /// has to hold that.
+  /// has to hold that. It does not hold against voxels that no configuration brings a body to, such as those
+  /// of the table below a turning base: they count from when they are within its reach.
   Duration max_age = std::chrono::milliseconds(200);
   /// By how much a braked step is shorter than the one before in the joint that moves most, weighted units:
   /// the deceleration times the period squared, > 0. Infinite: the robot stands at once.

@@ -13,8 +13,15 @@
 namespace clearway {
 namespace {
 
-/// What rounding of positions and times may add to a joint's rate, as a share of it.
-constexpr double rate_rounding = 1e-9;
+/// What rounding may add to a joint's limit of rate, as a share of it: of times, which lose digits when they
+/// count from 1970, and of positions, which had single precision where they were learned.
+double rate_rounding(const MotionChunk& chunk, std::size_t i, Eigen::Index joint, double limit) {
+  constexpr double least = 1e-9, most = 1e-3, of_time = 0x1p-52, of_position = 0x1p-24;
+  const double times = std::abs(chunk.times[i]) + std::abs(chunk.times[i + 1]);
+  const double places = std::abs(chunk.positions[i][joint]) + std::abs(chunk.positions[i + 1][joint]);
+  const double lasts = chunk.times[i + 1] - chunk.times[i];
+  return std::min(most, least + (of_time * times + of_position * places / limit) / lasts);
+}
 
 std::string times_name(std::size_t index) { return "times[" + std::to_string(index) + "]"; }
 std::string positions_name(std::size_t index) { return "positions[" + std::to_string(index) + "]"; }
@@ -90,7 +97,7 @@ ChunkFault velocity_fault(const MotionChunk& chunk, const Robot& robot, const Jo
     for (std::size_t j = 0; j < robot.dof(); ++j) {
       const double rate = std::abs(velocity[static_cast<Eigen::Index>(j)]);
       const double limit = limits.max_velocity[static_cast<Eigen::Index>(j)];
-      if (rate <= limit * (1.0 + rate_rounding)) continue;
+      if (rate <= limit * (1.0 + rate_rounding(chunk, i, static_cast<Eigen::Index>(j), limit))) continue;
       const std::string unit = unit_of(robot.joints[j]) + "/s";
       return {GateReason::velocity_limit, "from " + positions_name(i) + " to " + positions_name(i + 1) +
                                               " joint " + shortened(robot.joints[j].name) + " moves at " +

@@ -184,6 +184,25 @@ TEST(SplineCheck, ComparesTheGreatestRatesOfRandomTrajectories) {
   EXPECT_GT(exceeded, 50);
 }
 
+/// As learned policies give them: straight lines at the limit of velocity, whose ends are rounded.
+TEST(SplineCheck, PositionsOfSinglePrecisionMayBeAtTheLimit) {
+  const Snapshot empty = with_voxels({});
+  Random random(17);
+  for (const double speed : {1.0, 1.0005}) {
+    for (int trial = 0; trial < 20; ++trial) {
+      std::vector<SplinePoint> points;
+      for (int i = 0; i < 10; ++i) {
+        SplinePoint& point = points.emplace_back();
+        point.time = 0.02 * i;
+        point.position = Eigen::Vector2d(random.between(1.9, 2.1) + speed * point.time, 0.0);
+        if (i > 0) point.position[0] = points.front().position[0] + speed * point.time;
+        point.position = point.position.cast<float>().cast<double>();
+      }
+      EXPECT_EQ(check(disc(1.0), empty, points).fault.empty(), speed == 1.0) << trial;
+    }
+  }
+}
+
 /// The chords that are surveyed are as near to the curve as they are said to be.
 TEST(SplineCheck, ItsChordsHoldTheCurve) {
   Random random(7);

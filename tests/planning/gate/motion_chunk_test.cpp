@@ -101,6 +101,20 @@ TEST_F(Chunk, PastAJointLimitOrFasterThanAJointIsRefusedAndTheJointIsNamed) {
   EXPECT_EQ(reason(fast), GateReason::velocity_limit);
   EXPECT_NE(sentence(fast).find("joint " + robot_.joints[0].name + " moves at 1.002 m/s"), std::string::npos)
       << sentence(fast);
+  MotionChunk rounded = good_;
+  Random random(7);
+  for (int k = 0; k < 200; ++k) {
+    const double dt = random.between(0.02, 0.1), begin = k % 2 == 0 ? 1764300000.0 : 0.0;
+    for (std::size_t i = 0; i < rounded.times.size(); ++i) {
+      const double at = static_cast<double>(i) * dt;
+      rounded.times[i] = begin + at;
+      rounded.positions[i] = Eigen::Vector2d(at, 0.0);  // 1 m/s
+      if (k % 2 != 0) rounded.positions[i] = rounded.positions[i].cast<float>().cast<double>();
+    }
+    ASSERT_EQ(reason(rounded), GateReason::none) << sentence(rounded);
+    rounded.positions.back()[0] += 0.0015 * dt;
+    ASSERT_EQ(reason(rounded), GateReason::velocity_limit) << dt;
+  }
   fast.times = {0.0, 1e-320, 0.3};
   EXPECT_EQ(reason(fast), GateReason::velocity_limit);
 }
