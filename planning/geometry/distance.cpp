@@ -14,6 +14,9 @@ constexpr int max_iterations = 100;
 constexpr double relative_gap = 1e-9;     ///< upper - lower, over the size of the bodies, at which GJK ends
 constexpr double rounding_error = 1e-13;  ///< of a support value, over the coordinates that enter it
 
+/// What a proof takes off a separation, twice: so much more than what is asked for is enough.
+double above(double enough, double size) { return enough + 2.0 * rounding_error * size; }
+
 /// A placed body as a core and a radius around it: sphere = point, capsule = segment, others = themselves.
 struct Placed {
   const Shape& shape;
@@ -126,12 +129,13 @@ DistanceBounds distance(const Shape& a, const Eigen::Isometry3d& pose_a, const S
   if (!placed_a.is_finite() || !placed_b.is_finite()) return {};
   if (placed_a.is_round() && placed_b.is_round()) return round_bodies(placed_a, placed_b, size, origin);
   const double radii = placed_a.radius + placed_b.radius;
-  CoreDistance best = gjk(placed_a, placed_b, placed_b.center, size, enough + radii);
-  if (!best.overlap && best.separation - radii <= enough &&
+  const double enough_of_cores = above(enough + radii, size);
+  CoreDistance best = gjk(placed_a, placed_b, placed_b.center, size, enough_of_cores);
+  if (!best.overlap && best.separation <= enough_of_cores &&
       (best.b - best.a).norm() - best.separation > 1e-7 * size) {
     // Rounding stopped it short: once more from the direction found, and the better proof of both.
     const CoreDistance again =
-        gjk(placed_a, placed_b, placed_a.rotation.rowwise().sum(), size, enough + radii);
+        gjk(placed_a, placed_b, placed_a.rotation.rowwise().sum(), size, enough_of_cores);
     const double separation = std::max(best.separation, again.separation);
     if (again.overlap || (again.b - again.a).norm() < (best.b - best.a).norm()) best = again;
     best.separation = separation;
@@ -167,7 +171,8 @@ DistanceBounds swept_bounds(const Shape& a, const Eigen::Isometry3d& begin, cons
       a.bounding_radius() + cube_edge + std::max(swept.begin.center.norm(), swept.end.center.norm());
   if (!swept.begin.is_finite() || !swept.end.is_finite()) return {};
   const double radius = swept.begin.radius;
-  const CoreDistance core = gjk(swept, placed, towards, size, enough + radius, too_near + radius);
+  const CoreDistance core =
+      gjk(swept, placed, towards, size, above(enough + radius, size), too_near + radius);
   return bounds_of(core, radius, 0.0, size, cube_center);
 }
 

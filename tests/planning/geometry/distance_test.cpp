@@ -354,6 +354,33 @@ TEST(Distance, WithEnoughAskedForIsProvedAsFarAsThatOrIsTheDistanceItself) {
   EXPECT_GT(sides[1], 3'000);
 }
 
+/// Where faces are parallel the search may begin at directions that separate by less than rounding takes off
+/// the proof: it goes on.
+TEST(Distance, OfBoxesOnAGridProvesThoseApartThatAreAndNoOthers) {
+  Random random(31);
+  constexpr double edge = 0.05;
+  std::array<int, 2> sides{};
+  const auto steps = [&](double most) { return std::floor(random.between(-most, most)); };
+  for (int i = 0; i < 20'000; ++i) {
+    const Eigen::Vector3d sizes =
+        edge * Eigen::Vector3d(2.0 + steps(2), 2.0 + steps(2), 2.0 + steps(2)).cwiseMax(1.0);
+    const Eigen::Vector3d at = 0.5 * edge * Eigen::Vector3d(steps(8), steps(8), steps(8));
+    const Eigen::Vector3d cube = 0.5 * edge * Eigen::Vector3d(steps(8), steps(8), steps(8));
+    const Eigen::Vector3d gap =
+        ((at - cube).cwiseAbs() - 0.5 * sizes - Eigen::Vector3d::Constant(0.5 * edge)).cwiseMax(0.0);
+    const double away = gap.norm();
+    const Eigen::Isometry3d pose(Eigen::Translation3d{at});
+    const double proved = distance_to_cube(Shape::box(sizes), pose, cube, edge, 0.0).lower;
+    const double swept = swept_distance_to_cube(Shape::box(sizes), pose, pose, cube, edge, 0.0).lower;
+    ASSERT_EQ(proved > 0.0, away > 0.2 * edge) << i << ": " << at.transpose() << ", " << cube.transpose();
+    ASSERT_EQ(swept > 0.0, away > 0.2 * edge) << i;
+    ASSERT_LE(proved, away + 1e-12);
+    ++sides[away > 0.2 * edge ? 1 : 0];
+  }
+  EXPECT_GT(sides[0], 500);
+  EXPECT_GT(sides[1], 1'000);
+}
+
 bool is_nothing(const DistanceBounds& bounds) {
   return bounds.lower == 0.0 && bounds.upper == 0.0 && bounds.point_a.isZero(0.0) &&
          bounds.point_b.isZero(0.0) && bounds.direction.isZero(0.0);
