@@ -17,6 +17,7 @@
 #include "datasets/sources/finite_number.hpp"
 #include "mapping/system/child_process.hpp"
 #include "mapping/system/input_file.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -246,7 +247,8 @@ std::string beginning_of(const fs::path& file) {
 std::optional<std::vector<double>> exif_times(const std::vector<fs::path>& files) {
   const ChildLimits limits{.memory = 128U << 20U,
                            .output = sizeof(double) * files.size(),
-                           .seconds = 10 + static_cast<int>(files.size() / 20)};
+                           .seconds = 10 + static_cast<int>(files.size() / 20),
+                           .patience = 8};
   const ChildOutcome outcome = run_in_child(
       [&]() {
         std::string bytes;
@@ -320,6 +322,24 @@ std::vector<TimedFile> counted(const std::vector<fs::path>& files, double rate) 
   std::vector<double> times(files.size());
   for (std::size_t i = 0; i < files.size(); ++i) times[i] = static_cast<double>(i) / rate;
   return together(files, times);
+}
+
+/// Of pictures as far apart as no hand paints, in whole numbers: times may be finer than seconds.
+std::string slow_times(const std::vector<TimedFile>& files) {
+  constexpr std::size_t few = 5;
+  constexpr double slow = 10.0;  // s
+  if (files.size() < few) return "";
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < files.size(); ++i) {
+    steps.push_back(files[i].time - files[i - 1].time);
+    if (steps.back() != std::floor(steps.back())) return "";
+  }
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle < slow
+             ? ""
+             : "the pictures are some " + short_text(*middle) +
+                   " s apart: are their times milliseconds? Limits of speed and pauses go by seconds";
 }
 
 }  // namespace
@@ -427,6 +447,7 @@ TimedFiles times_of_files(const std::vector<fs::path>& given, std::optional<doub
   result.warnings.insert(result.warnings.end(), unused.begin(), unused.end());
   std::stable_sort(result.files.begin(), result.files.end(),
                    [](const TimedFile& a, const TimedFile& b) { return a.time < b.time; });
+  if (const std::string doubt = slow_times(result.files); !doubt.empty()) result.warnings.push_back(doubt);
   return result;
 }
 

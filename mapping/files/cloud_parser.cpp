@@ -277,7 +277,11 @@ std::string read_in_child(const std::filesystem::path& file) {
   const auto other = is_pcd ? readable_pcd(file) : readable_ply(file);
   const std::string readable = other ? other->name() : file.string();
   ChildOutcome read = run_in_child([&] { return read_with_pcl(file, readable, is_pcd); },
-                                   {budget, budget, seconds, other ? other->descriptor() : -1});
+                                   {.memory = budget,
+                                    .output = budget,
+                                    .seconds = seconds,
+                                    .kept = other ? other->descriptor() : -1,
+                                    .patience = 8});
   if (!read.finished) refuse(file, read.failure);
   return std::move(read.parts.at(0));
 }

@@ -63,7 +63,8 @@ std::string too_long(const ChildLimits& limits) {
 
 /// Reads until the child closes its end; returns why it stopped earlier, or "".
 std::string receive(int pipe, const ChildLimits& limits, std::string& received) {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(limits.seconds);
+  const auto deadline =
+      std::chrono::steady_clock::now() + std::chrono::seconds(limits.patience * limits.seconds);
   std::array<char, 65536> buffer{};
   for (;;) {
     const auto left =

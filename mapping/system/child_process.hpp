@@ -12,8 +12,9 @@ namespace clearway {
 struct ChildLimits {
   std::size_t memory = 0;  ///< address space beyond what the program has already, bytes
   std::size_t output = 0;  ///< bytes that the parent accepts
-  int seconds = 10;        ///< wall clock, and processor time
+  int seconds = 10;        ///< processor time, and wall clock
   int kept = -1;           ///< a descriptor from 3 on that the child keeps, besides its own
+  int patience = 1;  ///< of the wall clock so many times the seconds: others may keep the processor busy
 };
 
 /// How a child process ended.

@@ -43,8 +43,8 @@ ScanTile& ScanGrid::tile(const Eigen::Vector3i& cell) {
     }
     entry->second = store_[used].get();
     constexpr std::size_t portion = 256;
-    if (index_.size() == store_.size() && store_.size() % portion == 0)
-      require_memory(portion * sizeof(ScanTile), "the voxels of a scan");
+    if (index_.size() == store_.size() && store_.size() % portion == 0)  // the tree takes as much again
+      require_memory((store_.size() + 2 * portion) * sizeof(ScanTile), "the voxels of a scan");
     for (int axis = 0; axis < 3; ++axis) entry->second->corner[axis] = cell[axis] & ~(ScanTile::edge - 1);
   }
   last_key_ = key;

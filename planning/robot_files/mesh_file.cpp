@@ -50,6 +50,8 @@ std::string refusal(const fs::path& file) {
   return "";
 }
 
+constexpr int patience = 8;
+
 ChildLimits limits_of(const std::vector<ScaledMesh>& meshes) {
   std::size_t size = 0;
   std::error_code error;
@@ -58,8 +60,10 @@ ChildLimits limits_of(const std::vector<ScaledMesh>& meshes) {
   std::size_t split = 0;  // each as often as eight more pieces take its time once more
   for (const ScaledMesh& mesh : meshes) split += mesh.pieces > 1 ? 1 + mesh.pieces / 8 : 0;
   const int seconds_of_one = 4 + static_cast<int>(size / (2 * megabyte));
-  return {128 * megabyte + 20 * size, meshes.size() * largest_hull,
-          seconds_of_one * (1 + static_cast<int>(split))};
+  return {.memory = 128 * megabyte + 20 * size,
+          .output = meshes.size() * largest_hull,
+          .seconds = seconds_of_one * (1 + static_cast<int>(split)),
+          .patience = patience};
 }
 
 /// Runs in the child: 'R' and the corners of the hull, or 'F' and why there is none.
@@ -225,7 +229,8 @@ MeshTriangles read_mesh_triangles(const ScaledMesh& mesh) {
       },
       {.memory = 512 * megabyte + 40 * size,
        .output = most_triangles * bytes_of_one + 1,
-       .seconds = 10 + static_cast<int>(size / (2 * megabyte))});
+       .seconds = 10 + static_cast<int>(size / (2 * megabyte)),
+       .patience = patience});
   const auto damaged_by = [&](const std::string& why) {
     return MeshTriangles{{}, quote_path(mesh.file.string()) + " is damaged: " + why};
   };

@@ -67,7 +67,7 @@ std::string answer_of_xacro(const std::vector<std::string>& words, const std::fi
                             std::size_t largest) {
   const ChildOutcome run =
       run_in_child([&] { return run_xacro(words, largest); },
-                   {.memory = std::size_t{1} << 30U, .output = largest + 1, .seconds = 20});
+                   {.memory = std::size_t{1} << 30U, .output = largest + 1, .seconds = 20, .patience = 3});
   if (!run.finished || run.parts.empty() || run.parts.front().empty())
     throw std::invalid_argument(file.string() + ": xacro could not expand it: " + run.failure);
   const std::string& answer = run.parts.front();

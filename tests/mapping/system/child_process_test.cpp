@@ -50,6 +50,14 @@ TEST(ChildProcess, EndsWorkThatTakesTooLong) {
   const ChildOutcome outcome = run_in_child(sleep, {std::size_t{64} << 20U, 100, 1});
   EXPECT_FALSE(outcome.finished);
   EXPECT_NE(outcome.failure.find("longer than 1 s"), std::string::npos);
+  const auto wait = []() -> std::string {  // as where others keep the processor busy
+    ::usleep(1'200'000);
+    return "in time";
+  };
+  EXPECT_FALSE(run_in_child(wait, {std::size_t{64} << 20U, 100, 1}).finished);
+  EXPECT_TRUE(
+      run_in_child(wait, {.memory = std::size_t{64} << 20U, .output = 100, .seconds = 1, .patience = 8})
+          .finished);
 }
 
 TEST(ChildProcess, RefusesMoreOutputThanAllowed) {
