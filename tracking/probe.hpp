@@ -94,6 +94,9 @@ class Probe {
   /// Counts an image that could not be searched for tags.
   PaintingSample refuse_image(const std::string& reason, double time);
 
+  /// Of the base board before a fixed camera.
+  const StaticBoard::Moves& base_moves() const { return board_.moves(); }
+
   std::int64_t count(Refusal refusal) const { return counts_[static_cast<std::size_t>(refusal)]; }
   /// Counts by `to_string`, every reason present: what a report prints.
   std::map<std::string, std::int64_t> counts() const;

@@ -1,5 +1,6 @@
 #include "tracking/static_board.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -25,6 +26,8 @@ std::optional<UncertainPose> StaticBoard::add(const UncertainPose& seen) {
   const double distance = sum.squared(innovation);
   if (!(distance <= options_.gate_sigmas * options_.gate_sigmas)) {
     if (++disagreeing_ >= options_.reset_after) {
+      const double step = (seen.pose.translation() - mean_->pose.translation()).norm();
+      moves_ = {moves_.count + 1, std::max(moves_.farthest, step)};
       mean_ = seen;
       disagreeing_ = 0;
     }

@@ -27,10 +27,19 @@ class StaticBoard {
 
   bool has_mean() const { return mean_.has_value(); }
 
+  /// How often the mean has started again, and the largest step from one to the next, metres: what was
+  /// measured against it before and after may be that much apart.
+  struct Moves {
+    int count = 0;
+    double farthest = 0.0;
+  };
+  const Moves& moves() const { return moves_; }
+
  private:
   StaticBoardOptions options_;
   std::optional<UncertainPose> mean_;
   int disagreeing_ = 0;
+  Moves moves_;
 };
 
 }  // namespace clearway

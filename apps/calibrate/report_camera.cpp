@@ -59,6 +59,13 @@ void describe_camera(const CameraCalibration& found, CalibrationReport& report) 
        {"bend", significant(1e3 * found.sag, 2) + " mm of the board's " +
                     std::to_string(std::lround(1e3 * found.width)) + " mm"},
        {"residuals", significant(found.rms_px, 3) + " px rms"}});
+  constexpr double square = 0.003;  // few sensors' pixels are less so
+  if (const double aspect = camera.fx / camera.fy - 1.0; std::abs(aspect) > square)
+    report.rows.push_back({"note", "fx is " + significant(100.0 * std::abs(aspect), 2) + " % " +
+                                       (aspect > 0.0 ? "above" : "below") +
+                                       " fy, where most cameras' pixels are square: is the board printed to "
+                                       "scale along both sides, and no picture stretched? A board that was "
+                                       "never turned on its side cannot tell"});
   if (found.focal_scatter.is_likely)
     report.rows.push_back({"focus", "the focal length changes by " +
                                         significant(100.0 * found.focal_scatter.sigma, 2) +

@@ -72,9 +72,12 @@ TEST(StaticBoard, ignores_outliers_and_starts_again_when_the_board_stays_elsewhe
   elsewhere.truth.translation().x() += 0.05;
   for (int i = 0; i < 4; ++i) EXPECT_FALSE(filter.add(elsewhere.seen()));
   EXPECT_TRUE(filter.add(board.seen()));  // back in time: nothing happened
+  EXPECT_EQ(filter.moves().count, 0);
   for (int i = 0; i < 5; ++i) EXPECT_FALSE(filter.add(elsewhere.seen()));
   const auto fused = filter.add(elsewhere.seen());
   ASSERT_TRUE(fused);
+  EXPECT_EQ(filter.moves().count, 1);
+  EXPECT_NEAR(filter.moves().farthest, 0.05, 0.01);
   EXPECT_LT(difference(fused->pose, elsewhere.truth).norm(), 0.01);
 }
 

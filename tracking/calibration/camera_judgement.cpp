@@ -55,7 +55,7 @@ std::string judge_focus(const CameraCalibration& c, const CameraCalibrationOptio
       "the focal length changes from image to image by ", 100.0 * c.focal_scatter.sigma, " %, expected ",
       100.0 * options.most_focal_scatter,
       " % or less: does the camera focus, zoom or steady its pictures by itself? Switch that off; or was it "
-      "moved while it took them?");
+      "moved while it took them, or the board's print stretched along one side?");
 }
 
 std::string judge(const CameraCalibration& c, const CameraCalibrationOptions& options) {
