@@ -63,6 +63,7 @@ class Clouds final : public FrameSource {
         ViewedCloud cloud = read_viewed_cloud(file);
         CloudFrame frame;
         frame.kind = "points";
+        frame.is_origin_known = is_origin_known(cloud, number);
         frame.world_from_sensor = poses_.empty() ? cloud.file_from_viewpoint : *poses_[number];
         frame.points = std::move(cloud.points);
         frame.unusable = cloud.left_out;
@@ -88,6 +89,11 @@ class Clouds final : public FrameSource {
     if (unposed_ > 0)
       sentences.push_back(std::to_string(unposed_) + " of " + std::to_string(files_.size()) +
                           " clouds have no pose and were left out.");
+    if (maps_ > 0)
+      sentences.push_back(
+          quote_path(first_map_.string()) + (maps_ > 1 ? " and others have" : " has") +
+          " the viewpoint 0 0 0 1 0 0 0 among clouds from elsewhere, as a map of all scans has: "
+          "points of such a cloud are hits, and no ray to them frees anything.");
     if (is_placed_ || !poses_.empty()) return sentences;
     if (moved_ == 0 && files_.size() > 1)
       sentences.push_back(
@@ -109,12 +115,36 @@ class Clouds final : public FrameSource {
   double progress() const override { return static_cast<double>(at_) / static_cast<double>(files_.size()); }
 
  private:
+  /// A cloud of the origin among others that are from elsewhere is a map that lies beside them, as SLAM
+  /// programs leave it (GlobalMap.pcd), unless it is where a recording begins: and then it is no larger than
+  /// what follows it.
+  bool is_origin_known(const ViewedCloud& cloud, std::size_t number) {
+    if (!poses_.empty() || is_placed_ || points_in_ == CloudFrameOf::map || is_viewed(cloud)) return true;
+    if (moved_ == 0 && (number > 0 || !is_map_before_scans(cloud))) return true;
+    if (maps_++ == 0) first_map_ = files_[number].file;
+    return false;
+  }
+
+  bool is_map_before_scans(const ViewedCloud& cloud) const {
+    constexpr std::size_t larger = 3;
+    if (files_.size() < 3) return false;
+    try {
+      const ViewedCloud next = read_viewed_cloud(files_[1].file);
+      return is_viewed(next) && cloud.points.size() > larger * next.points.size();
+    } catch (const std::exception&) {  // told when it is read
+      return false;
+    }
+  }
+
   void take_poses(const fs::path& file) {
     constexpr std::size_t largest = 256U << 20U;
     const std::string name = "poses " + quote_path(file.string());
     const auto numbered = parse_numbered_poses(read_input(file, "poses", largest), name);
     if (!numbered || numbered->have_numbers) {
-      note_ = name + " is not used: expected a line of 12 numbers for each cloud.";
+      note_ =
+          name +
+          " is not used: expected a line of 12 numbers for each cloud; poses with times belong to the setup, "
+          "`sensors: [{name: points, poses: FILE}]`.";
       return;
     }
     if (numbered->poses.size() != files_.size())
@@ -135,7 +165,8 @@ class Clouds final : public FrameSource {
   bool is_placed_;
   std::vector<std::optional<Eigen::Isometry3d>> poses_;  ///< of the files; none: their viewpoints count
   std::string note_;
-  std::size_t at_ = 0, moved_ = 0, turned_ = 0, unposed_ = 0;
+  std::size_t at_ = 0, moved_ = 0, turned_ = 0, unposed_ = 0, maps_ = 0;
+  fs::path first_map_;
   FolderDamage damage_;
 };
 

@@ -40,6 +40,12 @@ void warn_of_leftovers(Fusion& fusion) {
         (is_any ? "painting was off while the ball was seen" : "no sample was accepted") + " (" +
         refusals_of(counts) + ")");
   }
+  if (const StaticBoard::Moves& moves = counts.base_moves; moves.count > 0)
+    fusion.warnings.push_back(
+        "the base board moved before the camera, by up to " + significant(1e3 * moves.farthest, 3) + " mm (" +
+        counted(static_cast<std::size_t>(moves.count), "time") +
+        "), though `fixed_camera: true` says that both stand still: what was painted before and after is "
+        "placed by where the board stood then");
   for (const auto* clauses : {&counts.lost_poses, &counts.range_spikes})
     fusion.warnings.insert(fusion.warnings.end(), clauses->begin(), clauses->end());
   if (counts.scans_without_pose > 0) {

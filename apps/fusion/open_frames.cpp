@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "apps/console/parse.hpp"
 #include "apps/fusion/cloud_folder.hpp"
 #include "apps/fusion/velodyne_folder.hpp"
 #include "datasets/bags/bag_metadata.hpp"
@@ -64,6 +65,16 @@ class NotedSource final : public FrameSource {
 bool is_posed_cloud(const fs::path& file) {
   return is_cloud_file(file) && !is_velodyne_file(file) && !is_xyz_file(file);
 }
+
+/// A sentence on files of a folder that are left out, as others are its frames.
+std::string of_another_kind(const std::vector<fs::path>& others, const std::vector<fs::path>& frames) {
+  return counted(others.size(), "more file") + " in the folder, such as " +
+         quote_path(others.front().filename().string()) + ", " + (others.size() == 1 ? "is" : "are") +
+         " not read: another kind than " + quote_path(frames.front().filename().string()) + ".";
+}
+
+/// Points alone, without a viewpoint.
+bool is_bare_cloud(const fs::path& file) { return is_velodyne_file(file) || is_xyz_file(file); }
 
 /// What is called like a file that `is_wanted`. One that is no file, or a link to none, is reported as
 /// damage: what it should hold is missing.
@@ -168,8 +179,9 @@ fs::path euroc_pictures(const fs::path& folder) {
 std::unique_ptr<FrameSource> open_noted_depth(const fs::path& folder, const DepthLayout& depth,
                                               const SourceOptions& options) {
   const SourceOptions whole = with_scale_of_file(depth, with_camera_beside(depth, options));
-  const std::vector<std::string> notes(
-      whole.notes.begin() + static_cast<std::ptrdiff_t>(options.notes.size()), whole.notes.end());
+  std::vector<std::string> notes(whole.notes.begin() + static_cast<std::ptrdiff_t>(options.notes.size()),
+                                 whole.notes.end());
+  if (!depth.arrays.empty()) notes.push_back(of_another_kind(depth.arrays, depth.depth));
   auto source = open_depth_folder(folder, depth, whole);
   if (notes.empty()) return source;
   return std::make_unique<NotedSource>(std::move(source), notes);
@@ -192,7 +204,13 @@ std::unique_ptr<FrameSource> open_other(const fs::path& folder, const FolderCont
                                 std::to_string(pictures.size()) + " pictures and " +
                                 std::to_string(clouds.size()) + " clouds; expected a folder of one kind");
   if (!pictures.empty()) return open_pictures(pictures, name, options);
-  if (!clouds.empty()) return open_clouds(clouds, scan_poses_beside(folder), name, options);
+  if (!clouds.empty()) {
+    auto source = open_clouds(clouds, scan_poses_beside(folder), name, options);
+    const std::vector<fs::path> others = files_in(folder, is_bare_cloud);
+    if (others.empty()) return source;
+    return std::make_unique<NotedSource>(std::move(source),
+                                         std::vector<std::string>{of_another_kind(others, clouds)});
+  }
   if (velodyne) return open_velodyne(*velodyne, name, options);
   if (const fs::path data = euroc_pictures(folder); !data.empty())
     return std::make_unique<NotedSource>(

@@ -130,7 +130,10 @@ TrackedImage Painter::take(const Frame& frame, const ImageFrame& image, const st
 }
 
 void Painter::finish() {
-  if (session_) counts_.samples = session_->probe().counts();
+  if (session_) {
+    counts_.samples = session_->probe().counts();
+    counts_.base_moves = session_->probe().base_moves();
+  }
   if (counts_.spheres == 0) return;
   for (double* sum : {&counts_.mean_center_sigma, &counts_.mean_reprojection_px, &counts_.mean_bound,
                       &counts_.painted_radius})

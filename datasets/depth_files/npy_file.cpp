@@ -124,11 +124,11 @@ using Reading = float (*)(const char*, bool);
 /// How one number of this type is read, and how many bytes it has.
 std::pair<Reading, std::size_t> reading_of(const std::string& type) {
   const std::string kind = type.size() > 1 ? type.substr(1) : "";
-  if (kind == "u1") return {number_at<std::uint8_t>, 1};
+  if (kind == "u1" || kind == "i1" || kind == "b1")
+    throw std::runtime_error("its numbers have 8 bits, as of a picture to look at: expected 16 bits or more");
   if (kind == "u2") return {number_at<std::uint16_t>, 2};
   if (kind == "u4") return {number_at<std::uint32_t>, 4};
   if (kind == "u8") return {number_at<std::uint64_t>, 8};
-  if (kind == "i1") return {number_at<std::int8_t>, 1};
   if (kind == "i2") return {number_at<std::int16_t>, 2};
   if (kind == "i4") return {number_at<std::int32_t>, 4};
   if (kind == "i8") return {number_at<std::int64_t>, 8};

@@ -92,7 +92,10 @@ DepthLayout layout_by_names(const fs::path& folder) {
   DepthLayout layout;
   for (const char* name : {"depth", "aligned_depth", "depths", "depth_images", "lowres_depth"}) {
     if (layout.depth.empty()) layout.depth = pictures_in(folder / name);
-    if (layout.depth.empty()) layout.depth = depth_alone_in(folder / name);
+    if (layout.depth.empty())
+      layout.depth = depth_alone_in(folder / name);
+    else if (layout.arrays.empty() && layout.depth.front().parent_path() == folder / name)
+      layout.arrays = depth_alone_in(folder / name);
   }
   if (!layout.depth.empty()) {
     const fs::path colour = first_there(folder, {"rgb", "color", "colour", "image", "images", "lowres_wide"});

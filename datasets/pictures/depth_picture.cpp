@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <opencv2/imgcodecs.hpp>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <variant>
@@ -88,6 +89,19 @@ DepthPicture decode_by_opencv(const std::string& bytes) {
   return picture;
 }
 
+/// Of depths that are all negative, unless they are a few numbers that stand for "none".
+void require_some_before(const DepthPicture& picture) {
+  constexpr std::size_t most_codes = 4;
+  std::set<float> depths;
+  for (const float value : picture.values) {
+    if (value > 0.0F) return;
+    if (std::isfinite(value) && value < 0.0F && depths.size() <= most_codes) depths.insert(value);
+  }
+  if (depths.size() > most_codes)
+    throw std::runtime_error(
+        "all its depths are negative, as along the -z of OpenGL: expected positive ones");
+}
+
 }  // namespace
 
 bool is_depth_array(const std::filesystem::path& file) {
@@ -104,6 +118,7 @@ DepthPicture decode_depth_picture(const std::string& bytes) {
                          : is_exr(bytes)           ? decode_exr(bytes)
                          : bytes.starts_with("Pf") ? decode_pfm(bytes)
                                                    : decode_by_opencv(bytes);
+  require_some_before(picture);
   for (float& value : picture.values)
     if (!(std::isfinite(value) && value > 0.0F) || value == saturated_depth) value = 0.0F;
   return picture;

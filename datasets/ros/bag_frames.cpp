@@ -55,6 +55,14 @@ bool is_world_name(const std::string& frame) {
 
 constexpr std::size_t most_held_bytes = std::size_t{64} << 20U;  ///< of messages that wait for their turn
 
+/// "… jumps by 0.9 m in ": a frame may also turn at once, or stand still where it drives before and after.
+std::string how_it_jumps(const PoseJump& jump) {
+  constexpr double little = 0.05;  // m, rad
+  if (jump.distance >= little) return " jumps by " + short_text(jump.distance) + " m in ";
+  if (jump.turn >= little) return " turns at once by " + short_text(jump.turn) + " rad in ";
+  return " stands still, against its speed before and after, in ";
+}
+
 }  // namespace
 
 BagFrames::BagFrames(MessageBag& bag, const SourceOptions& options)
@@ -252,9 +260,8 @@ std::vector<Frame> BagFrames::frames_in(const BagMessage& message) {
 Eigen::Isometry3d BagFrames::pose_of(const std::string& frame, double time, double recorded) const {
   const auto pose = transforms_.root_from_frame(options_.bag.fixed_frame, frame, time, recorded);
   if (const auto jump = pose ? std::nullopt : transforms_.jump_between(options_.bag.fixed_frame, frame, time))
-    throw JumpedPose("frame " + quote(jump->frame) + " jumps by " + short_text(jump->distance) + " m in " +
-                     quote(jump->parent) + " between " + time_text(jump->before) + " and " +
-                     time_text(jump->after) + " s");
+    throw JumpedPose("frame " + quote(jump->frame) + how_it_jumps(*jump) + quote(jump->parent) + " between " +
+                     time_text(jump->before) + " and " + time_text(jump->after) + " s");
   if (!pose)
     throw std::runtime_error("frame " + quote(frame) + " is not known in " + quote(options_.bag.fixed_frame) +
                              why_unknown(frame));

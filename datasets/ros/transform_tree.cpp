@@ -143,8 +143,12 @@ std::optional<PoseJump> TransformTree::jump_between(const std::string& root, con
     if (after == edge->poses.end() || after == edge->poses.begin() || after->first == time) continue;
     const auto before = std::prev(after);
     if (is_jump(edge->poses, after))
-      return PoseJump{link, edge->parent, before->first, after->first,
-                      (after->second.translation - before->second.translation).norm()};
+      return PoseJump{link,
+                      edge->parent,
+                      before->first,
+                      after->first,
+                      (after->second.translation - before->second.translation).norm(),
+                      before->second.rotation.angularDistance(after->second.rotation)};
   }
   return std::nullopt;
 }

@@ -39,8 +39,8 @@ struct PoseConflicts {
 /// Two poses of a frame, one after the other, between which nothing drives.
 struct PoseJump {
   std::string frame, parent;
-  double before = 0.0, after = 0.0;  ///< s, their times
-  double distance = 0.0;             ///< m
+  double before = 0.0, after = 0.0;   ///< s, their times
+  double distance = 0.0, turn = 0.0;  ///< m, rad
 };
 
 /// Where the frames of a recording are in one another, by its transforms, as tf2 has it: each frame has one

@@ -8,14 +8,17 @@
 #include <cctype>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 
 #include "datasets/sources/clock_seconds.hpp"
 #include "datasets/sources/finite_number.hpp"
 #include "datasets/sources/observation_decoder.hpp"
 #include "mapping/system/input_file.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -244,6 +247,23 @@ bool is_unknown_pose(const std::vector<std::string>& words) {
 
 }  // namespace
 
+namespace {
+
+/// Of two poses of one time, such as of a file that is two recordings, none is taken. Times that were rounded
+/// may have two that are near each other.
+void require_near(const Eigen::Isometry3d& one, const Eigen::Isometry3d& two, double time,
+                  const std::string& name) {
+  constexpr double near_within = 0.1;  // m, rad
+  const Eigen::Isometry3d other = one.inverse() * two;
+  const double turn = Eigen::AngleAxisd(other.linear()).angle();
+  if (other.translation().norm() <= near_within && turn <= near_within) return;
+  throw std::invalid_argument(name + ": expected one pose a time, got two that are " +
+                              short_text(other.translation().norm(), 3) + " m and " + short_text(turn, 3) +
+                              " rad apart at " + short_text(time, 15) + " s");
+}
+
+}  // namespace
+
 PoseStream parse_tum_poses(const std::string& text, const std::string& name, double max_gap,
                            std::size_t* left_out) {
   std::istringstream lines(text);
@@ -297,7 +317,12 @@ PoseStream parse_tum_poses(const std::string& text, const std::string& name, dou
   for (const TimedPose& pose : poses) times.push_back(pose.time);
   make_seconds(times);
   PoseStream stream(max_gap);
-  for (std::size_t i = 0; i < poses.size(); ++i) stream.add(times[i], poses[i].pose);
+  std::map<double, const Eigen::Isometry3d*> places;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const auto [known, is_new] = places.emplace(times[i], &poses[i].pose);
+    if (!is_new) require_near(*std::exchange(known->second, &poses[i].pose), poses[i].pose, times[i], name);
+    stream.add(times[i], poses[i].pose);
+  }
   return stream;
 }
 

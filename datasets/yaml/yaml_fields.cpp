@@ -3,6 +3,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <iomanip>
@@ -96,9 +97,35 @@ YAML::Node YamlFields::find(const std::string& key) const {
   return YAML::Node(YAML::NodeType::Undefined);
 }
 
+namespace {
+
+/// The same letters, or of a long name one more or less: those that differ by a letter may both be keys.
+bool is_slip_of(const std::string& there, const std::string& key) {
+  const auto letters = [](const std::string& name) {
+    std::string all;
+    for (const char c : name)
+      if (std::isalnum(static_cast<unsigned char>(c)) != 0)
+        all += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return all;
+  };
+  return letters(there) == letters(key) ||
+         (key.size() >= 4 && there.size() != key.size() && edit_distance(there, key) == 1);
+}
+
+}  // namespace
+
+/// ", is 'f_x' meant to be it?", where such a key is there that nobody asked for; else empty.
+std::string YamlFields::meant_by(const std::string& key) const {
+  if (node_->IsMap())
+    for (const auto& entry : *node_)
+      if (const std::string& there = entry.first.Scalar(); !asked_.contains(there) && is_slip_of(there, key))
+        return ", is " + quote(there) + " meant to be it?";
+  return "";
+}
+
 YAML::Node YamlFields::required(const std::string& key) const {
   YAML::Node node = find(key);
-  if (!node.IsDefined() || node.IsNull()) fail(key, "this key is missing");
+  if (!node.IsDefined() || node.IsNull()) fail(key, "this key is missing" + meant_by(key));
   return node;
 }
 

@@ -108,6 +108,7 @@ class YamlFields {
   YamlFields(const YAML::Node& node, const std::string& name, const std::string& path);
   YAML::Node find(const std::string& key) const;
   YAML::Node required(const std::string& key) const;
+  std::string meant_by(const std::string& key) const;
   double number_of(const YAML::Node& node, const std::string& key, Bounds bounds) const;
   std::vector<std::string> texts_of(const YAML::Node& node, const std::string& key) const;
   std::vector<double> numbers_of(const YAML::Node& node, const std::string& key, Bounds bounds) const;

@@ -38,10 +38,9 @@ fs::path map_file_of(const fs::path& path) {
   if (!is_there(path)) throw std::invalid_argument("map '" + path.string() + "' does not exist");
   if (!fs::is_directory(path)) return path;
   if (is_there(path / map_name)) return path / map_name;
-  throw std::invalid_argument(
-      "map directory '" + path.string() + "' holds no " + map_name +
-      ": expected a folder that `replay` wrote; one of clouds, scans or pictures is a "
-      "recording, which `replay` reads");
+  throw std::invalid_argument("map directory '" + path.string() + "' holds no " + map_name +
+                              ": expected a folder that `replay` wrote; one of .pcd or .ply clouds, KITTI's "
+                              "scans or pictures is a recording, which `replay` reads");
 }
 
 std::string read_bytes(const fs::path& file) {

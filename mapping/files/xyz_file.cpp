@@ -118,8 +118,8 @@ class XyzReader {
         head_ = std::move(names);
       return;
     }
-    if (!has_begun_ && begin(line)) return;
-    if (!begin_next_scan(line)) take_point(line);
+    if (begin_next_scan(line) || (!has_begun_ && begin(line))) return;
+    take_point(line);
   }
 
   /// A whole number alone on its line: of how many points.
@@ -166,7 +166,8 @@ class XyzReader {
   }
 
   static std::string hint_of(std::string_view word) {
-    const bool may_be_decimals = word.find(',') != word.npos || word.find(' ') != word.npos;
+    const bool may_be_decimals =
+        word.find_first_of(", \t") != word.npos && word.find_first_not_of("0123456789+-eE, \t") == word.npos;
     return may_be_decimals ? " (are these decimal commas? numbers have points)" : "";
   }
 

@@ -63,7 +63,10 @@ TEST(Fusion, AFolderOfCloudsIsARecordingSeenFromItsViewpoints) {
   }
   EXPECT_EQ(state_at(fusion, {1.01, 0.01, -0.5}), VoxelState::seen_free);  // from the viewpoint upwards
   EXPECT_EQ(state_at(fusion, {0.5, 0.01, 0.01}), VoxelState::unknown);     // not from the origin
-  EXPECT_EQ(state_at(fusion, {-0.25, 0.01, 0.01}), VoxelState::seen_free);
+  EXPECT_EQ(state_at(fusion, {-0.49, 0.01, 0.01}), VoxelState::occupied);
+  EXPECT_EQ(state_at(fusion, {-0.25, 0.01, 0.01}),
+            VoxelState::unknown);  // nobody says from where it was seen
+  EXPECT_EQ(state_at(fused(folder / "clouds/10.ply"), {-0.25, 0.01, 0.01}), VoxelState::seen_free);
   EXPECT_EQ(fused(folder / "clouds/10.ply").counts.points.inserted, 1U);
 }
 

@@ -193,6 +193,43 @@ TEST_F(Scans, SeveralOfOneViewpointAreTold) {
   EXPECT_TRUE(warnings()[0].starts_with("all 2 clouds have the viewpoint 0 0 0 1 0 0 0"));
 }
 
+/// As LIO-SAM's GlobalMap.pcd, which begins at the map's origin: rays to it would go through walls.
+TEST_F(Scans, AMapAmongPosedScansFreesNothing) {
+  const std::string none = "VIEWPOINT 0 0 0 1 0 0 0";
+  const auto posed = [&](const std::string& name, int x) {
+    std::string bytes = format_pcd({{1.0F, 0.0F, 0.0F}, {1.0F, 0.5F, 0.0F}});
+    folder_.write("scans/" + name, bytes.replace(bytes.find(none), none.size(),
+                                                 "VIEWPOINT " + std::to_string(x) + " 0 0 1 0 0 0"));
+  };
+  const auto map = [&](const std::string& name, std::size_t points) {
+    folder_.write("scans/" + name, format_pcd(std::vector<Eigen::Vector3f>(points, {2.0F, 0.0F, 0.0F})));
+  };
+  const auto maps = [&](std::optional<CloudFrameOf> frame_of = {}) {
+    SourceOptions options;
+    options.clouds = frame_of;
+    const auto source = open_frames(folder_ / "scans", options);
+    std::string found;
+    while (const auto frame = source->next())
+      if (!std::get<CloudFrame>(frame->content).is_origin_known) found += frame->file + " ";
+    const std::vector<std::string> told = source->warnings();
+    const bool is_told = std::any_of(told.begin(), told.end(), [](const std::string& sentence) {
+      return sentence.find("as a map of all scans has: points") != std::string::npos;
+    });
+    EXPECT_EQ(is_told, !found.empty());
+    return found;
+  };
+  for (int i = 1; i <= 3; ++i) posed("scan" + std::to_string(i) + ".pcd", i);
+  EXPECT_EQ(maps(), "");
+  map("whole.pcd", 2);
+  EXPECT_EQ(maps(), "whole.pcd ");
+  EXPECT_EQ(maps(CloudFrameOf::sensor), "whole.pcd ");
+  EXPECT_EQ(maps(CloudFrameOf::map), "");
+  map("another.pcd", 4);  // the first, and as large as a scan: the sensor may have begun there
+  EXPECT_EQ(maps(), "whole.pcd ");
+  map("another.pcd", 7);
+  EXPECT_EQ(maps(), "another.pcd whole.pcd ");
+}
+
 TEST_F(Scans, OfAPlacedSensorOrWithAStatedFrameNeedNoViewpoint) {
   const auto warnings = [&](const SourceOptions& options) {
     const auto source = open_frames(folder_ / "scans", options);

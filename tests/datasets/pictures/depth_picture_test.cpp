@@ -57,6 +57,10 @@ TEST(DepthPictureFile, WhatHoldsNoDepthIsRefusedInAClause) {
   EXPECT_NE(said(picture_bytes(grey, ".png")).find("16 bits"), std::string::npos);
   EXPECT_NE(said(picture_bytes(colours, ".png")).find("16 bits"), std::string::npos);
   EXPECT_NE(said("nothing").find("cannot be decoded"), std::string::npos);
+  const cv::Mat_<float> before = (cv::Mat_<float>(2, 3) << -1.5, nan, -2, -3, -2.5, -1),
+                        none = (cv::Mat_<float>(2, 3) << -1, -2, nan, -1, 0, -2);
+  EXPECT_NE(said(picture_bytes(before, ".tiff")).find("all its depths are negative"), std::string::npos);
+  EXPECT_EQ(said(picture_bytes(none, ".tiff")), "");  // numbers for what is not known
   const std::string whole = pfm(false);
   for (std::size_t size = 2; size < whole.size(); ++size) EXPECT_NE(said(whole.substr(0, size)), "") << size;
   EXPECT_NE(said("Pf\n-3 2\n-1.0\n").find("-3 x 2 pixels"), std::string::npos);

@@ -181,6 +181,19 @@ TEST_F(PictureTimes, ATableBesideThemCountsFirstAndWhatItDoesNotNameIsReportedAn
   EXPECT_NE(warnings_[2].find("other.csv' gives none of the pictures a time"), std::string::npos);
 }
 
+TEST_F(PictureTimes, WholeSecondsThatAreFarApartMayBeMilliseconds) {
+  const auto told = [&](double step) {
+    std::string table = "time,file\n";
+    for (int i = 0; i < 6; ++i) table += std::to_string(step * i) + ",p" + std::to_string(i) + ".png\n";
+    folder_.write("shots/times.csv", table);
+    times();
+    return !warnings_.empty() && warnings_.back().find("are their times milliseconds?") != std::string::npos;
+  };
+  for (int i = 0; i < 6; ++i) add("p" + std::to_string(i) + ".png");
+  for (const double step : {33.0, 100.0}) EXPECT_TRUE(told(step)) << step;
+  for (const double step : {0.1, 1.0, 9.0, 12.5}) EXPECT_FALSE(told(step)) << step;
+}
+
 TEST_F(PictureTimes, TheTableOfTheTumBenchmarkLiesBesideTheFolder) {
   for (const char* name : {"a.png", "b.png"}) add(name);
   folder_.write("shots.txt", "# color images\n# timestamp filename\n2.5 shots/a.png\n1.5 shots/b.png\n");

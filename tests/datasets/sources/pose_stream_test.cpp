@@ -6,6 +6,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include "tests/datasets/complaint.hpp"
+
 namespace clearway {
 namespace pose_stream_test {
 
@@ -217,6 +219,24 @@ TEST(PoseStream, LinesWithoutAPoseAreLeftOutAndCountedWhereThatIsAskedFor) {
        {"2 1 0 0\n" + first, first + "2 1 0 0\n" + last, first + "nan 1 0 0 0 0 0 1\n" + last,
         first + "2 1 0 0 0 0 0 9\n", std::string("2 nan nan nan nan nan nan nan\n")})
     EXPECT_THROW(parse_tum_poses(text, "p", 5.0, &left_out), std::invalid_argument) << text;
+}
+
+TEST(PoseStream, OfTwoPosesOfOneTimeThatAreFarApartNoneIsTaken) {
+  const std::string text = "1 0 0 0 0 0 0 1\n2 1 0 0 0 0 0 1\n3 2 0 0 0 0 0 1\n";
+  const auto with = [&](const std::string& line) {
+    return complaint<std::invalid_argument>([&] { parse_tum_poses(text + line, "poses 'p'", 5.0); });
+  };
+  EXPECT_EQ(with("2 1 0 0 0 0 0 1\n"), "");     // as some logs repeat a line
+  EXPECT_EQ(with("2 1.05 0 0 0 0 0 1\n"), "");  // at times that were rounded
+  EXPECT_EQ(with("2 0 0 0 0 0 0 1\n"),
+            "poses 'p': expected one pose a time, got two that are 1 m and 0 rad apart at 2 s");
+  EXPECT_NE(with("2 1 0 0 0 0 0.70710678118654752 0.70710678118654752\n").find("0 m and 1.57 rad apart"),
+            std::string::npos);
+  std::string rounded;  // 30 Hz, 1 m/s, whole seconds
+  for (int i = 0; i < 90; ++i)
+    rounded += std::to_string(i / 30) + " " + std::to_string(i / 30.0) + " 0 0 0 0 0 1\n";
+  EXPECT_EQ(parse_tum_poses(rounded, "p", 5.0).size(), 3U);
+  EXPECT_NO_THROW(parse_tum_poses("1764300000 1 0 0 0 0 0 1\n1764300000 1 0 0 0 0 0 1\n", "p", 1e-9));
 }
 
 TEST(PoseStream, NamesTheLineThatIsNoPose) {

@@ -330,10 +330,9 @@ TEST(MapFile, OfAFolderOfCloudsSaysThatItIsARecording) {
   } catch (const std::invalid_argument& error) {
     told = error.what();
   }
-  EXPECT_EQ(told,
-            "map directory '" + folder.path().string() +
-                "' holds no map.ot: expected a folder that `replay` wrote; one of clouds, scans or pictures "
-                "is a recording, which `replay` reads");
+  EXPECT_EQ(told, "map directory '" + folder.path().string() +
+                      "' holds no map.ot: expected a folder that `replay` wrote; one of .pcd or .ply clouds, "
+                      "KITTI's scans or pictures is a recording, which `replay` reads");
 }
 
 }  // namespace map_file_test

@@ -60,6 +60,8 @@ TEST_F(XyzFile, WhatIsNoPointIsRefusedByItsLine) {
   EXPECT_NE(refusal("1 2 3\n4 5 6m\n").find("line 2 has '6m'"), std::string::npos);
   EXPECT_NE(refusal("1,5 2,3 0,1\n").find("line 1 has '5 2'"), std::string::npos);  // decimal commas
   EXPECT_NE(refusal("1,5;2,3;0,1\n").find("line 1 has '1,5' (are these decimal commas?"), std::string::npos);
+  EXPECT_EQ(refusal("0 0 0\nwall 3,1 2\n").find("decimal commas"), std::string::npos);
+  EXPECT_NE(refusal("1,5\t2,3\t0,1\n").find("(are these decimal commas?"), std::string::npos);
   EXPECT_NE(refusal("1\n1 2 3\n2\n4 5 6\n").find("it holds 2 points, the counts of its scans say 3"),
             std::string::npos);
   EXPECT_NE(refusal("2\n2\n1 0 0\n").find("line 2 has too few numbers"), std::string::npos);  // .ptx
@@ -72,6 +74,7 @@ TEST_F(XyzFile, WhatIsNoPointIsRefusedByItsLine) {
   EXPECT_NE(refusal("1e300\n1 2 3\n").find("line 1 has '1e300'"), std::string::npos);
   for (const char* text : {"# id z y x\n1 -3 2.5 1 200\n", "# Fields: t x y z\n0.1 1 2 3\n"})
     EXPECT_NE(refusal(text).find("columns, the comment above it"), std::string::npos) << text;
+  EXPECT_EQ(read("0\n2\n1;2.5;-3\n4;5;6e-3\n"), two);  // a scan of nothing first
   EXPECT_EQ(read("# id z y x\n# units: m\n#\n1 -3 2.5 1\n2 6e-3 5 4\n"), two);
   for (const char* text : {"", "\n\n", "# nothing\n", "nan nan nan\n", "0\n"})
     EXPECT_NE(refusal(text), "") << text;
