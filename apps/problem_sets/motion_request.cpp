@@ -179,6 +179,7 @@ void read_hand(const YamlFields& state, const std::filesystem::path& file, const
   RosAttached bodies = ros_attached(state, context.packages, file.parent_path());
   for (const std::string& what : bodies.left_out) left_out.push_back(file.filename().string() + ": " + what);
   for (ForeignAttached& body : bodies.added) {
+    place_in_map(frames, body);
     const std::string why = put_on_link(frames, body);
     if (!why.empty() && !context.leaves_unknown_frames)
       state.fail("attached_collision_objects", "attached body " + quote(body.name) + " stands in frame " +
@@ -202,7 +203,7 @@ ForeignProblem read_motion_request(const std::string& text, const std::filesyste
   SceneFrames frames = scene.frames;
   if (request.has("start_state")) {
     const YamlFields state = request.map("start_state");
-    require_base_at_origin(state);
+    require_base_of(frames, state);
     problem.start.by_joint = ros_joints(state);
     frames.place_links(context.robot, start_of(problem, scene, context.robot));
     read_hand(state, file, context, frames, problem, left_out);

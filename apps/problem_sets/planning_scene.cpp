@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
 #include <set>
 #include <stdexcept>
 
@@ -63,10 +64,15 @@ class SceneReader {
     world_.name = file_.stem().string();
     require_no_lost_keys(scene_, RosMessage::planning_scene);
     if (scene_.has("robot_state")) {
-      require_base_at_origin(scene_.map("robot_state"));
+      base_ = ros_base(scene_.map("robot_state"));
       world_.joints = ros_joints(scene_.map("robot_state"));
     }
     read_frames();
+    if (base_) {
+      require_base_of(frames_, scene_.map("robot_state"));
+      if (!base_->pose.linear().col(2).isApprox(Eigen::Vector3d::UnitZ(), 1e-6))
+        leave("that its base is tilted: costs and torques are reckoned with gravity along the base's -z");
+    }
     if (scene_.has("world")) read_world(scene_.map("world"));
     if (scene_.has("robot_state")) add_attached(scene_.map("robot_state"));
     place_objects();
@@ -92,7 +98,7 @@ class SceneReader {
   /// Links first, where the scene has the robot, then frames that are placed in themselves, which are the
   /// planning frame, then all that hang on a known one.
   void read_frames() {
-    frames_ = SceneFrames(context_.planning_frames);
+    frames_ = SceneFrames(context_.planning_frames, base_ ? base_->pose : Eigen::Isometry3d::Identity());
     frames_.place_links(context_.robot, world_.joints);
     std::vector<FixedFrame> others;
     for (const YamlFields& entry : scene_.list_of_maps("fixed_frame_transforms")) {
@@ -214,6 +220,8 @@ class SceneReader {
         objects_.erase(body.name);
         poses_.erase(body.name);
         body.frame.clear();
+      } else {
+        place_in_map(frames_, body);
       }
       const std::string why = put_on_link(frames_, body);
       if (!why.empty() && !context_.leaves_unknown_frames)
@@ -372,6 +380,7 @@ class SceneReader {
   const std::filesystem::path& file_;
   const SceneContext& context_;
   std::vector<std::string>& left_out_;
+  std::optional<RosBase> base_;
   SceneFrames frames_;
   std::set<std::string> objects_;                               ///< names
   std::map<std::string, Eigen::Isometry3d> poses_;              ///< of objects with pieces, in the map

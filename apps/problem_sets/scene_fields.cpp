@@ -153,14 +153,42 @@ std::string ros_frame(const YamlFields& fields) {
   return frame;
 }
 
-void require_base_at_origin(const YamlFields& state) {
+namespace {
+
+bool is_same_place(const Eigen::Isometry3d& one, const Eigen::Isometry3d& other) {
+  return one.isApprox(other, 1e-9);
+}
+
+}  // namespace
+
+std::optional<RosBase> ros_base(const YamlFields& state) {
   require_no_lost_keys(state, RosMessage::robot_state);
-  if (!state.has("multi_dof_joint_state")) return;
-  const YamlFields base = state.map("multi_dof_joint_state");
-  require_no_lost_keys(base, RosMessage::multi_dof_joint_state);
-  for (const YamlFields& pose : base.list_of_maps("transforms"))
-    if (!ros_transform(pose).isApprox(Eigen::Isometry3d::Identity(), 1e-9))
-      pose.fail("translation", "expected the robot's base at the map's origin, as the robot stands there");
+  if (!state.has("multi_dof_joint_state")) return std::nullopt;
+  const YamlFields joints = state.map("multi_dof_joint_state");
+  require_no_lost_keys(joints, RosMessage::multi_dof_joint_state);
+  const std::vector<YamlFields> transforms = joints.list_of_maps("transforms");
+  if (transforms.empty()) return std::nullopt;
+  RosBase base{ros_frame(joints), Eigen::Isometry3d::Identity()};
+  for (const YamlFields& transform : transforms)
+    if (const Eigen::Isometry3d pose = ros_transform(transform); !is_same_place(pose, base.pose)) {
+      if (transforms.size() > 1)
+        joints.fail("transforms", "expected one, of the robot's base, or none that moves a joint, got " +
+                                      std::to_string(transforms.size()));
+      base.pose = pose;
+    }
+  return base;
+}
+
+void require_base_of(const SceneFrames& frames, const YamlFields& state) {
+  const std::optional<RosBase> base = ros_base(state);
+  if (!base) return;
+  const bool is_at_root = is_same_place(base->pose, Eigen::Isometry3d::Identity());
+  if (!is_at_root && !frames.is_planning_frame(base->frame))
+    state.fail("multi_dof_joint_state", "expected the robot's base in the planning frame, got frame " +
+                                            quote(base->frame) + ", in which the scene does not stand");
+  if (!is_same_place(base->pose * frames.map_from_planning(), Eigen::Isometry3d::Identity()))
+    state.fail("multi_dof_joint_state",
+               "expected the robot's base where the scene has it, as a map is the scene about that base");
 }
 
 std::map<std::string, double> ros_joints(const YamlFields& state) {
@@ -270,9 +298,16 @@ RosAttached ros_attached(const YamlFields& state, const PackageFolders& packages
 
 const std::string or_leave_out_frames = "; --leave-out-unknown-frames imports the rest";
 
+void place_in_map(const SceneFrames& frames, ForeignAttached& body) {
+  if (body.frame.empty())
+    for (ForeignSolid& piece : body.pieces)
+      piece.map_from_shape = frames.map_from_planning() * piece.map_from_shape;
+}
+
 std::string put_on_link(const SceneFrames& frames, ForeignAttached& body) {
+  static const Eigen::Isometry3d map = Eigen::Isometry3d::Identity();
   if (body.frame == body.link || body.pieces.empty()) return "";
-  const Eigen::Isometry3d* map_from_frame = frames.find(body.frame);
+  const Eigen::Isometry3d* map_from_frame = body.frame.empty() ? &map : frames.find(body.frame);
   if (map_from_frame == nullptr) return frames.is_link(body.frame) ? "" : frames.why_unknown(body.frame);
   const Eigen::Isometry3d* map_from_link = frames.find(body.link);
   const Eigen::Isometry3d moved =

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,8 +43,17 @@ std::string ros_frame(const YamlFields& fields);
 /// Joint values of a moveit_msgs/RobotState.
 std::map<std::string, double> ros_joints(const YamlFields& state);
 
-/// @throws std::invalid_argument when a moveit_msgs/RobotState moves the robot's base.
-void require_base_at_origin(const YamlFields& state);
+/// Where a moveit_msgs/RobotState places the robot's root link: its only joint of several degrees of freedom.
+struct RosBase {
+  std::string frame;  ///< in which it stands; empty: the planning frame
+  Eigen::Isometry3d pose;
+};
+
+/// None: it does not say. @throws std::invalid_argument where it has several such joints and moves one
+std::optional<RosBase> ros_base(const YamlFields& state);
+
+/// @throws std::invalid_argument naming the state when it places the base otherwise than these frames do.
+void require_base_of(const SceneFrames& frames, const YamlFields& state);
 
 /// shape_msgs/SolidPrimitive: box x, y, z; sphere radius; cylinder and cone height, radius.
 void read_primitive(const YamlFields& primitive, ForeignSolid& solid);
@@ -77,6 +87,9 @@ struct RosAttached {
 /// @param folder that files of meshes are relative to
 RosAttached ros_attached(const YamlFields& state, const PackageFolders& packages,
                          const std::filesystem::path& folder);
+
+/// A body whose message names no frame stands in the planning frame: gives its pieces poses in the map.
+void place_in_map(const SceneFrames& frames, ForeignAttached& body);
 
 /// Gives the pieces of a body poses in the frame of its link, where both the link and the body's frame stand
 /// in the map; else in the map, where the frame alone does. A frame of a link whose place is unknown stays.

@@ -10,7 +10,6 @@
 namespace clearway {
 namespace {
 
-const Eigen::Isometry3d at_origin = Eigen::Isometry3d::Identity();
 const std::set<std::string> usual{"world", "map", "odom"};
 
 /// The names of a link, without prefix. A root of another name is the link0 of links that count from 1.
@@ -26,7 +25,9 @@ std::vector<std::string> names_of(const Robot& robot, const Link& link) {
 
 }  // namespace
 
-SceneFrames::SceneFrames(const std::set<std::string>& planning_frames) {
+SceneFrames::SceneFrames(const std::set<std::string>& planning_frames,
+                         const Eigen::Isometry3d& planning_from_base)
+    : map_from_planning_(planning_from_base.inverse()) {
   for (const std::string& frame : planning_frames) add_planning_frame(frame);
 }
 
@@ -61,7 +62,7 @@ void SceneFrames::place(const std::string& frame, const Eigen::Isometry3d& map_f
 
 void SceneFrames::add_planning_frame(const std::string& frame) {
   if (frame.empty()) return;
-  placed_.emplace(frame, at_origin);
+  placed_.emplace(frame, map_from_planning_);
   has_planning_frame_ = true;
 }
 
@@ -69,12 +70,17 @@ bool SceneFrames::is_link(const std::string& frame) const {
   return links_.contains(frame) || unplaced_.contains(frame);
 }
 
+bool SceneFrames::is_planning_frame(const std::string& frame) const {
+  const Eigen::Isometry3d* known = find(frame);
+  return known != nullptr && !is_link(frame) && known->matrix() == map_from_planning_.matrix();
+}
+
 const Eigen::Isometry3d* SceneFrames::find(const std::string& frame, bool is_named) const {
-  if (frame.empty()) return &at_origin;
+  if (frame.empty()) return &map_from_planning_;
   for (const auto* frames : {&links_, &placed_})
     if (const auto known = frames->find(frame); known != frames->end()) return &known->second;
   const bool is_usual = !is_named && !has_planning_frame_ && usual.contains(frame) && !is_link(frame);
-  return is_usual ? &at_origin : nullptr;
+  return is_usual ? &map_from_planning_ : nullptr;
 }
 
 std::string SceneFrames::why_unknown(const std::string& frame) const {

@@ -67,14 +67,6 @@ TEST_F(Import, WhatItDoesNotUnderstandIsNeverTakenForFreeSpaceInSilence) {
       folder_.write("a.yaml", "world: {collision_objects: [{id: odd, parts: [{type: box}]}]}");
   EXPECT_NE(import("mbm", {scene}).out.find("'odd', which has neither primitives nor meshes"),
             std::string::npos);
-  std::filesystem::remove_all(folder_.path() / "out");
-  const std::string moved = folder_.write(
-      "b.yaml",
-      "robot_state: {multi_dof_joint_state: {transforms: [{translation: [1, 0, 0], rotation: [0, 0, "
-      "0, 1]}]}}\nworld: {collision_objects: []}");
-  const CommandRun run = import("mbm", {moved});
-  EXPECT_EQ(run.status, exit_bad_input) << run.out;
-  EXPECT_NE(run.log.find("expected the robot's base at the map's origin"), std::string::npos) << run.log;
 }
 
 /// A capsule along y.

@@ -57,6 +57,16 @@ class ImportFrames : public Import {
 
 const Eigen::Vector3d near_origin(0.05, 0.05, 0.05);
 
+/// The state of a robot whose base stands where `transforms` say, in `frame`.
+std::string based(const std::string& transforms, const std::string& frame = "world") {
+  return "multi_dof_joint_state: {header: {frame_id: " + frame + "}, joint_names: [v], transforms: [" +
+         transforms + "]}";
+}
+
+/// 1 m along x, turned by a quarter about z: the world's y is the base's x.
+const std::string turned_base =
+    "{translation: [1, 0, 0], rotation: [0, 0, 0.70710678118654752, 0.70710678118654752]}";
+
 TEST_F(ImportFrames, AWorldThatWouldLoseAnObjectForItsFrameIsRefusedUnlessAFlagAllowsIt) {
   expect_refused(
       object_in("kinect"),
@@ -79,6 +89,27 @@ TEST_F(ImportFrames, TheRootAndFramesThatAScenePlacesInThemselvesAreTheMap) {
   expect_refused(transforms(placed("plan", "plan", 1)) + object_in("plan"),
                  "expected none that moves frame 'plan' against itself");
   for (const char* usual : {"world", "map", "odom"}) expect_at(object_in(usual), near_origin);
+}
+
+/// A map is about the base, wherever the scene has that.
+TEST_F(ImportFrames, ASceneThatMovesTheRobotsBaseIsSeenFromThere) {
+  const auto with = [](const std::string& state, const std::string& frame, const std::string& more = "") {
+    return "robot_state: {" + state + "}\n" + more + object_in(frame);
+  };
+  const Eigen::Vector3d from_base(0.05, 0.95, 0.05);
+  for (const char* frame : {"world", "\"\"", "odom"})
+    expect_at(with(based(turned_base, frame), "world"), from_base);
+  expect_at(with(based(turned_base), "base"), near_origin);
+  const std::string plan = transforms(placed("plan", "plan", 0) + ", " + placed("table", "plan", 1));
+  expect_at(with(based(turned_base, "plan"), "plan", plan), from_base);
+  expect_at(with(based(turned_base, "plan"), "table", plan), {0.05, -0.05, 0.05});
+  const std::string still = "{translation: [0, 0, 0], rotation: [0, 0, 0, 1]}";
+  expect_at(with(based(still + ", " + still, "kinect"), "world"), near_origin);
+  expect_refused(with(based(turned_base + ", " + still), "world"),
+                 "multi_dof_joint_state.transforms: expected one, of the robot's base");
+  for (const char* frame : {"table", "base", "kinect"})
+    expect_refused(with(based(turned_base, frame), "base", frame == std::string("table") ? plan : ""),
+                   "expected the robot's base in the planning frame, got frame '" + std::string(frame) + "'");
 }
 
 /// Where a scene or the SRDF names the planning frame, and another frame is called `world`, MoveIt does not
@@ -172,7 +203,7 @@ TEST_F(ImportFrames, GoalsStandInFramesOfTheScenesTransformsAndOfLinksAtTheStart
     }
     return "{joint_state: {name: [" + names + "], position: [" + values + "]}}\n";
   };
-  const std::string scene = folder_.write(
+  std::string scene = folder_.write(
       "s.yaml", "robot_state: " + state_of(0) + transforms(placed("tray", "base", 0.1)) + "world: {}\n");
   const auto goal_in = [&](const std::string& frame, const std::string& at) {
     std::filesystem::remove_all(folder_ / "out");
@@ -192,6 +223,65 @@ TEST_F(ImportFrames, GoalsStandInFramesOfTheScenesTransformsAndOfLinksAtTheStart
   };
   EXPECT_TRUE(goal_in("tray", "[0.3, 0.2, 0.4]").isApprox(Eigen::Vector3d(0.4, 0.2, 0.4), 1e-9));
   EXPECT_TRUE(goal_in("panda_link1", "[0.4, 0, 0.1]").isApprox(Eigen::Vector3d(0, 0.4, 0.433), 1e-6));
+  scene = folder_.write("s.yaml", "robot_state: {" + based(turned_base) + "}\nworld: {}\n");
+  EXPECT_TRUE(goal_in("world", "[1.2, 0.4, 0.5]").isApprox(Eigen::Vector3d(0.4, -0.2, 0.5), 1e-9));
+  EXPECT_TRUE(goal_in("panda_link1", "[0.4, 0, 0.1]").isApprox(Eigen::Vector3d(0, 0.4, 0.433), 1e-6));
+}
+
+/// A mug that its message places in the planning frame, by name or without one, or whose object of the world
+/// it is: 0.5 m before the base each time, which is along the second link.
+TEST_F(ImportFrames, ABodyInTheHandStandsWhereTheSceneHasItAboutAMovedBase) {
+  const std::string sphere =
+      "primitives: [{type: sphere, dimensions: [0.01]}], primitive_poses: [{position: "
+      "[1, 0.5, 0]}]";
+  const auto at = [&](const std::string& header, const std::string& shape, const std::string& objects) {
+    std::filesystem::remove_all(folder_ / "out");
+    const std::string scene =
+        folder_.write("s.yaml", "robot_state: {" + based(turned_base) +
+                                    ", joint_state: {name: [shoulder, elbow, grip], position: [0, 0, 0]}, "
+                                    "attached_collision_objects: [{link_name: lower, object: {id: mug" +
+                                    header + shape + "}}]}\nworld: {collision_objects: [" + objects + "]}\n");
+    const std::string request = folder_.write(
+        "r.yaml",
+        "start_state: {is_diff: true}\ngoal_constraints: [{joint_constraints: [{joint_name: shoulder, "
+        "position: 0.4}, {joint_name: elbow, position: 0}]}]");
+    const CommandRun run = import("mbm", {scene, request});
+    EXPECT_EQ(run.status, exit_done) << run.log;
+    if (run.status != exit_done) return Eigen::Vector3d(Eigen::Vector3d::Zero());
+    const Suite suite = load_suite(folder_ / "out/suite.yaml");
+    return Eigen::Vector3d(suite.experiments[0].problems[0].loads.at(0).link_from_load.translation());
+  };
+  const Eigen::Vector3d expected(0.1, 0, 0);  // the second link is 0.4 m out
+  for (const char* header : {"", ", header: {frame_id: world}", ", header: {frame_id: ''}"})
+    EXPECT_TRUE(at(header, ", " + sphere, "").isApprox(expected, 1e-6)) << header;
+  EXPECT_TRUE(at("", "", "{id: mug, header: {frame_id: world}, " + sphere + "}").isApprox(expected, 1e-6));
+}
+
+TEST_F(ImportFrames, ARequestMayNotMoveTheBaseFromWhereItsSceneHasIt) {
+  const std::string moved = "robot_state: {" + based(turned_base) + "}\nworld: {}\n";
+  const auto run_of = [&](const std::string& scene, const std::string& base) {
+    std::filesystem::remove_all(folder_ / "out");
+    return import(
+        "mbm",
+        {folder_.write("s.yaml", scene),
+         folder_.write("r.yaml",
+                       "start_state: {joint_state: {name: [shoulder, elbow, grip], position: [0, 0, 0]}, " +
+                           base +
+                           "}\ngoal_constraints: [{joint_constraints: [{joint_name: "
+                           "shoulder, position: 0.4}, {joint_name: elbow, "
+                           "position: 0}]}]")});
+  };
+  EXPECT_EQ(run_of(moved, based(turned_base)).status, exit_done);
+  EXPECT_EQ(run_of("world: {}\n", based("")).status, exit_done);
+  for (const auto& [scene, base] :
+       {std::pair(moved, std::string("{translation: [0, 0, 0], rotation: [0, 0, 0, 1]}")),
+        std::pair(std::string("world: {}\n"), turned_base)}) {
+    const CommandRun run = run_of(scene, based(base));
+    EXPECT_EQ(run.status, exit_bad_input) << scene;
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
+    EXPECT_NE(run.log.find("r.yaml"), std::string::npos) << run.log;
+    EXPECT_NE(run.log.find("expected the robot's base where the scene has it"), std::string::npos) << run.log;
+  }
 }
 
 /// Of a diff that turns the arm the body goes on with its link, from where the scene's state had it.
