@@ -28,6 +28,7 @@
 #include "mapping/system/atomic_folder.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/nearest_name.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/planner_table.hpp"
 #include "planning/robot_files/load_robot.hpp"
@@ -159,6 +160,10 @@ CompareResults stamped(const Suite& suite, const CompareOptions& options) {
   results.suite = suite.name;
   results.title = suite.title;
   results.file = options.what.front().string();
+  if (options.seed) results.flags += " --seed " + std::to_string(*options.seed);
+  if (options.time_limit) results.flags += " --time-limit " + short_text(*options.time_limit);
+  if (options.shards > 1)
+    results.part = "part " + std::to_string(options.shard) + " of " + std::to_string(options.shards);
   results.seed = suite.seed;
   results.jobs = options.jobs;
   results.version = CLEARWAY_VERSION;
@@ -210,6 +215,7 @@ CompareResults run_and_publish(const Suite& suite, const std::vector<PreparedExp
       return std::move(*finished);
     }
   }
+  if (!options.resume) require_nothing_unfinished(options.out);
   AtomicFolder folder(options.out, is_of_comparison,
                       options.resume ? Unpublished::continued : Unpublished::kept);
   try {
@@ -230,6 +236,8 @@ void report_warnings(const CompareResults& results, Console& console) {
        {invalid_ends(results), runs_without_answer(results), broken_promises(results)})
     for (const std::string& sentence : sentences) console.warn("clearway: " + sentence);
   for (const std::string& note : results.notes) console.warn("note: " + note);
+  if (!results.part.empty())
+    console.warn("note: this is " + results.part + "; `clearway compare merge` makes one of all parts");
 }
 
 CompareAsked asked_of(const Suite& suite, const std::vector<PreparedExperiment>& prepared,
@@ -325,7 +333,8 @@ void print_run(const CompareExperiment& experiment, const std::string& id, Conso
                              {"outcome", run.outcome()},
                              {"check", run.contact.empty() ? run.check : run.check + ": " + run.contact},
                              {"explanation", run.explanation.empty() ? "-" : run.explanation},
-                             {"time", significant(run.time) + " s, CPU " + significant(run.cpu) + " s"}});
+                             {"time", significant(run.time) + " s" +
+                                          (run.team ? "" : ", CPU " + significant(run.cpu) + " s")}});
 }
 
 int rerun(const CompareOptions& options, Console& console) {

@@ -19,6 +19,7 @@
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/interruption.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
@@ -143,6 +144,23 @@ std::optional<CompareResults> finished_results(const fs::path& folder, const Com
   return records.results(folder);
 }
 
+void require_nothing_unfinished(const fs::path& folder) {
+  const fs::path partial = AtomicFolder::partial_of(folder);
+  std::size_t runs = 0;
+  try {
+    if (!fs::exists(partial / records_name)) return;
+    if (!lock(open_to_read(partial), false)) return;  // another process writes it, which is told
+    runs = CompareRecords::read(partial / records_name).count();
+  } catch (const std::exception&) {  // none that could be gone on with
+  }
+  if (runs == 0) return;
+  throw std::invalid_argument(
+      "--out: " + quote_path(partial.string()) + " holds " + std::to_string(runs) +
+      (runs == 1 ? " run" : " runs") +
+      " of a comparison that did not end, expected --resume, which goes on with it, or "
+      "that folder removed");
+}
+
 CompareRecords CompareSession::begin(AtomicFolder& folder, CompareAsked asked, bool resumes) {
   const fs::path file = folder.path() / records_name;
   if (!resumes || !fs::exists(file)) {
@@ -207,13 +225,14 @@ CompareResults CompareSession::run(const Suite& suite, const std::vector<Prepare
     before += count_runs(suite, prepared[e], e, choice);
     console.progress(prepared[e].setup.name, 1.0);
     draw_worst_pages(suite, prepared[e], e, choice, records_, console);
-    const CompareResults results = keep_tables(e + 1);
+    const CompareResults results = keep_tables(e + 1);  // an interruption holds files, then `printing`
     const std::lock_guard lock(printing);
     if (!console.json && !results.experiments.back().problems.empty())
       print_experiment(results.experiments.back(), console);
   }
   CompareResults results = records_.results(folder_.path());
   save_file(folder_.path() / records_name, records_.text());
+  const std::lock_guard lock(printing);
   if (!console.json) print_sums(results, console);
   return results;
 }

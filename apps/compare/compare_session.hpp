@@ -48,4 +48,8 @@ void print_sums(const CompareResults& results, Console& console);
 /// Sentences about runs that ended without an answer, with the id that repeats each.
 std::vector<std::string> runs_without_answer(const CompareResults& results);
 
+/// @throws std::invalid_argument when an interrupted comparison into this folder has finished runs: another
+/// one would remove them.
+void require_nothing_unfinished(const std::filesystem::path& folder);
+
 }  // namespace clearway

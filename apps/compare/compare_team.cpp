@@ -161,7 +161,7 @@ class TeamServer : public ProblemServer {
     found.planner = planner;
     found.seed = choice_.seed;
     found.time = time;
-    if (experiment_.setup.generate && found.check != "refused") return found;
+    if (experiment_.setup.generate && found.check != "refused" && !choice_.only) return found;
     const fs::path file = folder() / name_as_file(given.name) / (labels_[planner] + ".json");
     files[file.string()] = team_json(team, run, verdict, who.planner, who.options);
     found.plan_file = file.string();

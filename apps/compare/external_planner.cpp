@@ -24,13 +24,15 @@ using Json = nlohmann::ordered_json;
 }
 
 Json answer_of(const std::string& line) {
+  std::string why;
   try {
     require_json(line, "the answer");  // which knows keys that stand twice
     Json answer = Json::parse(line);
     if (answer.is_object()) return answer;
-  } catch (const std::invalid_argument&) {  // the line says it
+  } catch (const std::invalid_argument& error) {
+    why = std::string(" (") + error.what() + ")";
   }
-  refuse(line, "one JSON object on a line, with each key once");
+  refuse(line, "one JSON object on a line, with each key once" + why);
 }
 
 std::vector<Configuration> path_of(const Json& path, const PlanProblem& problem, const std::string& line) {
@@ -109,7 +111,7 @@ struct ExternalPlanner::State {
 ExternalPlanner::ExternalPlanner(const std::string& command)
     : Planner(planner_name, {{"command", command}}), state_(std::make_unique<State>()) {
   if (command.find_first_not_of(' ') == std::string::npos || command.find('\n') != std::string::npos)
-    throw std::invalid_argument("command: expected one line that the shell can run");
+    throw std::invalid_argument("--external: expected a command of one line that the shell can run");
   state_->command = command;
 }
 

@@ -3,6 +3,7 @@
 #include <sqlite3.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -35,6 +36,10 @@ struct StoredResults {
   std::string host, processor, jobs;
   std::map<std::pair<std::string, std::string>, std::string> maps;  ///< SHA-256, by experiment and problem
   std::map<std::string, std::string> robots;                        ///< SHA-256, by experiment; may lack all
+  /// Of each experiment what it asked, by what sentences call it, as its database has it; the same of
+  /// problems.
+  std::map<std::string, std::map<std::string, std::string>> settings;
+  std::map<std::pair<std::string, std::string>, std::string> ends;  ///< start and goals
   std::map<std::pair<std::string, std::string>, StoredRuns> runs;   ///< by experiment and label
 };
 
@@ -105,9 +110,19 @@ StoredResults load_results(const fs::path& given) {
     results.jobs = suites.text(2);
   }
   StoredQuery maps(results.file,
-                   "SELECT experiments.name, problems.name, map_sha256 FROM problems JOIN experiments ON "
-                   "experiment = experiments.id");
-  while (maps.next()) results.maps[{maps.text(0), maps.text(1)}] = maps.text(2);
+                   "SELECT experiments.name, problems.name, map_sha256, start, goals FROM problems JOIN "
+                   "experiments ON experiment = experiments.id");
+  while (maps.next()) {
+    results.maps[{maps.text(0), maps.text(1)}] = maps.text(2);
+    results.ends[{maps.text(0), maps.text(1)}] = maps.text(3) + maps.text(4);
+  }
+  constexpr std::array names{"scale", "policies", "padding", "payload", "gravity", "time limit"};
+  StoredQuery experiments(results.file,
+                          "SELECT name, scale, policies, padding_m, payload_kg, gravity, time_limit_s FROM "
+                          "experiments");
+  while (experiments.next())
+    for (std::size_t i = 0; i < names.size(); ++i)
+      results.settings[experiments.text(0)][names[i]] = experiments.text(static_cast<int>(i) + 1);
   StoredQuery has_robots(results.file,  // older ones have not
                          "SELECT 1 FROM pragma_table_info('experiments') WHERE name = 'robot_sha256'");
   if (has_robots.next()) {
@@ -140,13 +155,14 @@ PairedFigure change_of(const StoredRuns& before, const StoredRuns& after, double
   PairedFigure change;
   std::vector<double> logarithms;
   for (const auto& [problem, values] : problems) {
-    logarithms.push_back(std::log(quantile(values.second, 0.5) / quantile(values.first, 0.5)));
+    logarithms.push_back(log_ratio(quantile(values.second, 0.5), quantile(values.first, 0.5)));
     change.less += logarithms.back() < 0.0;
   }
   change.problems = logarithms.size();
   if (logarithms.empty()) return change;
   change.p = signed_rank_test(logarithms);
   change.ratio = std::exp(quantile(logarithms, 0.5));
+  change.other = median_of_others(logarithms);
   return change;
 }
 
@@ -211,9 +227,10 @@ void judge(DiffRow& row) {
                     p_text(row.success_p) + ")");
   }
   const auto judge_figure = [&](const PairedFigure& figure, const char* what, double least) {
-    if (figure.p >= beyond_chance || std::abs(figure.ratio - 1.0) < least) return;
-    (figure.ratio > 1.0 ? row.worse : row.better)
-        .push_back(std::string(what) + " " + percent(figure.ratio) + " (p " + p_text(figure.p) + ")");
+    if (figure.p >= beyond_chance || std::abs(figure.effect() - 1.0) < least || figure.is_equal()) return;
+    (figure.effect() > 1.0 ? row.worse : row.better)
+        .push_back(std::string(what) + " " + percent(figure.effect()) +
+                   (figure.is_of_others() ? " where it changed" : "") + " (p " + p_text(figure.p) + ")");
   };
   judge_figure(row.cpu, "CPU time", drift);
   const bool has_few = row.cpu.p >= beyond_chance && row.cpu.problems >= few_problems;
@@ -225,18 +242,38 @@ void judge(DiffRow& row) {
   judge_figure(row.cost, "path cost", 0.0);
 }
 
-/// A sentence where problems of the same name were planned in other maps; else empty.
-std::string other_maps(const StoredResults& before, const StoredResults& after) {
+using OfProblems = std::map<std::pair<std::string, std::string>, std::string>;
+
+/// A sentence where problems of the same name had others of these; else empty.
+std::string other_of_problems(const std::string& what, const OfProblems& before, const OfProblems& after) {
   std::size_t count = 0;
   std::string first;
-  for (const auto& [problem, map] : before.maps) {
-    const auto found = after.maps.find(problem);
-    if (found == after.maps.end() || found->second == map) continue;
+  for (const auto& [problem, value] : before) {
+    const auto found = after.find(problem);
+    if (found == after.end() || found->second == value) continue;
     if (count++ == 0) first = "'" + plain(problem.second) + "' in experiment '" + plain(problem.first) + "'";
   }
   if (count == 0) return "";
-  return "The maps of " + std::to_string(count) + (count == 1 ? " problem" : " problems") +
-         " differ, as that of " + first + ": what changed may be theirs.";
+  return "The " + what + " of " + std::to_string(count) + (count == 1 ? " problem" : " problems") +
+         " differ, as in " + first + ": what changed may be theirs.";
+}
+
+void add_other_settings(const StoredResults& before, const StoredResults& after,
+                        std::vector<std::string>& notes) {
+  for (const auto& [experiment, settings] : before.settings) {
+    const auto found = after.settings.find(experiment);
+    if (found == after.settings.end()) continue;
+    std::string differing;
+    for (const auto& [name, value] : settings) {
+      const std::string& now = found->second.at(name);
+      if (now == value) continue;
+      differing += (differing.empty() ? "" : ", ") + name + " (" + shortened(value.empty() ? "none" : value) +
+                   ", then " + shortened(now.empty() ? "none" : now) + ")";
+    }
+    if (!differing.empty())
+      notes.push_back("Experiment '" + plain(experiment) + "' was asked with another " + differing +
+                      ": what changed may be theirs.");
+  }
 }
 
 std::vector<std::string> notes_on(const StoredResults& before, const StoredResults& after) {
@@ -252,7 +289,10 @@ std::vector<std::string> notes_on(const StoredResults& before, const StoredResul
         found != after.robots.end() && found->second != robot)
       notes.push_back("The robots of experiment '" + plain(experiment) +
                       "' differ, as its files say something else: what changed may be theirs.");
-  if (const std::string other = other_maps(before, after); !other.empty()) notes.push_back(other);
+  for (const std::string& other : {other_of_problems("maps", before.maps, after.maps),
+                                   other_of_problems("starts or goals", before.ends, after.ends)})
+    if (!other.empty()) notes.push_back(other);
+  add_other_settings(before, after, notes);
   const auto report_missing = [&](const StoredResults& from, const StoredResults& in) {
     for (const auto& [name, runs] : from.runs) {
       const std::string who = "'" + plain(name.second) + "' in experiment '" + plain(name.first) + "'";
@@ -338,7 +378,10 @@ std::string to_json(const CompareDiff& diff) {
   using Json = nlohmann::ordered_json;
   Json rows = Json::array();
   const auto figure_json = [](const PairedFigure& figure) {
-    return Json{{"problems", figure.problems}, {"ratio", figure.ratio}, {"p", figure.p}};
+    return Json{{"problems", figure.problems},
+                {"ratio", figure.ratio},
+                {"ratio_of_changed", figure.other},
+                {"p", figure.p}};
   };
   for (const DiffRow& row : diff.rows)
     rows.push_back({{"experiment", row.experiment},

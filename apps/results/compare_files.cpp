@@ -5,16 +5,6 @@
 
 namespace clearway {
 
-std::string name_as_file(const std::string& name) {
-  std::string text = name;
-  for (char& c : text) {
-    const bool plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-                       std::string_view("._-=").find(c) != std::string_view::npos;
-    if (!plain) c = '_';
-  }
-  return text.empty() || text[0] == '.' ? "_" + text : text;
-}
-
 std::vector<std::string> names_as_files(const std::vector<ComparePlanner>& planners) {
   std::vector<std::string> names;
   for (const ComparePlanner& planner : planners) {

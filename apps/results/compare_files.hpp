@@ -6,13 +6,11 @@
 #include <vector>
 
 #include "apps/results/compare_results.hpp"
+#include "datasets/descriptions/query_fields.hpp"
 
 namespace clearway {
 
-/// A name as a file's: letters, digits and ._-= as they are, all else as '_'.
-std::string name_as_file(const std::string& name);
-
-/// The same for the labels of planners, distinguished where they would be one.
+/// Labels of planners as names of files (name_as_file), distinguished where they would be one.
 std::vector<std::string> names_as_files(const std::vector<ComparePlanner>& planners);
 
 /// What `--rerun` takes: EXPERIMENT/PROBLEM/LABEL, with several runs a problem -NUMBER, each part as a file.

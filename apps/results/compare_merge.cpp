@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 #include <stdexcept>
 
 #include "apps/results/compare_files.hpp"
@@ -157,9 +158,11 @@ void copy_worst_pages(const std::vector<ShardRecords>& shards, const CompareReco
 CompareAsked asked_whole(const std::vector<ShardRecords>& shards) {
   CompareAsked asked = shards.front().records.asked();
   asked.shard = {};
+  asked.results.part.clear();
+  std::set<std::string> hosts{asked.results.host};
   for (const ShardRecords& shard : shards) {
     const std::string& host = shard.records.asked().results.host;
-    if (asked.results.host.find(host) == std::string::npos) asked.results.host += ", " + host;
+    if (hosts.insert(host).second) asked.results.host += ", " + host;
     asked.results.date = std::min(asked.results.date, shard.records.asked().results.date);
   }
   return asked;

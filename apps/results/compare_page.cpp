@@ -183,8 +183,8 @@ std::string to_html(const CompareResults& results) {
   const std::string title = results.title.empty() ? results.suite : results.title;
   Json page{
       {"title", title},
-      {"subtitle",
-       "Suite " + results.suite + " (" + results.file + "), seed " + std::to_string(results.seed)},
+      {"subtitle", "Suite " + results.suite + " (" + results.file + "), seed " +
+                       std::to_string(results.seed) + (results.part.empty() ? "" : ", " + results.part)},
       {"about", "Clearway " + results.version + ", commit " + results.commit + ", " + results.date + ", on " +
                     results.host + " (" + results.processor + "), " +
                     counted(static_cast<std::size_t>(results.jobs), "problem") +
@@ -193,7 +193,8 @@ std::string to_html(const CompareResults& results) {
                     interval_note +
                     " Every path was judged by the independent check, whoever planned it. "
                     "To repeat a run and see it in 3D: clearway compare " +
-                    results.file + " --rerun ID --out DIR" + externals_of(results) + "." + noted(results)},
+                    results.file + " --rerun ID --out DIR" + results.flags + externals_of(results) + "." +
+                    noted(results)},
       {"overview", overview_json(overview(results))},
       {"resolutions", sweeps_json(results)},
       {"experiments", Json::array()}};

@@ -235,7 +235,9 @@ Json record_of(const CompareResults& results) {
           {"processor", results.processor},
           {"date", results.date},
           {"map_sha256", results.map_sha256},
-          {"notes", results.notes}};
+          {"notes", results.notes},
+          {"flags", results.flags},
+          {"part", results.part}};
 }
 
 CompareResults results_of_record(const Json& record) {
@@ -250,6 +252,8 @@ CompareResults results_of_record(const Json& record) {
   record.at("jobs").get_to(results.jobs);
   record.at("map_sha256").get_to(results.map_sha256);
   if (record.contains("notes")) record.at("notes").get_to(results.notes);  // older ones have none
+  if (record.contains("flags")) record.at("flags").get_to(results.flags);
+  if (record.contains("part")) record.at("part").get_to(results.part);
   return results;
 }
 

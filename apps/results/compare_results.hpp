@@ -106,6 +106,9 @@ struct CompareExperiment {
 /// What `clearway compare` found, and where and when.
 struct CompareResults {
   std::string suite, title, file;
+  std::string flags =
+      {};  ///< that took the place of what the suite says, " --seed 7"; a run's repetition needs them
+  std::string part = {};  ///< "part 3 of 70": of a shard; empty: the whole
   std::uint64_t seed = 1;
   int jobs = 1;
   std::string version, commit, host, processor, date;  ///< date: UTC, ISO 8601
@@ -125,8 +128,9 @@ struct CompareSummary {
   double least_separation = std::numeric_limits<double>::quiet_NaN();  ///< m: of the runs that are not outrun
   double worst_shortfall = 0.0;    ///< m: of the runs that are not outrun, d_s less the least separation
   double allowed_shortfall = 0.0;  ///< m: of the same, the largest step_bound
-  double top_acceleration = 0.0;   ///< of the same, the greatest share of the limit: separation goes first
-  double motion_median = 0.0;      ///< s, of valid runs
+  /// Of the same, the greatest share of the limit: separation goes first.
+  double top_acceleration = std::numeric_limits<double>::quiet_NaN();
+  double motion_median = 0.0;                   ///< s, of valid runs
   double time_median = 0.0, time_p95 = 0.0;     ///< s
   double cpu_median = 0.0, check_median = 0.0;  ///< s, CPU: to plan; to check what was planned
   double motion_cpu_median = 0.0;               ///< s, CPU: to give valid paths their motions

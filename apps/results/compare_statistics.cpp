@@ -89,12 +89,13 @@ PairedFigure paired(const CompareExperiment& experiment, std::size_t first, std:
     const auto other = theirs.find(problem);
     if (other == theirs.end()) continue;
     ++found.problems;
-    found.less += value < other->second;
-    logarithms.push_back(std::log(value / other->second));
+    logarithms.push_back(log_ratio(value, other->second));
+    found.less += logarithms.back() < 0.0;
   }
   if (logarithms.empty()) return found;
   found.p = signed_rank_test(logarithms);
   found.ratio = std::exp(quantile(logarithms, 0.5));
+  found.other = median_of_others(logarithms);
   return found;
 }
 
@@ -138,10 +139,14 @@ std::string figure_words(const PairedFigure& figure, const std::string& what, co
                              (figure.problems == 1 ? " problem" : " problems") + " that both solve, p " +
                              p_text(figure.p);
   if (figure.p >= significance) return " No difference in " + what + " beyond chance (" + counts + ").";
-  const bool first_leads = figure.ratio < 1.0;
-  const double share = first_leads ? figure.ratio : 1.0 / figure.ratio;
+  if (figure.is_equal())
+    return " The median of " + what +
+           " is the same to a thousandth, with and without those that are equal (" + counts + ").";
+  const bool first_leads = figure.effect() < 1.0;
+  const double share = first_leads ? figure.effect() : 1.0 / figure.effect();
   return " " + (first_leads ? a : b) + " " + better + " " + significant(100.0 * share) + " % of " +
-         (first_leads ? b : a) + "'s " + what + " (median over " + counts + ").";
+         (first_leads ? b : a) + "'s " + what +
+         (figure.is_of_others() ? " (median of those that differ, over " : " (median over ") + counts + ").";
 }
 
 }  // namespace
@@ -191,6 +196,17 @@ double sign_test(std::size_t more, std::size_t fewer) {
     tail += std::exp(logarithm - static_cast<double>(n) * std::log(2.0));
   }
   return std::min(1.0, 2.0 * tail);
+}
+
+double median_of_others(std::vector<double> logarithms) {
+  std::erase(logarithms, 0.0);
+  return logarithms.empty() ? 1.0 : std::exp(quantile(logarithms, 0.5));
+}
+
+double log_ratio(double one, double other) {
+  constexpr double rounding = 1e-9;
+  const double logarithm = std::log(one / other);
+  return std::abs(logarithm) < rounding ? 0.0 : logarithm;
 }
 
 double signed_rank_test(const std::vector<double>& differences) {

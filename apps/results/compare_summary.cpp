@@ -46,7 +46,7 @@ CompareSummary summary_of(const std::vector<std::vector<const CompareRun*>>& pro
       const double shortfall = run.team->security_distance - run.min_clearance;
       sum.worst_shortfall = std::max(sum.worst_shortfall, shortfall);
       sum.allowed_shortfall = std::max(sum.allowed_shortfall, run.team->step_bound);
-      if (run.motion) sum.top_acceleration = std::max(sum.top_acceleration, run.motion->acceleration);
+      if (run.motion) sum.top_acceleration = std::fmax(sum.top_acceleration, run.motion->acceleration);
     }
     if (!run.is_solved()) {
       ++sum.unsolved[run.outcome()];
@@ -120,7 +120,7 @@ Json summary_json(const ComparePlanner& who, const CompareSummary& sum, bool is_
           {"least_separation_m", of_teams(number_or_null(sum.least_separation))},
           {"below_security_distance_m", of_teams(sum.worst_shortfall)},
           {"allowed_below_m", of_teams(sum.allowed_shortfall)},
-          {"top_acceleration_share", of_teams(sum.top_acceleration)},
+          {"top_acceleration_share", of_teams(number_or_null(sum.top_acceleration))},
           {"unsolved", sum.unsolved}};
 }
 

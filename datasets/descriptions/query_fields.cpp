@@ -25,16 +25,22 @@ std::optional<double> read_padding(const YamlFields& fields) {
   return fields.number("padding", paddings);
 }
 
+std::string name_as_file(const std::string& name) {
+  std::string text = name;
+  for (char& c : text) {
+    const bool plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                       std::string_view("._-=").find(c) != std::string_view::npos;
+    if (!plain) c = '_';
+  }
+  return text.empty() || text[0] == '.' ? "_" + text : text;
+}
+
 void take_name(std::set<std::string>& taken, const std::string& name, const YamlFields& fields,
                const std::string& key) {
-  std::string plain = name;
-  for (char& c : plain) {
-    const bool is_word = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-    if (!is_word && c != '.' && c != '-' && c != '=') c = '_';
-  }
-  if (taken.insert(plain).second) return;
-  fields.fail(
-      key, "'" + name + "' is given twice; expected names that differ in letters, digits, '.', '-' or '='");
+  if (taken.insert(name_as_file(name)).second) return;
+  fields.fail(key, "'" + name +
+                       "' is given twice; expected names that differ in letters, digits, '-', '=' or a '.' "
+                       "that is not the first");
 }
 
 }  // namespace clearway

@@ -19,8 +19,12 @@ std::map<std::string, std::string> read_options(const YamlFields& fields);
 /// Part or "default" -> painted | known_free | not_occupied. @throws std::invalid_argument for another word.
 std::map<std::string, std::string> read_policies(const YamlFields& fields);
 
-/// Notes `name` as taken, or fails at the key that gave it. Names are files' and folders' names, too, where
-/// all but letters, digits and ._-= is one. @throws std::invalid_argument
+/// A name as a file's or folder's: letters, digits and ._-= as they are, all else as '_', and one more before
+/// a '.' at the beginning.
+std::string name_as_file(const std::string& name);
+
+/// Notes `name` as taken, or fails at the key that gave it, where another has it as a file.
+/// @throws std::invalid_argument
 void take_name(std::set<std::string>& taken, const std::string& name, const YamlFields& fields,
                const std::string& key);
 

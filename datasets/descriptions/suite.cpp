@@ -163,7 +163,7 @@ std::vector<SuiteProblem> read_problems(const YamlFields& given, const Suite& su
 SuiteGenerator read_generator(const YamlFields& fields) {
   SuiteGenerator generator;
   generator.kind = fields.text("kind");
-  generator.count = fields.integer("count", {1, 100000});
+  generator.count = fields.integer("count", {1, 10000000});
   generator.seed = fields.seed("seed", 1);
   generator.resolution = fields.number("resolution", generated_resolutions, generator.resolution);
   fields.finish();

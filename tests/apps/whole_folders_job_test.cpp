@@ -289,6 +289,14 @@ TEST_P(WholeFolders, AKillBeforeAnyCallToTheDiskLeavesOneOfTheTwo) {
     old += is_old_set();
   }
   EXPECT_GT(old, 0U);
+  if (fs::exists(work() / "out.partial")) {  // but for runs of a comparison that were finished
+    const Ending refused = run(0, 0);
+    EXPECT_EQ(WEXITSTATUS(refused.status), exit_bad_input);
+    EXPECT_NE(refused.log.find("expected --resume, which goes on with it, or that folder removed"),
+              std::string::npos)
+        << refused.log;
+    fs::remove_all(work() / "out.partial");
+  }
   const Ending next = run(0, 0);  // what the killed processes left goes with the next start
   EXPECT_EQ(WEXITSTATUS(next.status), 0) << next.log;
   EXPECT_EQ(temporary_files(), 0U);

@@ -178,9 +178,11 @@ export class MapView {
     if (this.page.plans.length === 0) this.workBox.union(new Box3().setFromObject(this.robot.robot));
     if (this.workBox.isEmpty()) this.workBox.copy(this.row("occupied")?.layer?.bounds ?? this.wholeBox);
     else {
+      const ground = this.workBox.min.z;
       this.workBox.expandByScalar(0.06 * this.workBox.getSize(new Vector3()).length());
       const around = this.workBox.clone().expandByScalar(0.5 * this.workBox.getSize(new Vector3()).length());
       if (!shown.isEmpty()) this.workBox.union(shown.intersect(around));
+      else if (this.page.plans.length === 0) this.workBox.min.z = ground;  // a robot alone stands on the grid
     }
     if (this.workBox.isEmpty()) this.workBox.set(new Vector3(-1, -1, 0), new Vector3(1, 1, 1));
     this.wholeBox.union(this.workBox);

@@ -45,7 +45,7 @@ export function showPlanList(plans: Plan[], choose: (index: number) => void): vo
   });
   byId("plan-list").replaceChildren(...rows);
   const failed = plans.filter((plan) => !isSolved(plan)).length;
-  if (failed > 0) byId("plans").querySelector("h2")!.append(el("small", {}, `${failed} of ${plans.length} not solved`));
+  if (failed > 0) byId("plans").querySelector("h2")!.append(el("small", {}, `${failed} of ${plans.length} without a valid path`));
 }
 
 export function showPlan(plan: Plan, index: number): void {

@@ -126,7 +126,7 @@ export class Plots {
     }, [steps, ...this.values.map((v, j) => Array.from(v, (x) => x * factor(j)))], (time) => this.onSeek(time));
     this.keys = plan.joints.map((name, j) => {
       const key = el("button", { type: "button", class: "key", title: `Show or hide ${name}` },
-                     el("i", { style: `background:${colors[j % colors.length]}` }), name, el("b", {}));
+                     el("i", { style: `background:${colors[j % colors.length]}`, class: j >= colors.length ? "dashed" : "" }), name, el("b", {}));
       key.classList.toggle("off", this.hidden.has(name));
       key.addEventListener("click", () => {
         if (!this.hidden.delete(name)) this.hidden.add(name);

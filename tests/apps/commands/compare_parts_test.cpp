@@ -141,6 +141,13 @@ TEST_F(CompareParts, ASignalLeavesATableAndResumingFindsWhatNobodyInterrupted) {
     for (const char* name : {"results.csv", "results.sqlite", "results.log", "report.html", "runs.jsonl"})
       EXPECT_TRUE(fs::exists(partial / name)) << name;
   }
+  const std::string kept = read_file(partial / "runs.jsonl");
+  const CommandRun anew = compare(asked);
+  EXPECT_EQ(anew.status, exit_bad_input);
+  EXPECT_TRUE(anew.complains_in_one_sentence()) << anew.log;
+  EXPECT_NE(anew.log.find("of a comparison that did not end, expected --resume"), std::string::npos)
+      << anew.log;
+  EXPECT_EQ(read_file(partial / "runs.jsonl"), kept);
   std::ofstream(partial / "runs.jsonl", std::ios::app) << "{\"of\":[0,0,";  // a kill in the middle of a line
   std::vector<std::string> rest = asked;
   rest.emplace_back("--resume");

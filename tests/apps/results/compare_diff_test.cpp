@@ -123,6 +123,44 @@ TEST(CompareDiff, OfFewProblemsItSaysWhatItCannotTell) {
   EXPECT_EQ(diff_with([](std::size_t, CompareRun&) {}).verdict(), "Nothing is worse beyond noise.");
 }
 
+/// Costs that differ in the last bit, all one way, and by less than anybody would mind.
+TEST(CompareDiff, CostsThatAreTheSameToAThousandthAreNeitherWorseNorBetter) {
+  for (const double factor : {1.0 + 4e-16, 1.0 + 1e-12, 1.0005, 1.0 - 1e-12}) {
+    const CompareDiff diff = diff_with([&](std::size_t, CompareRun& run) { run.cost *= factor; });
+    EXPECT_TRUE(diff.rows[0].worse.empty() && diff.rows[0].better.empty()) << factor;
+  }
+  EXPECT_TRUE(diff_with([](std::size_t, CompareRun& run) { run.cost *= 1.01; }).is_worse());
+  const CompareDiff some = diff_with([](std::size_t i, CompareRun& run) { run.cost *= i < 12 ? 2.0 : 1.0; });
+  const CompareDiff few = diff_with(  // most of those that change gain a little, and some lose much
+      [](std::size_t i, CompareRun& run) { run.cost *= i < 16   ? 0.98
+                                                       : i < 18 ? 2.7
+                                                                : 1.0; });
+  EXPECT_TRUE(few.rows[0].worse.empty());
+  ASSERT_EQ(some.rows[0].worse.size(), 1U);  // 12 of the 36 that are solved
+  EXPECT_TRUE(some.rows[0].worse[0].starts_with("path cost x 2 where it changed (p = 0.00"))
+      << some.rows[0].worse[0];
+}
+
+TEST(CompareDiff, NamesWhatWasAskedOtherwise) {
+  const TemporaryFolder folder;
+  const auto old_file = folder.path() / "old.sqlite", new_file = folder.path() / "new.sqlite";
+  CompareResults results = results_with([](std::size_t, CompareRun&) {});
+  CompareExperiment& experiment = results.experiments[0];
+  experiment.time_limit = 1.0;
+  save_database(results, old_file);
+  experiment.time_limit = 0.5;
+  experiment.setup.padding = 0.01;
+  experiment.problems[7].goals = {Configuration::Constant(2, 0.25)};
+  save_database(results, new_file);
+  EXPECT_EQ(compare_diff(old_file, new_file).notes,
+            (std::vector<std::string>{
+                "The starts or goals of 1 problem differ, as in 'p7' in experiment 'e': what changed may be "
+                "theirs.",
+                "Experiment 'e' was asked with another padding (0.0, then 0.01), time limit (1.0, then 0.5): "
+                "what changed may be theirs."}));
+  EXPECT_TRUE(compare_diff(new_file, new_file).notes.empty());
+}
+
 TEST(CompareDiff, ManyRunsThatAClockTookAreWorse) {
   const auto lost = [](std::size_t count) {
     return diff_with([count](std::size_t i, CompareRun& run) {
@@ -178,7 +216,7 @@ TEST(CompareDiff, CountsOtherPathsAndNamesWhatCannotBeCompared) {
   const CompareDiff others = compare_diff(folder.path() / "old.sqlite", folder.path() / "new.sqlite");
   ASSERT_EQ(others.notes.size(), 4U);
   EXPECT_NE(others.notes[1].find("robots of experiment 'e' differ"), std::string::npos) << others.notes[1];
-  EXPECT_NE(others.notes[2].find("maps of 1 problem differ, as that of 'p3'"), std::string::npos)
+  EXPECT_NE(others.notes[2].find("maps of 1 problem differ, as in 'p3'"), std::string::npos)
       << others.notes[2];
   for (CompareProblem& problem : after.experiments[0].problems) problem.name += "x";
   save_database(after, folder.path() / "new.sqlite");

@@ -219,6 +219,18 @@ TEST(PairedPlanners, ComparesProblemByProblemInWords) {
   EXPECT_NEAR(pairs[0].cpu.ratio, 1.0 / 3.0, 1e-12);
   EXPECT_NEAR(pairs[0].cpu.p, 2.0 / 1024.0, 1e-12);
   EXPECT_EQ(pairs[0].cost.p, 1.0);
+  for (CompareProblem& problem : experiment.problems)
+    for (CompareRun& run : problem.runs)
+      if (run.planner == 0) run.cost *= 1.0 + 4e-16;
+  EXPECT_EQ(paired_planners(experiment)[0].words, pairs[0].words);  // rounding
+  for (CompareProblem& problem : experiment.problems)
+    for (CompareRun& run : problem.runs)
+      if (run.planner == 0) run.cost *= 1.0002;
+  EXPECT_NE(paired_planners(experiment)[0].words.find(
+                " The median of path cost is the same to a thousandth, with and without "
+                "those that are equal (10 problems that both solve, p = 0.002)."),
+            std::string::npos)
+      << paired_planners(experiment)[0].words;
   EXPECT_EQ(
       pairs[0].words,
       "sure solves more (10 of 10 problems on which they differ, p = 0.002). sure needs 33.33 % of slow's "

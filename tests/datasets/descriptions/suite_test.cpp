@@ -231,6 +231,9 @@ TEST(Suite, NamesThatWouldShareAFolderAreRefused) {
   text.replace(text.find("name: there"), 11, "name: a b");
   text.replace(text.find("name: back"), 10, "name: a_b");
   EXPECT_NE(complaint([&] { parse_suite(text, "s.yaml"); }).find("'a_b' is given twice"), std::string::npos);
+  text.replace(text.find("name: a b"), 9, "name: .a");
+  text.replace(text.find("name: a_b"), 9, "name: _.a");
+  EXPECT_NE(complaint([&] { parse_suite(text, "s.yaml"); }).find("'_.a' is given twice"), std::string::npos);
 }
 
 TEST(Suite, MistakesAreRefusedInOneSentenceWithFileLineAndKey) {
@@ -240,8 +243,8 @@ TEST(Suite, MistakesAreRefusedInOneSentenceWithFileLineAndKey) {
        "expected the name of one of the suite's worlds (loaded, made), got 'mad'"},
       {"{kind: tunnels,", "{kind: tunnels, depth: 3,", "experiments[1].generate.depth: unknown key"},
       {"generate: {", "world: made, generate: {", "experiments[1].world: unknown key"},
-      {"count: 12", "count: 0", "expected a whole number from 1 to 100000, got '0'"},
-      {"count: 12", "count: 2.5", "expected a whole number from 1 to 100000, got '2.5'"},
+      {"count: 12", "count: 0", "expected a whole number from 1 to 10000000, got '0'"},
+      {"count: 12", "count: 2.5", "expected a whole number from 1 to 10000000, got '2.5'"},
       {"seed: 7", "seed: -4", "seed: expected a whole number from 0 to 18446744073709551615, got '-4'"},
       {"seed: 7", "seed: 18446744073709551616", "expected a whole number from 0 to 18446744073709551615"},
       {"padding: 0.01", "padding: 1e9", "padding: expected a number from 0 to 100, got '1e9'"},

@@ -45,13 +45,17 @@ function aligned(lines: Line[]): uPlot.AlignedData {
   }), lines.map(() => [0, 2]));
 }
 
+/// Of any number of values, where `Math.min(...values)` takes some hundred thousand arguments at most.
+export const least = (values: number[]) => values.reduce((a, b) => Math.min(a, b), Infinity);
+export const greatest = (values: number[]) => values.reduce((a, b) => Math.max(a, b), -Infinity);
+
 function span(values: number[]): [number, number] {
-  const low = Math.min(...values), high = Math.max(...values), margin = 0.06 * (high - low || Math.abs(high) || 1);
+  const low = least(values), high = greatest(values), margin = 0.06 * (high - low || Math.abs(high) || 1);
   return [low - margin, high + margin];
 }
 
 const decades = (values: number[]): [number, number] =>
-  [10 ** Math.floor(Math.log10(Math.min(...values))), 10 ** Math.ceil(Math.log10(Math.max(...values) * 1.001))];
+  [10 ** Math.floor(Math.log10(least(values))), 10 ** Math.ceil(Math.log10(greatest(values) * 1.001))];
 
 /// Scattered dots may share an x, which aligned data cannot: uPlot's own mode for them is replaced by a hook.
 function drawDots(u: uPlot, lines: Line[]): void {

@@ -1,7 +1,7 @@
 // The plots of one experiment.
 
 import { el } from "../dom";
-import { Chart, type ChartOptions, type Line } from "./chart";
+import { Chart, greatest, least, type ChartOptions, type Line } from "./chart";
 import { isValid, type Experiment, type Planner, type Run, type Sweep } from "./data";
 
 const kDegrees = 180 / Math.PI;
@@ -12,9 +12,9 @@ export function timeChart(experiment: Experiment): Chart | null {
   if (experiment.planners.every((planner) => planner.total < 3)) return null;
   const timesOf = experiment.planners.map((_, p) =>
     experiment.runs.filter((run) => run.planner === p && isValid(run)).map((run) => Math.max(run.time, 1e-6)).sort((a, b) => a - b));
-  const all = timesOf.flat(), longest = Math.max(...experiment.runs.map((run) => run.time), 1e-6);
+  const all = timesOf.flat(), longest = Math.max(greatest(experiment.runs.map((run) => run.time)), 1e-6);
   const limit = experiment.timeLimit ?? longest;
-  const first = 10 ** Math.floor(Math.log10(Math.min(...all, limit / 10))), last = Math.max(...all, limit);
+  const first = 10 ** Math.floor(Math.log10(Math.min(least(all), limit / 10))), last = Math.max(greatest(all), limit);
   const lines = experiment.planners.map((planner, p): Line => {
     const times = timesOf[p], shares = times.map((_, i) => 100 * (i + 1) / planner.total);
     return { name: planner.label, color: p, steps: true, x: [first, ...times, last], y: [0, ...shares, shares.at(-1) ?? 0] };

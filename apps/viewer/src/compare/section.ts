@@ -121,7 +121,7 @@ function worst(experiment: Experiment): HTMLElement | null {
   });
   const head = ["planner", "worst", "problem", "time", "CPU", "clearance, mm", "cost, J", "of the best", "run"];
   return el("details", { class: "worst" }, el("summary", {}, "Worst cases of each planner"),
-    el("p", { class: "note" }, "Failed: the longest run without a valid path. Of valid runs: slowest, tightest (least clearance, by the check) and dearest (against the best path of any planner). Underlined problems open in 3D."),
+    el("p", { class: "note" }, "Failed: the longest run without a valid path. Of valid runs: slowest, tightest (by the least clearance that the check proves, which may be less than there is) and dearest (against the best path of any planner). Underlined problems open in 3D."),
     boxed(`worst cases of ${experiment.name}`, sortable(head, new Set([3, 4, 5, 6, 7]), rows)));
 }
 
