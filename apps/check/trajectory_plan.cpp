@@ -252,4 +252,33 @@ void adopt_terms(Contract& contract, Plan& plan, bool is_timed) {
       "controller goes between them is not known");
 }
 
+void cut_at_goals(Contract& contract, Plan& plan) {
+  const std::vector<Configuration>& goals = contract.goals.value;
+  const bool rides = contract.pick.value || !contract.loads.value.empty() || !plan.loads.empty();
+  if (plan.legs.size() != 1 || goals.size() < 2 || rides) return;
+  const std::vector<Configuration> path = plan.legs.front().waypoints;
+  std::vector<std::size_t> ends;
+  std::string numbers;
+  for (std::size_t at = 0; ends.size() + 1 < goals.size();) {
+    const Configuration& goal = goals[ends.size()];
+    const auto is_goal = [&](const Configuration& q) {
+      return q.size() == goal.size() && (q - goal).cwiseAbs().maxCoeff() <= contract_tolerance;
+    };
+    const auto found = std::find_if(path.begin() + static_cast<std::ptrdiff_t>(at), path.end(), is_goal);
+    if (found == path.end()) return;  // told by whoever compares goals
+    at = static_cast<std::size_t>(found - path.begin());
+    ends.push_back(at);
+    numbers += (numbers.empty() ? "" : ", ") + std::to_string(at + 1);
+  }
+  ends.push_back(path.size() - 1);
+  const PlanResult whole = plan.legs.front();
+  plan.legs.assign(goals.size(), whole);
+  plan.goals = goals;
+  plan.goals.back() = path.back();
+  for (std::size_t leg = 0, begin = 0; leg < ends.size(); begin = ends[leg++])
+    plan.legs[leg].waypoints.assign(path.begin() + static_cast<std::ptrdiff_t>(begin),
+                                    path.begin() + static_cast<std::ptrdiff_t>(ends[leg]) + 1);
+  contract.notes.push_back("the trajectory comes to the goals before the last at its points " + numbers);
+}
+
 }  // namespace clearway

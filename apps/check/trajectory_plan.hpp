@@ -35,4 +35,9 @@ Plan plan_of_trajectory(const ForeignTrajectory& trajectory, const Robot& robot,
 /// @param is_timed whether timed_trajectory() is judged
 void adopt_terms(Contract& contract, Plan& plan, bool is_timed);
 
+/// Cuts the one leg of a trajectory, which does not say where legs end, where it comes to the contract's
+/// goals in turn, each at one of its points, and notes that. Leaves it whole where it misses one, or where
+/// something rides on the robot, which may do so on some legs alone.
+void cut_at_goals(Contract& contract, Plan& plan);
+
 }  // namespace clearway

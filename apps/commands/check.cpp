@@ -172,6 +172,7 @@ int run_check(const CheckOptions& options, Console& console) {
   report.contract = state_contract(options, plan, robot, map, map_sha256(options.map),
                                    load_query_record(options.map), plan.motion || !timed.empty());
   if (is_trajectory) {
+    cut_at_goals(report.contract, plan);
     adopt_terms(report.contract, plan, !timed.empty());
     require_base(entries.front(), report.contract.map_from_base.value, options.plan);
     if (const std::string note = model_note(entries.front(), robot); !note.empty())

@@ -63,6 +63,29 @@ TEST_F(CheckTrajectory, EachFormOfAJointTrajectoryIsCheckedInTheRobotsOrder) {
       exit_done);
 }
 
+/// A trajectory of several legs does not say where they end.
+TEST_F(CheckTrajectory, GoalsOnTheWayAreFoundInTurn) {
+  const std::string way = trajectory({{0.0, 0.5}, {0.2, 0.3}, {0.5, 0.0}, {0.0, 0.5}, {0.2, 0.3}}).dump();
+  const auto check_goals = [&](const std::vector<std::string>& goals) {
+    std::vector<std::string> more{"--start=0,0.5"};
+    for (const std::string& goal : goals) more.push_back("--goal=" + goal);
+    return check_file("t.json", way, more);
+  };
+  EXPECT_EQ(check_goals({"0.2,0.3"}).status, exit_done);
+  const CommandRun passed = check_goals({"0.2,0.3", "0.5,0", "0.2,0.3"});
+  EXPECT_EQ(passed.status, exit_done) << passed.out;
+  EXPECT_NE(passed.out.find("comes to the goals before the last at its points 2, 3"), std::string::npos)
+      << passed.out;
+  EXPECT_EQ(check_goals({"0.5,0", "0.2,0.3"}).status, exit_done);
+  for (const std::vector<std::string>& goals : {std::vector<std::string>{"0.5,0.01", "0.2,0.3"},
+                                                {"0.5,0", "0,0.5"},
+                                                {"0.5,0", "0.5,0.1", "0.2,0.3"}}) {
+    const CommandRun missed = check_goals(goals);
+    EXPECT_EQ(missed.status, exit_no) << goals.front();
+    EXPECT_NE(missed.out.find("goal "), std::string::npos) << missed.out;
+  }
+}
+
 /// `plan --export json`: what it says is checked as the same message of ROS is.
 TEST_F(CheckTrajectory, OurOwnExportWithAListForEachQuantityIsRead) {
   const auto own = [](const Json& positions) {
