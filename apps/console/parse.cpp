@@ -91,7 +91,9 @@ std::string to_text(const Eigen::VectorXd& values) {
 }
 
 std::string to_text(const Eigen::Isometry3d& pose) {
-  const std::vector<double> numbers = numbers_from_pose(pose);
+  std::vector<double> numbers = numbers_from_pose(pose);
+  for (double& number : numbers)
+    if (std::abs(number) < 1e-12) number = 0.0;  // of rounding
   return to_text(
       Eigen::Map<const Eigen::VectorXd>(numbers.data(), static_cast<Eigen::Index>(numbers.size())));
 }

@@ -197,19 +197,47 @@ ReportPage page_of_map(const MapLeaves& map, const std::string& title) {
   return page;
 }
 
-void look_from(ReportPage& page, const Snapshot& map, const Eigen::Vector3d& from) {
-  Eigen::Vector3d occupied = Eigen::Vector3d::Zero();
+namespace {
+
+/// The middle of some places, each as much as it weighs.
+struct Middle {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double weight = 0.0;
+  void add(const Eigen::Vector3d& place, double weighs) { sum += weighs * place, weight += weighs; }
+};
+
+void look_from(ReportPage& page, const Eigen::AlignedBox3d& bounds, const Middle& occupied,
+               const Eigen::Vector3d& from) {
+  if (occupied.weight == 0.0) return;
+  const Eigen::Vector2d aside = (from - occupied.sum / occupied.weight).head<2>();
+  if (aside.norm() < 0.1 * bounds.sizes().head<2>().norm()) return;
+  page.iso_azimuth_deg = std::atan2(aside.x(), -aside.y()) * 180.0 / std::numbers::pi + 25.0;
+}
+
+/// From the side of what is free, on which whoever saw it stood.
+void look_from_free(ReportPage& page, const MapLeaves& map) {
+  Middle occupied, free;
+  const Eigen::AlignedBox3d bounds = map.bounds();
+  map.visit([&](const MapLeaf& leaf) {
+    const double volume = std::pow(leaf.edge, 3);
+    const Eigen::Vector3d center =
+        map.resolution() * (leaf.corner.cast<double>() + Eigen::Vector3d::Constant(0.5 * leaf.edge));
+    if (leaf.state == VoxelState::occupied) occupied.add(center, (center.z() - bounds.min().z()) * volume);
+    if (leaf.state == VoxelState::painted || leaf.state == VoxelState::seen_free) free.add(center, volume);
+  });
+  if (free.weight > 0.0) look_from(page, bounds, occupied, free.sum / free.weight);
+}
+
+}  // namespace
+
+void look_from(ReportPage& page, const Snapshot& map, const Eigen::Vector3d& from) {
+  Middle occupied;
   const double floor = map.bounds().min().z();
   map.visit_leaves([&](const Voxel& leaf) {
-    if (leaf.state != VoxelState::occupied) return;
-    occupied += (leaf.center.z() - floor) * leaf.center;  // what is high hides more than what is low
-    weight += leaf.center.z() - floor;
+    if (leaf.state == VoxelState::occupied)
+      occupied.add(leaf.center, leaf.center.z() - floor);  // what is high hides more than what is low
   });
-  if (weight == 0.0) return;
-  const Eigen::Vector2d aside = (from - occupied / weight).head<2>();
-  if (aside.norm() < 0.1 * map.bounds().sizes().head<2>().norm()) return;
-  page.iso_azimuth_deg = std::atan2(aside.x(), -aside.y()) * 180.0 / std::numbers::pi + 25.0;
+  look_from(page, map.bounds(), occupied, from);
 }
 
 void show_robot(ReportPage& page, const Robot& robot, const Configuration& home) {
@@ -308,6 +336,7 @@ std::string difference_page(const MapLeaves& difference, const std::string& name
 std::string map_page(const MapLeaves& map, const std::string& name, const std::optional<std::string>& place) {
   ReportPage page = page_of_map(map, name.empty() ? "map" : name);
   page.map_place = place;
+  look_from_free(page, map);
   const VoxelCounts counts = map.counts();
   page.subtitle = "voxel map, " + significant(map.resolution() * 1000.0, 4) + " mm";
   page.figures = {{"resolution", significant(map.resolution() * 1000.0, 4) + " mm"},

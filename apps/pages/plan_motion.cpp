@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "apps/console/parse.hpp"
+#include "planning/robot/inverse_dynamics.hpp"
 #include "planning/robot_files/torque_terms.hpp"
 
 namespace clearway {
@@ -98,6 +99,8 @@ void show_torques(PagePlan& plan, const Robot& robot, const PlannedMotion& plann
                                               " and gravity (" + significant(load.gravity.x()) + ", " +
                                               significant(load.gravity.y()) + ", " +
                                               significant(load.gravity.z()) + ") m/s^2");
+  if (const std::string missing = missing_masses(robot, load.gravity); !missing.empty())
+    plan.figures.emplace_back("torques", missing + ", so they are of the masses that are known");
 }
 
 }  // namespace
