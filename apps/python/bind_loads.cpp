@@ -6,6 +6,7 @@
 #include "apps/python/bindings.hpp"
 #include "apps/python/records.hpp"
 #include "mapping/system/number_text.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/check/check_legs.hpp"
 #include "planning/check/check_pick.hpp"
 #include "planning/files/joint_order.hpp"
@@ -13,7 +14,9 @@
 #include "planning/planned_motion.hpp"
 #include "planning/problem/pick.hpp"
 #include "planning/robot/load.hpp"
+#include "planning/robot_files/tip_choice.hpp"
 #include "planning/space/part_policies.hpp"
+#include "planning/survey/path_survey.hpp"
 
 namespace clearway {
 namespace {
@@ -75,10 +78,28 @@ std::string place_text(const Eigen::Isometry3d& pose) {
   return "(" + text(at) + "; " + text(turn) + ")";
 }
 
+/// Takes the word "valid" back from a plan that leaves what the map knows, as the program does.
+void survey_plan(const NamedSpace& space, Plan carried, const std::optional<Pick>& pick,
+                 const std::map<std::string, Policy>& policies, const std::vector<std::string>& allow_outside,
+                 PathVerdict& verdict) {
+  if (pick) {
+    LegLoad object{pick->object, legs_that_carry()};
+    for (const LegLoad& said : carried.loads)  // where it hangs is the plan's; check_pick proves it
+      if (said.load.name == object.load.name) object.load.link_from_load = said.load.link_from_load;
+    carried.loads = {object};
+  }
+  Robot loaded = space->robot();
+  for (const LegLoad& load : carried.loads) loaded = with_load(loaded, load.load);
+  require_parts(allow_outside, loaded, "allow_outside");
+  const PathSurvey survey = survey_legs(legs_of(carried, space->robot(), space->map()), policies);
+  refuse_surveyed(survey, SurveyDemands{.allow_outside = allow_outside}, verdict);
+}
+
 /// The plan's path, and its motion, under the space's terms, with what is stated to ride on the robot.
 PathVerdict check_plan(const NamedSpace& space, const Plan& given,
                        const std::optional<std::vector<LegLoad>>& stated, const std::optional<Pick>& pick,
-                       const py::dict& load_policies) {
+                       const py::dict& load_policies,
+                       const std::optional<std::vector<std::string>>& allow_outside) {
   const std::map<std::string, Policy> of_loads = policies_of_loads(load_policies);
   const Robot& robot = space->robot();
   const Plan plan = in_order_of(robot, given);
@@ -99,12 +120,15 @@ PathVerdict check_plan(const NamedSpace& space, const Plan& given,
   if (plan.pick && !pick)
     throw std::invalid_argument("pick: expected what the plan may pick, because it takes the voxels of '" +
                                 plan.pick->object.name + "' out of the map and touches it");
+  if (const std::string own = tip_name(robot); plan.pick && !plan.tip.empty() && plan.tip != own)
+    throw std::invalid_argument("plan: expected one that picks with the tip of the space's robot, '" + own +
+                                "', got '" + shortened(plan.tip) + "' (load_robot takes a tip)");
   if (pick && stated && !stated->empty())
     throw std::invalid_argument("loads: expected none beside a pick, whose object is the one load");
   return without_lock([&] {
     const double padding = space->options().padding, seen_within = space->options().seen_within;
     Plan carried = plan;
-    if (stated) carried.loads = *stated;
+    if (stated && !pick) carried.loads = *stated;
     carried.pick = pick;
     const std::map<std::string, Policy> policies =
         policies_with(*space, pick ? std::vector<LegLoad>{{pick->object, {}}} : carried.loads, of_loads);
@@ -119,6 +143,7 @@ PathVerdict check_plan(const NamedSpace& space, const Plan& given,
       verdict.valid = false;
       verdict.first_contact = fault;
     }
+    if (verdict.valid && allow_outside) survey_plan(space, carried, pick, policies, *allow_outside, verdict);
     if (!verdict.valid || !plan.motion) return verdict;
     if (const MotionVerdict motion = check_planned_motion(*space, carried, policies); !motion.valid) {
       verdict.valid = false;
@@ -252,12 +277,15 @@ void bind_plan_check(py::module_& module) {
   module.def(
       "check_plan", &check_plan, py::arg("space"), py::arg("plan"), py::kw_only(),
       py::arg("loads") = py::none(), py::arg("pick") = py::none(), py::arg("load_policies") = py::dict(),
+      py::arg("allow_outside") = py::none(),
       doc("check_legs",
           "Returns the verdict on all legs under the space's robot, map, policies and padding, and on the "
           "plan's "
           "motion, if it has one.\n\n"
           "loads: that ride on the robot; None: those that the plan says of itself.\n\npick: what the plan "
-          "may pick and where; a plan that picks is not checked without. See check_pick."));
+          "may pick and where; a plan that picks is not checked without. See check_pick."
+          "\n\nallow_outside: parts that may leave the map's bounds; a list, be it empty, asks for the "
+          "survey, too, as `clearway check` does, which refuses a path outside of what the map knows."));
 }
 
 }  // namespace clearway

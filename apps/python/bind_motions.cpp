@@ -4,6 +4,7 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "apps/python/argument_names.hpp"
 #include "apps/python/bindings.hpp"
 #include "apps/python/records.hpp"
 #include "planning/files/joint_order.hpp"
@@ -276,7 +277,7 @@ void bind_gate(py::module_& module) {
       .computed(
           "reason", [](const GateVerdict& self) { return std::string(to_string(self.reason)); },
           doc("GateReason"))
-      .field("sentence", &GateVerdict::sentence)
+      .computed("sentence", [](const GateVerdict& self) { return with_argument_names(self.sentence); })
       .field("map", &GateVerdict::map)
       .computed(
           "may_go", [](const GateVerdict& self) { return self.may_go ? py::cast(*self.may_go) : py::none(); },
@@ -301,16 +302,31 @@ void bind_gate(py::module_& module) {
                "or 'all'."))
       .def(
           "publish",
-          [](GuardedGate& self, const NamedSpace& space, const std::optional<double>& taken) {
+          [](GuardedGate& self, const NamedSpace& space, const std::optional<double>& taken,
+             const std::vector<LegLoad>& loads) {
             return without_lock([&] {
-              ConfigurationSpace made(space->robot(), space->map(), {space->policies(), std::nullopt, false},
-                                      space->options());
+              Robot robot = space->robot();
+              for (const LegLoad& load : loads) {
+                if (!load.legs.empty())
+                  throw std::invalid_argument("loads: load '" + load.load.name +
+                                              "': expected no legs, a chunk has none");
+                robot = with_load(robot, load.load);
+              }
+              ConfigurationSpace made(std::move(robot), space->map(),
+                                      {space->policies(), std::nullopt, false}, space->options());
               const std::lock_guard lock(self.publishing);
               return self.gate.publish(std::move(made),
                                        taken.value_or(std::numeric_limits<double>::quiet_NaN()));
             });
           },
-          py::arg("space"), py::arg("taken") = py::none(), doc("Gate::publish"))
+          py::arg("space"), py::arg("taken") = py::none(), py::kw_only(),
+          py::arg("loads") = std::vector<LegLoad>{},
+          "Makes `space` the newest map. Returns its number, 1, 2, ...\n\ntaken: when its newest look was, "
+          "seconds, by the clock of the chunks; only max_age asks for it.\n\nloads: that ride on the robot, "
+          "each under the policy of what holds "
+          "it.\n\nRaises ValueError, and changes "
+          "nothing, when options do not fit its robot, or the robot has other joints than that of the map "
+          "before.")
       .def("judge", &judge, py::arg("times"), py::arg("positions"),
            doc("Gate::judge", "times: (n,), seconds. positions: (n, dof)."))
       .def(

@@ -11,8 +11,6 @@
 #include "planning/planner_table.hpp"
 #include "planning/pose_goals.hpp"
 #include "planning/robot/goal_configurations.hpp"
-#include "planning/robot_files/srdf_file.hpp"
-#include "planning/robot_files/tip_choice.hpp"
 
 namespace clearway {
 namespace {
@@ -86,6 +84,10 @@ Plan plan(const NamedSpace& space, const py::object& start, const py::object& go
   if (!pick || !goals.is_none() || !goal_poses.is_none())
     wanted =
         goals_from(goals, goal_poses, tip, {position_tolerance, turn_tolerance, free_axis}, space->robot());
+  if (pick && !tip.empty())
+    throw std::invalid_argument(
+        "tip: expected none with a pick, which the tip of the space's robot grasps (load_robot takes "
+        "another)");
   if (pick && !loads.empty())
     throw std::invalid_argument("loads: expected none beside a pick, whose object is the one load");
   if (pick && wanted.configurations.size() + wanted.poses.size() > 1)
@@ -115,13 +117,7 @@ Plan plan(const NamedSpace& space, const py::object& start, const py::object& go
     query.goals = wanted.configurations;
     if (wanted.poses.empty()) return pick ? plan_pick(query, *pick) : plan_and_check(query);
     const PoseGoals at_poses(*space, wanted.tip, wanted.poses, query.start);
-    if (!pick) {
-      Plan plan = plan_to_poses(query, at_poses);
-      plan.tip =
-          tip_name(wanted.tip.empty() ? space->robot()
-                                      : with_tip(space->robot(), link_of_tip(space->robot(), wanted.tip)));
-      return plan;
-    }
+    if (!pick) return plan_to_poses(query, at_poses);
     query.goals = at_poses.goals();
     return plan_pick(query, *pick);
   });
@@ -207,6 +203,7 @@ void bind_plan(py::module_& module) {
       .field("payload", &Plan::payload)
       .field("gravity", &Plan::gravity)
       .field("loads", &Plan::loads)
+      .field("tip", &Plan::tip)
       .computed(
           "pick", [](const Plan& self) { return self.pick ? py::cast(*self.pick) : py::none(); },
           doc("Plan::pick", "None where it picks nothing."))

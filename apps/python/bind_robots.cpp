@@ -9,6 +9,7 @@
 #include "planning/robot/goal_configurations.hpp"
 #include "planning/robot/held_joints.hpp"
 #include "planning/robot_files/load_robot.hpp"
+#include "planning/robot_files/srdf_file.hpp"
 
 namespace clearway {
 
@@ -47,19 +48,20 @@ NamedRobot load_named(const std::filesystem::path& file, const std::optional<std
                       const std::map<std::string, std::filesystem::path>& packages,
                       const std::map<std::string, std::string>& xacro,
                       const std::vector<std::string>& standing, const std::optional<double>& scale,
-                      const py::object& map_from_base) {
+                      const py::object& map_from_base, const std::string& tip) {
   const std::string name = file.string();
   NamedRobot loaded{
       without_lock([&] {
         return load_robot(RobotRequest{name, srdf.value_or(""), group, fixed, packages, xacro, standing});
       }),
-      name};
+      name, packages};
   if (scale) {
     if (!std::isfinite(*scale) || *scale <= 0.0)
       throw std::invalid_argument("scale: expected a finite number above 0");
     loaded.robot = scaled(loaded.robot, *scale / loaded.robot.scale);
   }
   if (!map_from_base.is_none()) loaded.robot.map_from_base = pose_from(map_from_base, "map_from_base");
+  if (!tip.empty()) loaded.robot = with_tip(loaded.robot, link_of_tip(loaded.robot, tip));
   return loaded;
 }
 
@@ -187,6 +189,14 @@ void bind_facts(py::class_<NamedRobot>& type) {
   type.def_property_readonly(
           "name", [](const NamedRobot& self) { return self.robot.name; }, "Its name in its file.")
       .def_property_readonly(
+          "notes",
+          [](const NamedRobot& self) {
+            return without_lock([&] { return robot_notes(self.robot, self.packages); });
+          },
+          "What makes one doubt that its files are meant so, a sentence each: sizes as they are of "
+          "millimetres, "
+          "limits of degrees.")
+      .def_property_readonly(
           "dof", [](const NamedRobot& self) { return self.robot.dof(); },
           "Count of joints in a configuration.")
       .def_property_readonly(
@@ -308,7 +318,7 @@ void bind_kinematics(py::class_<NamedRobot>& type) {
           [](const NamedRobot& self, double factor) {
             if (!std::isfinite(factor) || factor <= 0.0)
               throw std::invalid_argument("factor: expected a finite number above 0");
-            return NamedRobot{scaled(self.robot, factor), self.asked};
+            return NamedRobot{scaled(self.robot, factor), self.asked, self.packages};
           },
           py::arg("factor"), doc("scaled"))
       .def(
@@ -335,12 +345,14 @@ void bind_robots(py::module_& module) {
       py::arg("packages") = std::map<std::string, std::filesystem::path>{},
       py::arg("xacro") = std::map<std::string, std::string>{},
       py::arg("standing") = std::vector<std::string>{}, py::arg("scale") = py::none(),
-      py::arg("map_from_base") = py::none(),
+      py::arg("map_from_base") = py::none(), py::arg("tip") = "",
       doc("load_robot#2",
           "srdf, group, fixed, packages, xacro, standing: see RobotRequest: a file, a planning group of "
           "it, joints that stand still (rad or m at full size), folders of packages, arguments of a "
           ".xacro file, links such as wheels that may touch what the robot stands on.\n\nscale: replaces the "
-          "robot's own.\n\nmap_from_base: 4x4, where it stands."));
+          "robot's own.\n\nmap_from_base: 4x4, where it stands.\n\ntip: a link, or an end effector of the "
+          "SRDF, "
+          "whose frame is the tip in place of the robot's own."));
   module.def(
       "available_robots",
       [] {

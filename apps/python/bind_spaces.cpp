@@ -1,6 +1,7 @@
 // A robot in a map: which configurations and edges are free, and the independent check of paths.
 #include <stdexcept>
 
+#include "apps/python/argument_names.hpp"
 #include "apps/python/bindings.hpp"
 #include "apps/python/records.hpp"
 #include "planning/check/path_check.hpp"
@@ -47,7 +48,7 @@ NamedSpace make_space(const NamedRobot& robot, const NamedMap& map, const py::ob
   return without_lock([&] {
     require_seen_within(seen_within, map.map, part_policies(robot.robot, map.map, wanted));
     return NamedSpace{std::make_shared<const ConfigurationSpace>(robot.robot, map.map, wanted, options),
-                      map.file, map.digest, robot.asked};
+                      map.file, map.digest, robot.asked, robot.packages};
   });
 }
 
@@ -120,7 +121,8 @@ void bind_verdicts(py::module_& module) {
       .field("valid", &PathVerdict::valid, "Whether every configuration on every edge is proved free.")
       .field("undecided", &PathVerdict::undecided)
       .field("min_clearance", &PathVerdict::min_clearance)
-      .field("first_contact", &PathVerdict::first_contact)
+      .computed("first_contact",
+                [](const PathVerdict& self) { return with_argument_names(self.first_contact); })
       .field("edge", &PathVerdict::edge)
       .field("parameter", &PathVerdict::parameter)
       .computed(
@@ -151,7 +153,7 @@ void bind_spaces(py::module_& module) {
       .def_property_readonly(
           "robot",
           [](const NamedSpace& self) {
-            return NamedRobot{self->robot(), self.asked};
+            return NamedRobot{self->robot(), self.asked, self.packages};
           },
           "The robot.")
       .def_property_readonly(

@@ -26,6 +26,7 @@ struct NamedMap {
 struct NamedRobot {
   Robot robot;
   std::string asked{};
+  std::map<std::string, std::filesystem::path> packages{};
 };
 
 /// A space, with where its map and robot are from.
@@ -33,6 +34,7 @@ struct NamedSpace {
   std::shared_ptr<const ConfigurationSpace> space;
   std::filesystem::path map_file{};
   std::string map_digest{}, asked{};
+  std::map<std::string, std::filesystem::path> packages{};  ///< of the robot
 
   const ConfigurationSpace& operator*() const { return *space; }
   const ConfigurationSpace* operator->() const { return space.get(); }

@@ -45,11 +45,11 @@ class PathRefused(PlanError):
 _ERRORS = {"start_invalid": StartInvalid, "goal_invalid": GoalInvalid, "no_path": NoPath, "timed_out": TimedOut}
 
 
-def require_proved(plan, space=None, *, loads=None, pick=None):
+def require_proved(plan, space=None, *, loads=None, pick=None, allow_outside=()):
     """Returns the plan when every leg is solved and the check found the whole path valid.
 
     What a plan from a file says of itself is only its word: with `space` path and motion are checked again, there, with
-    `loads` or `pick` as check_plan takes them.
+    `loads`, `pick` and `allow_outside` as check_plan takes them.
 
     Raises StartInvalid, GoalInvalid, NoPath, TimedOut or PathRefused otherwise, each a PlanError with the reason;
     TypeError for what is no Plan.
@@ -57,7 +57,7 @@ def require_proved(plan, space=None, *, loads=None, pick=None):
     if not isinstance(plan, _clearway.Plan):
         raise TypeError(f"expected a Plan, got {type(plan).__name__}")
     if plan.status == "solved" and space is not None:
-        verdict = check_plan(space, plan, loads=loads, pick=pick)  # noqa: F405
+        verdict = check_plan(space, plan, loads=loads, pick=pick, allow_outside=list(allow_outside))  # noqa: F405
         if not verdict.valid:
             raise PathRefused(verdict.first_contact, plan)
     if plan.is_proved:

@@ -68,16 +68,18 @@ class Loads(unittest.TestCase):
         self.assertFalse(refused.valid)
         self.assertIn("rod", refused.first_contact)
         self.assertTrue(cw.check_plan(self.space, bare).valid)
-        self.assertIs(cw.require_proved(plan, self.space), plan)
+        self.assertIs(cw.require_proved(plan, self.space, allow_outside=["all"]), plan)
+        with self.assertRaisesRegex(cw.PathRefused, "leaves the map's bounds.*allow_outside"):
+            cw.require_proved(plan, self.space)
         with self.assertRaises(TypeError):
             cw.require_proved(file)
-        with self.assertRaises(cw.PathRefused):
-            cw.require_proved(bare, self.space, loads=[self.rod])
+        with self.assertRaisesRegex(cw.PathRefused, "rod"):
+            cw.require_proved(bare, self.space, loads=[self.rod], allow_outside=["all"])
         # The rod counts where a file says that it rides.
         again = bare.to_dict()
         again["loads"] = plan.to_dict()["loads"]
-        with self.assertRaises(cw.PathRefused):
-            cw.require_proved(cw.parse_plan(json.dumps(again)), self.space)
+        with self.assertRaisesRegex(cw.PathRefused, "rod"):
+            cw.require_proved(cw.parse_plan(json.dumps(again)), self.space, allow_outside=["all"])
 
     def test_a_load_may_have_a_policy_of_its_own(self):
         space = cw.ConfigurationSpace(self.robot, self.map, "not_occupied")
@@ -197,9 +199,30 @@ class Picks(unittest.TestCase):
         plan = cw.plan(self.space, self.start, pick=same, allow_outside=["all"])
         self.assertEqual(without_times(plan.to_dict()), without_times(answer))
         self.assertEqual(plan.loads[0].legs, [2, 3, 4])
+        self.assertEqual(plan.tip, answer["tip"])
         # The can goes with the tip: where the leg `carry` ends it is above its place.
         above = self.robot.tip_pose(plan.legs[3].waypoints[-1]) @ np.linalg.inv(plan.pick.object_from_tip)
         np.testing.assert_allclose(above[:3, 3], [0.42, -0.2, 0.26], atol=1e-3)
+
+    def test_what_the_object_must_lie_in_is_stated_as_of_any_load(self):
+        free = cw.plan(self.space, self.start, pick=self.pick, allow_outside=["can"], load_policies={"can": "not_occupied"})
+        self.assertEqual(free.policies["can"], "not_occupied")
+        answer = worlds.answer("plan", *self.flags, "--policy", "can=not_occupied", "--start=" + text(self.start), "--pick",
+                               self.yaml)
+        self.assertEqual(answer["policy"]["can"], "not_occupied")
+        with self.assertRaisesRegex(ValueError, "load_policies: expected names of loads, got 'mug'"):
+            cw.plan(self.space, self.start, pick=self.pick, load_policies={"mug": "painted"})
+
+    def test_picks_are_of_the_tip_of_the_spaces_robot(self):
+        with self.assertRaisesRegex(ValueError, "^tip: expected none with a pick"):
+            cw.plan(self.space, self.start, pick=self.pick, tip="link4")
+        other = cw.ConfigurationSpace(cw.load_robot("arm6", tip="link4"), cw.load_map(self.folder.name), "not_occupied")
+        with self.assertRaisesRegex(ValueError, "'link4', got '.*hand'"):
+            cw.check_plan(other, self.plan, pick=self.pick)
+        with self.assertRaisesRegex(ValueError, "elbow"):
+            cw.load_robot("arm6", tip="elbow")
+        np.testing.assert_allclose(cw.load_robot("arm6", tip="link4").tip_pose(self.start),
+                                   self.robot.link_poses(self.start)[4], atol=1e-12)
 
     def test_the_check_takes_the_pick_from_whoever_states_it(self):
         file = pathlib.Path(self.folder.name) / "plan.json"
@@ -212,7 +235,11 @@ class Picks(unittest.TestCase):
             cw.check_plan(self.space, self.plan)
         with self.assertRaisesRegex(ValueError, "^pick: "):
             cw.require_proved(self.plan, self.space)
-        self.assertIs(cw.require_proved(self.plan, self.space, pick=self.pick), self.plan)
+        with self.assertRaisesRegex(cw.PathRefused, "outside"):
+            cw.require_proved(self.plan, self.space, pick=self.pick)
+        self.assertIs(cw.require_proved(self.plan, self.space, pick=self.pick, allow_outside=["all"]), self.plan)
+        with self.assertRaisesRegex(ValueError, "^allow_outside"):
+            cw.check_plan(self.space, self.plan, pick=self.pick, allow_outside=["mug"])
         elsewhere = cw.Pick(self.can, self.pick.map_from_object, worlds.pose(0.42, -0.21, 0.16),
                             object_from_tip=self.pick.object_from_tip)
         self.assertFalse(cw.check_plan(self.space, self.plan, pick=elsewhere).valid)

@@ -160,31 +160,40 @@ class Gates(unittest.TestCase):
         broken = chunks[2][1].copy()
         broken[3, 2] = 1e9
         chunks.append((chunks[2][0], broken))
-        with worlds.folder() as folder:
-            fused.snapshot().save(folder)
-            lines = "\n".join(json.dumps({"times": t.tolist(), "positions": p.tolist()}) for t, p in chunks) + "\n"
-            flags = ["gate", "--map", folder, "--robot", "puma560", "--policy", "not_occupied"]
-            done = subprocess.run([os.environ["CLEARWAY_BINARY"], *flags], input=lines, capture_output=True, text=True)
-            answer = [json.loads(line) for line in done.stdout.splitlines()]
-            self.assertGreaterEqual(len(answer), len(chunks), done.stderr)
-        gate = cw.Gate()
-        self.assertEqual(gate.judge(*chunks[0]).reason, "no_map")
-        gate = cw.Gate()
-        gate.publish(cw.ConfigurationSpace(robot, fused.snapshot(), "not_occupied"))
-        verdicts = [gate.judge(times, np.asfortranarray(positions)) for times, positions in chunks]
-        self.assertGreater(len({verdict.reason for verdict in verdicts}), 2)
-        for verdict, line in zip(verdicts, answer):
-            self.assertEqual(line["passed"], verdict.is_passed, line)
-            if not verdict.is_passed:
-                self.assertEqual(line["reason"], verdict.reason)
-                self.assertTrue(line["sentence"].startswith(verdict.sentence), (line, verdict))
-            if line.get("piece"):
-                self.assertEqual(line["piece"]["proved_share"], verdict.parameter)
-                self.assertEqual(line["body"], verdict.obstruction.part)
-            if line.get("may_go"):
-                self.assertEqual(line["may_go"]["until_s"], verdict.may_go.time)
-                self.assertEqual(line["may_go"]["position"], verdict.may_go.position.tolist())
-                self.assertEqual(line["may_go"]["stands_at"], verdict.may_go.stop.tolist())
+        rod = cw.Load("rod", "tool", worlds.pose(0.0, 0.0, 0.2), box=[0.05, 0.4, 0.05])
+        for loads in ([], [rod]):
+            with worlds.folder() as folder:
+                fused.snapshot().save(folder)
+                lines = "\n".join(json.dumps({"times": t.tolist(), "positions": p.tolist()}) for t, p in chunks) + "\n"
+                flags = ["gate", "--map", folder, "--robot", "puma560", "--policy", "not_occupied"]
+                if loads:
+                    file = pathlib.Path(folder) / "rod.yaml"
+                    file.write_text("{name: rod, box: [0.05, 0.4, 0.05], link: tool, pose: [0, 0, 0.2, 0, 0, 0]}")
+                    flags += ["--attach", str(file)]
+                done = subprocess.run([os.environ["CLEARWAY_BINARY"], *flags], input=lines, capture_output=True, text=True)
+                answer = [json.loads(line) for line in done.stdout.splitlines()]
+                self.assertGreaterEqual(len(answer), len(chunks), done.stderr)
+            gate = cw.Gate()
+            self.assertEqual(gate.judge(*chunks[0]).reason, "no_map")
+            gate = cw.Gate()
+            gate.publish(cw.ConfigurationSpace(robot, fused.snapshot(), "not_occupied"), loads=loads)
+            verdicts = [gate.judge(times, np.asfortranarray(positions)) for times, positions in chunks]
+            self.assertGreater(len({verdict.reason for verdict in verdicts}), 2)
+            self.assertEqual("rod" in [verdict.obstruction.part for verdict in verdicts], bool(loads))
+            for verdict, line in zip(verdicts, answer):
+                self.assertEqual(line["passed"], verdict.is_passed, line)
+                if not verdict.is_passed:
+                    self.assertEqual(line["reason"], verdict.reason)
+                    self.assertTrue(line["sentence"].startswith(verdict.sentence), (line, verdict))
+                if line.get("piece"):
+                    self.assertEqual(line["piece"]["proved_share"], verdict.parameter)
+                    self.assertEqual(line["body"], verdict.obstruction.part)
+                if line.get("may_go"):
+                    self.assertEqual(line["may_go"]["until_s"], verdict.may_go.time)
+                    self.assertEqual(line["may_go"]["position"], verdict.may_go.position.tolist())
+                    self.assertEqual(line["may_go"]["stands_at"], verdict.may_go.stop.tolist())
+        with self.assertRaisesRegex(ValueError, "expected no legs"):
+            cw.Gate().publish(self.space(), loads=[cw.Load("rod", "link6", box=[0.03, 0.03, 0.4], legs=[0])])
 
     def test_mistakes_are_one_sentence(self):
         gate = cw.Gate(max_velocity=[1.0] * 6, deceleration=3.0)
