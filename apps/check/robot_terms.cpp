@@ -86,10 +86,15 @@ TermSource source_of(const HeldJoint& joint, const Plan& plan, const std::set<st
 }  // namespace
 
 void require_same_joints(const Robot& robot, const Plan& plan, const std::filesystem::path& file) {
-  if (joint_names(robot) == plan.joints) return;
+  const std::vector<std::string> own = joint_names(robot);
+  if (own == plan.joints) return;
+  const auto other = std::find_if(plan.joints.begin(), plan.joints.end(), [&](const std::string& name) {
+    return std::find(own.begin(), own.end(), name) == own.end();
+  });
   throw std::invalid_argument(file.string() + ": field 'joints': the plan is for " +
                               std::to_string(plan.joints.size()) + " joints that are not those of robot " +
-                              quote(robot.name) + " (" + std::to_string(robot.dof()) + " joints)");
+                              quote(robot.name) + " (" + std::to_string(robot.dof()) + " joints)" +
+                              (other == plan.joints.end() ? "" : ", of which none is " + quote(*other)));
 }
 
 Robot robot_to_check(const CheckOptions& options, const Plan& plan) {

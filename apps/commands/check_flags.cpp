@@ -19,7 +19,9 @@ Command add_check(CLI::App& app, Console& console) {
                    "joint_trajectory_controller runs it if it has times")
       ->required()
       ->type_name("PLAN");
-  command->add_option("--map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply, .bin, .xyz")
+  command
+      ->add_option("--map", options->map,
+                   "folder written by replay, or .ot, .bt, .pcd, .ply, .bin, .xyz, .asc, .pts")
       ->required()
       ->type_name("MAP");
   add_cloud_resolution(*command, options->cloud_resolution);

@@ -10,9 +10,10 @@ Command add_inspect(CLI::App& app, Console& console) {
   auto options = std::make_shared<InspectOptions>();
   CLI::App* command = add_command(app, "inspect", "query, draw, compare and edit maps", console);
   command
-      ->add_option("map", options->map,
-                   "folder written by replay, or .ot, .bt, .pcd, .ply, .bin, .xyz; or a bag, rawlog or "
-                   "video, to list it")
+      ->add_option(
+          "map", options->map,
+          "folder written by replay, or .ot, .bt, .pcd, .ply, .bin, .xyz, .asc, .pts; or a bag, rawlog or "
+          "video, to list it")
       ->required()
       ->type_name("MAP");
   add_cloud_resolution(*command, options->cloud_resolution);

@@ -10,7 +10,9 @@ namespace clearway {
 Command add_plan(CLI::App& app, Console& console) {
   auto options = std::make_shared<PlanOptions>();
   CLI::App* command = add_command(app, "plan", "plan one query on a map, in one or several legs", console);
-  command->add_option("--map", options->map, "folder written by replay, or .ot, .bt, .pcd, .ply, .bin, .xyz")
+  command
+      ->add_option("--map", options->map,
+                   "folder written by replay, or .ot, .bt, .pcd, .ply, .bin, .xyz, .asc, .pts")
       ->type_name("MAP");
   add_cloud_resolution(*command, options->cloud_resolution);
   add_robot_flags(*command, options->robot);

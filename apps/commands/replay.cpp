@@ -2,6 +2,7 @@
 #include <chrono>
 #include <memory>
 #include <ostream>
+#include <set>
 #include <stdexcept>
 
 #include "apps/commands/replay_queries.hpp"
@@ -89,7 +90,12 @@ int run_replay(const ReplayOptions& options, Console& console) {
     session.threads = options.threads;
     return run_teach(session, console);
   }
-  for (const std::string& planner : options.planners) make_planner(planner);
+  std::set<std::string> planners;  // each writes a file of its name
+  for (const std::string& planner : options.planners) {
+    make_planner(planner);
+    if (!planners.insert(planner).second)
+      throw std::invalid_argument("--planner: " + quote(planner) + " is given twice, expected it once");
+  }
   const std::filesystem::path setup =
       options.setup.empty() ? options.setup : shipped_file("setups", options.setup);
   require_apart({{"--out", options.out},

@@ -146,8 +146,11 @@ void OptionReader::refuse_unknown() const {
   for (const auto& [name, value] : in_force_) known.push_back(name);
   for (const auto& [name, value] : given_) {
     if (in_force_.contains(name)) continue;
+    const std::string meant = misspelt_name(name, known);
     throw std::invalid_argument(owner_ + ": unknown option " + quote(name) +
-                                (known.empty() ? "" : ": did you mean '" + nearest_name(name, known) + "'?"));
+                                (!meant.empty()  ? ": did you mean '" + meant + "'?"
+                                 : known.empty() ? ", expected none"
+                                                 : ", expected one of " + listed(known)));
   }
 }
 

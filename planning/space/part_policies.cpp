@@ -111,9 +111,23 @@ void require_seen_within(double seen_within, const Snapshot& map,
       "expected a policy known_free");
 }
 
+namespace {
+
+/// Whether any of a part's bodies does: others are not looked for in the map.
+bool moves(const Robot& robot, const std::string& part) {
+  return std::any_of(robot.bodies.begin(), robot.bodies.end(), [&](const Body& body) {
+    int link = body.part == part ? body.link : -1;
+    while (link >= 0 && robot.links[static_cast<std::size_t>(link)].joint < 0)
+      link = robot.links[static_cast<std::size_t>(link)].parent;
+    return link >= 0;
+  });
+}
+
+}  // namespace
+
 std::string empty_volume_sentence(const ConfigurationSpace& space) {
   for (const auto& [part, policy] : space.policies()) {
-    if (policy != Policy::painted ||
+    if (policy != Policy::painted || !moves(space.robot(), part) ||
         has_sphere(space.map(), part_requirement(space.robot(), space.map(), part, policy).volumes))
       continue;
     return "the part " + quote(part) +
