@@ -174,12 +174,13 @@ void add_pose(const std::string& name, const UncertainPose& pose, CalibrationRep
   report.figures.emplace_back(name + "_sigma_rad", turn_sigma(pose));
 }
 
-/// Where the tip was on the mean, in the base.
-Eigen::Vector3d middle_of(const std::vector<RobotLook>& looks) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+/// How far a point of the robot may be from where its joints put it, between its base and where its tip was:
+/// a variance is convex in the point, so none between them is known worse than the worst of them.
+double place_error(const UncertainPose& map_from_base, const std::vector<RobotLook>& looks) {
+  double sigma = transform(map_from_base, Eigen::Vector3d::Zero()).largest_sigma();
   for (const RobotLook& look : looks)
-    sum += look.base_from_tip.translation() / static_cast<double>(looks.size());
-  return sum;
+    sigma = std::max(sigma, transform(map_from_base, look.base_from_tip.translation()).largest_sigma());
+  return confidence_factor(1000000) * sigma;
 }
 
 /// The robot of the setup where it was found; its files as seen from the folder of what is written.
@@ -188,8 +189,7 @@ std::string found_robot(const CalibrateOptions& options, const Setup& setup, con
   namespace fs = std::filesystem;
   RobotSetup robot = *setup.robot;
   robot.map_from_base = map_from_base.pose;
-  robot.place_error =
-      confidence_factor(1000000) * transform(map_from_base, middle_of(looks.looks)).largest_sigma();
+  robot.place_error = place_error(map_from_base, looks.looks);
   const fs::path written = options.out.empty() ? shipped_file("setups", options.setup) : options.out;
   const auto from_there = [&](const fs::path& file) {
     return fs::proximate(fs::absolute(file), fs::absolute(written).parent_path());
