@@ -19,12 +19,7 @@ Command add_check(CLI::App& app, Console& console) {
                    "joint_trajectory_controller runs it if it has times")
       ->required()
       ->type_name("PLAN");
-  command
-      ->add_option("--map", options->map,
-                   "folder written by replay, or .ot, .bt, .pcd, .ply, .bin, .xyz, .asc, .pts")
-      ->required()
-      ->type_name("MAP");
-  add_cloud_resolution(*command, options->cloud_resolution);
+  add_map(*command, options->map, options->cloud_resolution)->required();
   const std::string otherwise = "; default: the map's own query, else ";
   add_robot_flags(*command, options->robot,
                   {.group = "; default: the settings' own, else the plan's",

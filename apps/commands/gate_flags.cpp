@@ -15,23 +15,15 @@ Command add_gate(CLI::App& app, Console& console) {
       "Each line on stdin holds 2 to 64 configurations, joined by straight joint-space edges:\n"
       "  {\"id\": \"pick-7\", \"times\": [0, 0.1], \"positions\": [[0, 0.5], [0, 0.6]]}\n"
       "Each gets one line on stdout: line, id, passed, reason, sentence; of a refusal, where there is one, "
-      "the first "
-      "unproved piece\n(proved_share: of it from its begin), body, other, voxel (center; state; blocks_as; "
-      "last_seen_s; history where the map\nkeeps it); may_go: how far the arm may go all the same (until_s, "
-      "its "
-      "position there, where it stands_at after braking).\nA chunk passes if its motion and the braking "
-      "after it are proved free, "
-      "with the\nloads of --attach. It must start where the last passed chunk ends, or where the robot has "
-      "stopped after it.\n"
+      "the first unproved piece\n(proved_share: of it from its begin), body, other, voxel (center; state; "
+      "blocks_as; last_seen_s; history where the map\nkeeps it); may_go: how far the arm may go all the same "
+      "(until_s, its position there, where it stands_at after braking).\nA chunk passes if its motion and "
+      "the braking after it are proved free, with the\nloads of --attach. It must start where the last "
+      "passed chunk ends, or where the robot has stopped after it.\n"
       "Times of one chunk are not compared with those of another: whoever runs them starts one when the last "
       "has ended, or\nthe robot stands. The map is read once; start gate anew for another.\n"
       "Exit status: 0 all chunks passed, 1 some were refused, 2 bad input.");
-  command
-      ->add_option("--map", options->map,
-                   "folder written by replay, or .ot, .bt, .pcd, .ply, .bin, .xyz, .asc, .pts")
-      ->required()
-      ->type_name("MAP");
-  add_cloud_resolution(*command, options->cloud_resolution);
+  add_map(*command, options->map, options->cloud_resolution)->required();
   add_robot_flags(*command, options->robot);
   add_attach(*command, options->attach, "; legs are not allowed here");
   add_allow_outside(*command, options->allow_outside);

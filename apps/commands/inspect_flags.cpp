@@ -9,14 +9,8 @@ namespace clearway {
 Command add_inspect(CLI::App& app, Console& console) {
   auto options = std::make_shared<InspectOptions>();
   CLI::App* command = add_command(app, "inspect", "query, draw, compare and edit maps", console);
-  command
-      ->add_option(
-          "map", options->map,
-          "folder written by replay, or .ot, .bt, .pcd, .ply, .bin, .xyz, .asc, .pts; or a bag, rawlog or "
-          "video, to list it")
-      ->required()
-      ->type_name("MAP");
-  add_cloud_resolution(*command, options->cloud_resolution);
+  add_map(*command, options->map, options->cloud_resolution, "map", "; or a bag, rawlog or video, to list it")
+      ->required();
   command
       ->add_option("--at", options->at,
                    "print what the map knows of a point, and when it was last seen; repeatable")

@@ -10,11 +10,7 @@ namespace clearway {
 Command add_plan(CLI::App& app, Console& console) {
   auto options = std::make_shared<PlanOptions>();
   CLI::App* command = add_command(app, "plan", "plan one query on a map, in one or several legs", console);
-  command
-      ->add_option("--map", options->map,
-                   "folder written by replay, or .ot, .bt, .pcd, .ply, .bin, .xyz, .asc, .pts")
-      ->type_name("MAP");
-  add_cloud_resolution(*command, options->cloud_resolution);
+  add_map(*command, options->map, options->cloud_resolution);
   add_robot_flags(*command, options->robot);
   add_survey_flags(*command, options->survey);
   add_attach(*command, options->attach, "");

@@ -236,16 +236,22 @@ void add_pick(CLI::App& command, std::filesystem::path& file, std::string& place
       ->type_name("POSE");
 }
 
-void add_cloud_resolution(CLI::App& command, std::optional<double>& resolution) {
+CLI::Option* add_map(CLI::App& command, std::filesystem::path& map, std::optional<double>& resolution,
+                     const std::string& name, const std::string& note) {
+  CLI::Option* option =
+      command
+          .add_option(name, map,
+                      "folder written by replay, or .ot, .bt, .pcd, .ply, .bin, .xyz, .asc, .pts" + note)
+          ->type_name("MAP");
   command
       .add_option("--cloud-resolution", resolution,
-                  "edge of the voxels that the points of a .pcd, .ply, .bin or .xyz map stand for, metres; "
-                  "default: what "
-                  "the file states, else 0.02, or, of a thinned surface, 1.25 times the distance of its "
-                  "points; gaps between points "
-                  "of less than two edges count as surface")
+                  "edge of the voxels that the points of a .pcd, .ply, .bin, .xyz, .asc or .pts map stand "
+                  "for, metres; default: what the file states, else 0.02, or, of a thinned surface, 1.25 "
+                  "times the distance of its points; gaps between points of less than two edges count as "
+                  "surface")
       ->check(number("metres from 0.0001 to 100", 1e-4, 100.0))
       ->type_name("M");
+  return option;
 }
 
 void add_goal_poses(CLI::App& command, GoalPoseChoice& choice, const std::string& note) {

@@ -8,7 +8,8 @@
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace clearway {
 
@@ -72,8 +73,10 @@ void add_pick(CLI::App& command, std::filesystem::path& file, std::string& place
 /// them. @param note of --goal-pose
 void add_goal_poses(CLI::App& command, GoalPoseChoice& choice, const std::string& note);
 
-/// --cloud-resolution of a --map that is a cloud.
-void add_cloud_resolution(CLI::App& command, std::optional<double>& resolution);
+/// A map by the name of its argument, and --cloud-resolution of one that is a cloud. Returns the map's.
+/// @param note what else it may be
+CLI::Option* add_map(CLI::App& command, std::filesystem::path& map, std::optional<double>& resolution,
+                     const std::string& name = "--map", const std::string& note = "");
 
 /// --payload and --gravity, as `plan` and `check` share them. @param payload, gravity notes of their defaults
 void add_dynamics(CLI::App& command, DynamicsChoice& dynamics, const std::string& payload,
