@@ -245,10 +245,6 @@ bool is_unknown_pose(const std::vector<std::string>& words) {
          });
 }
 
-}  // namespace
-
-namespace {
-
 /// Of two poses of one time, such as of a file that is two recordings, none is taken. Times that were rounded
 /// may have two that are near each other.
 void require_near(const Eigen::Isometry3d& one, const Eigen::Isometry3d& two, double time,
