@@ -44,10 +44,10 @@ export class RecordingTimeline {
     this.conflicts = arrays.f32(about.conflicts.times);
     this.urls = about.pictures.map(({ jpeg }) => URL.createObjectURL(new Blob([arrays.u8(jpeg)], { type: "image/jpeg" })));
     this.slider.max = String(about.duration);
-    const has = [[this.images.length, "images"], [this.scans.length, "scans"], [about.ballCount, "balls"]] as const;
+    const has = [[this.images.length, "image"], [this.scans.length, "scan"], [about.ballCount, "ball"]] as const;
     this.box.hidden = false;
     this.box.append(
-      el("summary", {}, `Recording, ${about.duration.toFixed(1)} s: ${has.filter(([count]) => count > 0).map(([count, name]) => `${grouped(count)} ${name}`).join(", ")}`),
+      el("summary", {}, `Recording, ${about.duration.toFixed(1)} s: ${has.filter(([count]) => count > 0).map(([count, name]) => `${grouped(count)} ${name}${count === 1 ? "" : "s"}`).join(", ")}`),
       el("div", { class: "recording-body" }, ...(this.urls.length > 0 ? [this.picture] : []),
          el("div", { class: "recording-lanes" }, this.canvas, this.slider, this.text)));
     this.slider.addEventListener("input", () => this.seek(Number(this.slider.value)));
