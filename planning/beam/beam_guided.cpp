@@ -105,10 +105,7 @@ class GuidedSearch {
   /// Corner points of a rough path by two trees that the route guides.
   Path through_trees(TreeOptions options, double guided_share) {
     if (problem_.out_of_time()) return {};
-    options.find_guide = [&]() -> SampleGuide {
-      if (route().points.empty()) return {};
-      return RouteGuide(problem_, hand_, route(), guided_share);
-    };
+    options.find_guide = [&] { return guide_along(problem_, hand_, route(), guided_share); };
     const TreePath rough = connect_trees(problem_, options);
     count(rough.configurations, rough.edges);
     result_.statistics["samples"] += rough.samples;

@@ -11,7 +11,7 @@ struct BeamGuidedOptions {
   int width = 3;                ///< k of the beam on the coarse lattice, 1 to 100,000
   double stride = 6.0;          ///< step of that lattice, in the robot's own steps, 1 to 100
   int max_samples = 100000000;  ///< of the trees, 1 to 100,000,000
-  double guided_share = 0.5;    ///< of the samples that the route proposes, 0 to 1
+  double guided_share = 0.6;    ///< of the samples that follow the route, 0 to 1
   double range = 0.0;  ///< longest edge of the trees, weighted units, up to 1e3; 0: a tenth of the extent
   int routes = 4;      ///< for the hand, tried thoroughly in turn, 0 to 100
   int attempts = 120;  ///< to straighten the path, 0 to 1,000,000

@@ -13,7 +13,7 @@ struct BoundaryPlusOptions {
   int planes = 4;               ///< tried at most from each side, 0 to 1000; 0: none
   int plane_steps = 60;         ///< of one run along a boundary and local steps after it, 1 to 1,000,000
   int max_samples = 100000000;  ///< of all trees, 0 to 100,000,000; 0: none
-  double guided_share = 0.3;    ///< of its samples that a route for the hand proposes, after the first 50, 0
+  double guided_share = 0.6;    ///< of its samples that follow a route for the hand, after the first 20, 0
                                 ///< to 1
   int shortcuts = 100;          ///< attempts to shorten the path, 0 to 1,000,000
   bool smooth = true;           ///< corners are rounded

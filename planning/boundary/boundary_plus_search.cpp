@@ -14,7 +14,6 @@ constexpr double spacing = 8.0;        ///< steps, of the points of traces that 
 constexpr int tries = 4;               ///< edges from each of them
 constexpr int first_round = 64;        ///< samples of the first hand-over; each has twice as many as the last
 constexpr int few_samples = 2000;      ///< cost a tenth of what the local method does
-constexpr int unguided_samples = 50;   ///< before a route for the hand is looked for
 
 /// The constraint with the largest multiplier, nullptr when no pair of bodies and obstacles holds the step
 /// back.
@@ -138,9 +137,8 @@ bool BoundaryPlusSearch::back_to_local_method() {
 /// From now on some of the samples lie along a route for the hand.
 void BoundaryPlusSearch::guide_samples() {
   const EndEffector hand = find_end_effector(problem_.space);
-  EndEffectorRoute route = find_end_effector_route(problem_, hand);
   is_guided_ = true;
-  if (!route.points.empty()) guide_ = RouteGuide(problem_, hand, std::move(route), options_.guided_share);
+  guide_ = guide_along(problem_, hand, find_end_effector_route(problem_, hand), options_.guided_share);
 }
 
 /// So many more samples, the first of all without a guide.

@@ -61,7 +61,7 @@ class BoundaryPlusSearch {
   std::mt19937_64 random_;
   std::array<Lock, 2> locks_;
   std::array<DeadlockMemory, 2> memory_;
-  SampleGuide guide_;
+  TreeGuide guide_;
   bool is_guided_ = false;
   std::string how_;
   int local_steps_ = 0, boundary_steps_ = 0, planes_ = 0, handed_back_ = 0, rounds_ = 0;

@@ -24,6 +24,8 @@ constexpr int far_samples = 8;
 /// Less of an edge than this is not worth a node.
 constexpr double least_share = 0.25;
 
+constexpr int steps_aside = 2;  ///< from where an edge was blocked
+
 /// Joints with wide limits, or none: only as far as the map and the ends make sense, as in ompl_query.
 double margin_beyond_ends(const PlanProblem& problem, const Joint& joint) {
   if (joint.kind == JointKind::revolute) return 2.0 * std::numbers::pi;
@@ -128,34 +130,30 @@ bool BidirectionalTrees::join(Side side, std::size_t first, double spacing, int 
   return false;
 }
 
-/// One edge of at most the range from the nearest node; the new node, or -1.
+/// One edge of at most the range from the nearest node.
 /// @param from_anywhere also from a node whose domain does not reach so far
-int BidirectionalTrees::extend(Side side, const Configuration& towards, bool from_anywhere) {
+BidirectionalTrees::Reached BidirectionalTrees::extend(Side side, const Configuration& towards,
+                                                       bool from_anywhere) {
   const int from = nearest(side, towards);
   const Node& node = trees_[side].nodes[static_cast<std::size_t>(from)];
   const Configuration& near = node.q;
   const double far = length(near, towards);
-  if (far == 0.0) {  // or distinguished by no weight
-    is_whole_ = false;
-    return from;
-  }
-  if (!from_anywhere && node.is_beside && far > domain_ranges * range_) return -1;
-  const Configuration next =
-      far <= range_ ? towards : Configuration(near + (range_ / far) * (towards - near));
-  return advance(side, from, next);
+  if (far == 0.0) return {-1, from, false};  // or distinguished by no weight
+  if (!from_anywhere && node.is_beside && far > domain_ranges * range_) return {};
+  return advance(side, from,
+                 far <= range_ ? towards : Configuration(near + (range_ / far) * (towards - near)));
 }
 
-/// As far along that edge as it is free; the new node, or -1.
-int BidirectionalTrees::advance(Side side, int from, const Configuration& towards) {
+/// As far along that edge as it is free.
+BidirectionalTrees::Reached BidirectionalTrees::advance(Side side, int from, const Configuration& towards) {
   Node& node = trees_[side].nodes[static_cast<std::size_t>(from)];
   const Configuration near = node.q;
   ++edges_checked_;
   const double share = problem_.space.free_share(near, towards);
-  is_whole_ = share == 1.0;
-  if (!is_whole_) node.is_beside = true;
-  if (is_whole_) return add(side, towards, from, true);
-  if (share < least_share) return -1;
-  return add(side, near + share * (towards - near), from, true);
+  if (share == 1.0) return {from, add(side, towards, from, true), true};
+  node.is_beside = true;
+  if (share < least_share) return {from, -1, false};
+  return {from, add(side, near + share * (towards - near), from, true), false};
 }
 
 /// Edges from the other tree's nearest node on to that node of this one.
@@ -163,18 +161,47 @@ bool BidirectionalTrees::connect(Side side, int node) {
   const Side far_side = other(side);
   const Configuration target = trees_[side].nodes[static_cast<std::size_t>(node)].q;
   while (!problem_.out_of_time()) {
-    const int reached = extend(far_side, target, true);
-    if (reached < 0) return false;
-    const Configuration& there = trees_[far_side].nodes[static_cast<std::size_t>(reached)].q;
-    if (there != target) {
-      if (is_whole_) continue;
+    const Reached reached = extend(far_side, target, true);
+    if (reached.node < 0) return false;
+    if (trees_[far_side].nodes[static_cast<std::size_t>(reached.node)].q != target) {
+      if (reached.is_whole) continue;
       return false;
     }
     joined_[side] = node;
-    joined_[far_side] = reached;
+    joined_[far_side] = reached.node;
     return true;
   }
   return false;
+}
+
+/// Steps from where an edge was blocked, each joint by up to half a range: what lies round the corner.
+bool BidirectionalTrees::step_aside(Side side, int from, std::mt19937_64& random) {
+  for (int i = 0; i < steps_aside && !problem_.out_of_time(); ++i) {
+    Configuration to = trees_[side].nodes[static_cast<std::size_t>(from)].q;
+    for (Eigen::Index j = 0; j < to.size(); ++j) {
+      const double most = std::min(0.5 * range_ / weight_[j], high_[j] - low_[j]);
+      to[j] = std::clamp(to[j] + most * (2.0 * random_unit(random) - 1.0), low_[j], high_[j]);
+    }
+    const int next = advance(side, from, to).node;
+    if (next < 0) continue;
+    if (connect(side, next)) return true;
+    from = next;
+  }
+  return false;
+}
+
+/// One step of the walk along a route, from a node of that tree.
+bool BidirectionalTrees::step_along(RouteWalk& walk, Side side, std::mt19937_64& random) {
+  const auto end = side == start ? RouteWalk::start : RouteWalk::goal;
+  const std::vector<Node>& nodes = trees_[side].nodes;
+  for (std::size_t& i = walked_[side]; i < nodes.size(); ++i) walk.add(end, static_cast<int>(i), nodes[i].q);
+  const auto from = walk.choose(end, random);
+  if (!from) return false;
+  const auto to = walk.step(end, *from, nodes[static_cast<std::size_t>(from->node)].q, random);
+  if (!to) return false;
+  const Reached reached = advance(side, from->node, *to);
+  walk.learn(end, reached.is_whole);
+  return reached.node >= 0 && connect(side, reached.node);
 }
 
 Configuration BidirectionalTrees::draw(std::mt19937_64& random) const {
@@ -191,13 +218,19 @@ BidirectionalTrees::Side BidirectionalTrees::next_side() const {
   return samples_ % 4 == 0 ? other(smaller) : smaller;
 }
 
-bool BidirectionalTrees::grow(int samples, std::mt19937_64& random, const SampleGuide& guide) {
+bool BidirectionalTrees::grow(int samples, std::mt19937_64& random, const TreeGuide& guide) {
   for (int i = 0; i < samples && !problem_.out_of_time(); ++i) {
     ++samples_;
-    std::optional<Configuration> q = guide ? guide(random) : std::nullopt;
     const Side side = next_side();
-    const int added = q ? extend(side, *q, true) : extend(side, draw(random), false);
-    if (added >= 0 && connect(side, added)) return true;
+    if (guide.walk != nullptr && random_unit(random) < guide.walk_share) {
+      if (step_along(*guide.walk, side, random)) return true;
+      continue;
+    }
+    const std::optional<Configuration> q = guide.sample ? guide.sample(random) : std::nullopt;
+    const Reached reached = q ? extend(side, *q, true) : extend(side, draw(random), false);
+    if (reached.node >= 0 && connect(side, reached.node)) return true;
+    const bool is_blocked = reached.from >= 0 && !reached.is_whole;
+    if (is_blocked && step_aside(side, std::max(reached.from, reached.node), random)) return true;
   }
   return false;
 }

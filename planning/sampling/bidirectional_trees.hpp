@@ -15,9 +15,9 @@ namespace clearway {
 
 /// A tree of configurations at the start and one at the goal, joined by certified edges: traces of the local
 /// method are hung into them, samples grow them (RRT-Connect, Kuffner and LaValle 2000, with as many nodes to
-/// grow from as the traces gave), the smaller one more often, until an edge joins the two. Nodes beside an
-/// obstacle draw no samples from far away (dynamic domain, Yershova et al. 2005). Deterministic for the
-/// generator that is given.
+/// grow from as the traces gave), the smaller one more often, until an edge joins the two. Where the way to a
+/// sample is blocked, two steps aside are tried from where it ended. Nodes beside an obstacle draw no samples
+/// from far away (dynamic domain, Yershova et al. 2005). Deterministic for the generator that is given.
 class BidirectionalTrees {
  public:
   enum Side { start = 0, goal = 1 };
@@ -47,7 +47,8 @@ class BidirectionalTrees {
   bool join(Side side, std::size_t first, double spacing, int tries);
 
   /// Up to `samples` rounds of RRT-Connect; true when the trees are joined.
-  bool grow(int samples, std::mt19937_64& random, const SampleGuide& guide);
+  /// @param guide the same from call to call, once there is one
+  bool grow(int samples, std::mt19937_64& random, const TreeGuide& guide = {});
 
   bool is_joined() const { return joined_[start] >= 0; }
 
@@ -78,15 +79,24 @@ class BidirectionalTrees {
     NearestNodes weighted;                ///< the nodes, each joint times its weight
   };
 
+  /// Where an edge from a node ended.
+  struct Reached {
+    int from = -1;          ///< node; -1: no edge was tried
+    int node = -1;          ///< the new one, or `from` where it is the target; -1: none
+    bool is_whole = false;  ///< the edge was free all along
+  };
+
   int add(Side side, const Configuration& q, int parent, bool is_sampled);
   WaypointOrigin origin_of(Side side, int node) const;
   int nearest(Side side, const Configuration& q) const;
   bool is_free(const Configuration& from, const Configuration& to);
-  int extend(Side side, const Configuration& towards, bool from_anywhere);
+  Reached extend(Side side, const Configuration& towards, bool from_anywhere);
   bool got_away(Side side) const;
   bool seems_walled_in(Side side) const;
-  int advance(Side side, int from, const Configuration& towards);
-  bool connect(Side side, int other_node);
+  Reached advance(Side side, int from, const Configuration& towards);
+  bool connect(Side side, int node);
+  bool step_aside(Side side, int from, std::mt19937_64& random);
+  bool step_along(RouteWalk& walk, Side side, std::mt19937_64& random);
   Side next_side() const;
   Configuration draw(std::mt19937_64& random) const;
   double length(const Configuration& a, const Configuration& b) const {
@@ -99,7 +109,7 @@ class BidirectionalTrees {
   double range_ = 0.0;                    ///< longest edge of the samples, weighted units
   std::array<Tree, 2> trees_;
   std::array<int, 2> joined_{-1, -1};
-  bool is_whole_ = false;  ///< the last edge was free all along
+  std::array<std::size_t, 2> walked_{};  ///< nodes that the walk along a route knows
   std::uint64_t edges_checked_ = 0;
   int samples_ = 0;
 };

@@ -1,7 +1,5 @@
 #include "planning/sampling/rrtconnect.hpp"
 
-#include <utility>
-
 #include "planning/problem/option_reader.hpp"
 #include "planning/routes/route_guide.hpp"
 #include "planning/sampling/sampled_trees.hpp"
@@ -10,15 +8,10 @@
 namespace clearway {
 namespace {
 
-/// A route for the hand costs as much as some hundred samples: most queries need fewer.
-constexpr int unguided_samples = 50;
-
 /// Samples along a route for the hand, where there is one.
-SampleGuide find_guide(const PlanProblem& problem, double share) {
+TreeGuide find_guide(const PlanProblem& problem, double share) {
   const EndEffector hand = find_end_effector(problem.space);
-  EndEffectorRoute route = find_end_effector_route(problem, hand);
-  if (route.points.empty()) return {};
-  return RouteGuide(problem, hand, std::move(route), share);
+  return guide_along(problem, hand, find_end_effector_route(problem, hand), share);
 }
 
 }  // namespace

@@ -7,16 +7,26 @@
 #include "planning/path/path_origins.hpp"
 #include "planning/path/path_pieces.hpp"
 #include "planning/path/shortcut.hpp"
+#include "planning/routes/route_guide.hpp"
 #include "planning/sampling/bidirectional_trees.hpp"
 
 namespace clearway {
+
+TreeGuide guide_along(const PlanProblem& problem, const EndEffector& hand, const EndEffectorRoute& route,
+                      double share) {
+  if (route.points.size() < 2 || share <= 0.0) return {};
+  constexpr double walked = 5.0 / 6.0;
+  const double walk_share = walked * share;
+  return {RouteGuide(problem, hand, route, (share - walk_share) / (1.0 - walk_share)),
+          std::make_shared<RouteWalk>(problem.space.robot(), hand, route), walk_share};
+}
 
 TreePath connect_trees(const PlanProblem& problem, const TreeOptions& options) {
   BidirectionalTrees trees(problem, options.weight, options.range);
   std::mt19937_64 random(problem.seed);
   constexpr double everywhere = std::numeric_limits<double>::infinity();
   if (!trees.join(BidirectionalTrees::start, 0, everywhere, 1)) {
-    SampleGuide guide;
+    TreeGuide guide;
     const int unguided =
         options.find_guide ? std::min(options.unguided_samples, options.max_samples) : options.max_samples;
     if (!trees.grow(unguided, random, guide) && unguided < options.max_samples && !problem.out_of_time()) {

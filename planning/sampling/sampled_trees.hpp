@@ -2,12 +2,16 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "planning/problem/planner.hpp"
+#include "planning/routes/end_effector.hpp"
+#include "planning/routes/painted_route.hpp"
+#include "planning/routes/route_walk.hpp"
 
 namespace clearway {
 
@@ -15,13 +19,29 @@ namespace clearway {
 /// generator that it is given and from nothing else, so that the same seed gives the same trees.
 using SampleGuide = std::function<std::optional<Configuration>(std::mt19937_64& random)>;
 
+/// Where trees grow beside uniform samples.
+struct TreeGuide {
+  SampleGuide sample{};               ///< empty: all other samples are uniform
+  std::shared_ptr<RouteWalk> walk{};  ///< of one pair of trees; null: none
+  double walk_share = 0.0;            ///< of all rounds that are a step of the walk
+};
+
+/// Trees, some of whose rounds follow a route for the hand: most of these go on from where a tree has come,
+/// the others put the hand anywhere on it.
+/// @param route empty: no guide  @param share of all rounds, 0 to 1  @param problem outlives the guide
+TreeGuide guide_along(const PlanProblem& problem, const EndEffector& hand, const EndEffectorRoute& route,
+                      double share);
+
+/// Uniform samples before a route for the hand is looked for, which costs as much as some of them: the
+/// easiest queries need none.
+constexpr int unguided_samples = 20;
+
 struct TreeOptions {
   Eigen::VectorXd weight;  ///< of each joint in lengths, see joint_weights
   double range = 0.0;      ///< longest edge tried, weighted units; 0: a tenth of the space's extent
   int max_samples = 100000000;
-  int unguided_samples = 0;  ///< before a guide is asked for
-  std::function<SampleGuide()>
-      find_guide{};  ///< asked once; empty, or gives nothing: all samples are uniform
+  int unguided_samples = 0;                 ///< before a guide is asked for
+  std::function<TreeGuide()> find_guide{};  ///< asked once; empty: all samples are uniform
 };
 
 struct TreePath {

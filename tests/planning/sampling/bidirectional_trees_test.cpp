@@ -37,12 +37,12 @@ TEST(BidirectionalTrees, SamplesJoinStartAndGoalRoundAWall) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     BidirectionalTrees trees = scene.trees();
     std::mt19937_64 random(seed);
-    ASSERT_TRUE(trees.grow(2000, random, nullptr));
+    ASSERT_TRUE(trees.grow(2000, random));
     scene.expect_path(trees);
     EXPECT_NEAR(trees.sampled_share(), 1.0, 1e-12);  // there is nothing else
     BidirectionalTrees again = scene.trees();
     std::mt19937_64 same(seed);
-    again.grow(2000, same, nullptr);
+    again.grow(2000, same);
     EXPECT_EQ(trees.path(), again.path());
   }
 }
@@ -67,7 +67,7 @@ TEST(BidirectionalTrees, SayWhichEndMayBeWalledIn) {
               box_of(2.2, -0.3, -0.05, 2.8, -0.25, 0.05), box_of(2.2, 0.3, -0.05, 2.8, 0.35, 0.05)});
   BidirectionalTrees trees = closed.trees();
   std::mt19937_64 random(1);
-  ASSERT_FALSE(trees.grow(3000, random, nullptr));
+  ASSERT_FALSE(trees.grow(3000, random));
   const auto count = [&](BidirectionalTrees::Side side) { return std::to_string(trees.nodes(side).size()); };
   EXPECT_EQ(trees.reach(), "Configurations: " + count(BidirectionalTrees::start) +
                                " reached from the start, " + count(BidirectionalTrees::goal) +
@@ -75,7 +75,7 @@ TEST(BidirectionalTrees, SayWhichEndMayBeWalledIn) {
   EXPECT_EQ(open.trees().reach(), "Configurations: 1 reached from the start, 1 from the goal.");
   for (int samples = 1; samples < 10; ++samples) {  // one tree has left its root's place, the other not yet
     BidirectionalTrees few = open.trees();
-    few.grow(samples, random, nullptr);
+    few.grow(samples, random);
     EXPECT_EQ(few.reach().find("walled in"), std::string::npos) << few.reach();
   }
 }
@@ -93,7 +93,7 @@ TEST(BidirectionalTrees, NameTheOriginOfEachEdgeOfThePath) {
             (std::vector<WaypointOrigin>{{}, first, second, {PathPhase::start_tree, {}, 3}, third}));
   BidirectionalTrees sampled = scene.trees();
   std::mt19937_64 random(3);
-  ASSERT_TRUE(sampled.grow(2000, random, nullptr));
+  ASSERT_TRUE(sampled.grow(2000, random));
   const std::vector<WaypointOrigin> origins = sampled.path_origins();
   ASSERT_EQ(origins.size(), sampled.path().size());
   for (std::size_t i = 1; i < origins.size(); ++i) {
@@ -114,7 +114,7 @@ TEST(BidirectionalTrees, SamplesGrowFromTracesAndTheirShareIsReported) {
   trees.add_trace(BidirectionalTrees::start, 0,
                   {scene.problem.start, Vector2d(0.0, 0.6), Vector2d(0.0, 1.2)});
   std::mt19937_64 random(5);
-  ASSERT_TRUE(trees.grow(2000, random, nullptr));
+  ASSERT_TRUE(trees.grow(2000, random));
   scene.expect_path(trees);
   EXPECT_GT(trees.sampled_share(), 0.0);
 }
@@ -126,13 +126,27 @@ TEST(BidirectionalTrees, AGuideIsAskedFirstAndTheDeadlineKept) {
   const SampleGuide over = [](std::mt19937_64&) -> std::optional<Configuration> {
     return Vector2d(1.0, 1.3);
   };
-  ASSERT_TRUE(trees.grow(4, random, over));
+  ASSERT_TRUE(trees.grow(4, random, {.sample = over}));
   const auto path = trees.path();
   EXPECT_NE(std::find(path.begin(), path.end(), Configuration(Vector2d(1.0, 1.3))), path.end());
   scene.problem.out_of_time = [] { return true; };
   BidirectionalTrees late = scene.trees();
-  EXPECT_FALSE(late.grow(100, random, nullptr));
+  EXPECT_FALSE(late.grow(100, random));
   EXPECT_EQ(late.samples(), 0);
+}
+
+/// All samples lie in one line behind the wall: only steps aside lead round it.
+TEST(BidirectionalTrees, StepsAsideLeadRoundWhatBlocksASample) {
+  const Wall scene;
+  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+    BidirectionalTrees trees = scene.trees();
+    std::mt19937_64 random(seed);
+    const SampleGuide straight = [](std::mt19937_64& drawn) -> std::optional<Configuration> {
+      return Vector2d(2.5 * static_cast<double>(drawn() >> 11U) * 0x1p-53, 0.0);
+    };
+    ASSERT_TRUE(trees.grow(2000, random, {.sample = straight}));
+    scene.expect_path(trees);
+  }
 }
 
 /// Joints that turn eight times: 63 of 64 configurations are copies of the poses of one turn.
@@ -146,10 +160,9 @@ TEST(BidirectionalTrees, MostSamplesLieWithinOneTurnAboutStartAndGoal) {
   const PlanProblem problem{space, cost, Vector2d(1.0, 0.0), Vector2d(2.0, 0.0)};
   BidirectionalTrees trees(problem, Eigen::VectorXd::Ones(2), 100.0);  // nodes are the samples
   std::mt19937_64 random(1);
-  const SampleGuide none = nullptr;
   std::size_t near = 0, all = 0;
   for (int round = 0; round < 40 && all < 300; ++round) {
-    trees.grow(1, random, none);
+    trees.grow(1, random);
     all = near = 0;
     for (const BidirectionalTrees::Node& node : trees.nodes(BidirectionalTrees::start)) {
       near += (node.q - Vector2d(1.5, 0.0)).lpNorm<Eigen::Infinity>() <= std::numbers::pi + 1e-9;
