@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <mutex>
 
+#include "planning/path/any_angle.hpp"
 #include "planning/problem/option_reader.hpp"
 #include "planning/robot/same_robot.hpp"
 #include "planning/sampling/fcl_octree_space.hpp"
@@ -201,7 +202,7 @@ PlanResult FclPlanner::plan(const PlanProblem& problem) const {
   result.explanation = "Joined start and goal with " + std::to_string(query.samples) +
                        " samples; between the looks at its edges the path is not certified.";
   result.search_steps = static_cast<int>(path.size()) - 1;
-  result.cost = problem.cost(path);
+  result.cost = sampled_cost(problem.cost, path, query.weight, AnyAngleOptions().cost_step);
   result.waypoints = std::move(path);
   return result;
 }
