@@ -128,6 +128,8 @@ ScanInserter::ScanInserter(const Setup& setup, FreeSpaceMap& map, FusionCounts& 
       if (left_out > 0) counts_.lost_poses.push_back(left_out_poses(sensor.poses, left_out));
       if (const auto fast = too_fast_poses(sensor.poses, streams_.at(sensor.name)))
         counts_.lost_poses.push_back(*fast);
+      else if (const auto jumping = jumping_poses(sensor.poses, streams_.at(sensor.name)))
+        counts_.lost_poses.push_back(*jumping);
     }
     if (!sensor.link.empty()) links_.emplace(sensor.name, link_of(sensor, robot->robot()));
   }

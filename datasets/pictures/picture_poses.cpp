@@ -265,7 +265,10 @@ PicturePoses::PicturePoses(const fs::path& file, fs::path folder, std::string wo
   std::size_t left_out = 0;
   between_.emplace(parse_tum_poses(text, name, 2.0 * tolerance, &left_out));
   if (left_out > 0) notes_.push_back(left_out_poses(file, left_out));
-  if (const auto fast = too_fast_poses(file, *between_)) notes_.push_back(*fast);
+  if (const auto fast = too_fast_poses(file, *between_))
+    notes_.push_back(*fast);
+  else if (const auto jumping = jumping_poses(file, *between_))
+    notes_.push_back(*jumping);
   nearest_.emplace(parse_tum_poses(text, name, tolerance, &left_out));
   if (!have_times) take_times_for_numbers(text, pictures, name);
 }
@@ -326,7 +329,7 @@ std::optional<Eigen::Isometry3d> PicturePoses::of(const TimedFile& picture) cons
     const auto number = times_.find(picture.file);
     const double time = number == times_.end() ? picture.time : number->second;
     auto pose = between_->at(time);
-    if (!pose) pose = nearest_->nearest(time);
+    if (!pose && !between_->jump_at(time)) pose = nearest_->nearest(time);
     if (pose) *pose = *pose * body_from_camera_;
     return pose;
   }

@@ -28,6 +28,38 @@ struct PoseStream::State {
   double max_gap = 0.0;
 };
 
+bool is_jump(const StampedPose* earlier, const StampedPose& before, const StampedPose& after,
+             const StampedPose* later, double max_gap) {
+  using Motion = Eigen::Matrix<double, 6, 1>;  // m and rad
+  const auto motion = [](const StampedPose& from, const StampedPose& to) {
+    const Eigen::AngleAxisd turn(from.rotation.conjugate() * to.rotation);
+    const double angle = turn.angle() > M_PI ? turn.angle() - 2.0 * M_PI : turn.angle();
+    return Motion((Motion() << to.translation - from.translation, angle * turn.axis()).finished());
+  };
+  const auto speed = [&](const StampedPose* first, const StampedPose* second) -> std::optional<Motion> {
+    if (first == nullptr || second == nullptr || second->time - first->time > max_gap) return std::nullopt;
+    return motion(*first, *second) / (second->time - first->time);
+  };
+  const std::optional<Motion> speed_before = speed(earlier, &before), speed_after = speed(&after, later);
+  if (!speed_before && !speed_after) return false;
+  const double gap = after.time - before.time;
+  const Motion step = motion(before, after);
+  const Motion first = gap * (speed_before ? *speed_before : *speed_after),
+               last = gap * (speed_after ? *speed_after : *speed_before);
+  const auto off = [](const Eigen::Vector3d& made, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+    const Eigen::Vector3d way = to - from;  // speeds in between are driven, too
+    const double part = way.isZero() ? 0.0 : std::clamp((made - from).dot(way) / way.squaredNorm(), 0.0, 1.0);
+    return (made - from - part * way).norm();
+  };
+  const auto is_beyond = [&](double distance, double acceleration) {
+    constexpr double least = 0.1;  // m, rad
+    const double needed = (speed_before && speed_after ? 4.0 : 1.0) * distance / (gap * gap);
+    return distance > least && needed > acceleration;
+  };
+  return is_beyond(off(step.head<3>(), first.head<3>(), last.head<3>()), 10.0) ||
+         is_beyond(off(step.tail<3>(), first.tail<3>(), last.tail<3>()), 40.0);
+}
+
 PoseStream::PoseStream(double max_gap) : state_(std::make_unique<State>()) {
   if (!(max_gap > 0.0) || !std::isfinite(max_gap))
     throw std::invalid_argument("a pose stream's longest gap must be above 0 s");
@@ -52,7 +84,7 @@ std::optional<Eigen::Isometry3d> PoseStream::at(double time) const {
   constexpr double never = std::numeric_limits<double>::infinity();
   const Around readings = around(time);
   const double gap = readings.after.value_or(never) - readings.before.value_or(-never);
-  if (gap > state_->max_gap) return std::nullopt;
+  if (gap > state_->max_gap || jump_at(time)) return std::nullopt;
   mrpt::poses::CPose3D pose;
   bool valid = false;
   state_->poses.interpolate(mrpt::Clock::fromDouble(time), pose, valid);
@@ -68,8 +100,48 @@ std::optional<Eigen::Isometry3d> PoseStream::nearest(double time) const {
   };
   if (best == state_->poses.end()) best = std::prev(best);
   if (best != state_->poses.begin() && away(std::prev(best)) < away(best)) best = std::prev(best);
-  if (away(best) > state_->max_gap) return std::nullopt;
+  if (away(best) > state_->max_gap || jump_at(time)) return std::nullopt;
   return isometry(mrpt::poses::CPose3D(best->second));
+}
+
+namespace {
+
+template <typename Reading>
+StampedPose stamped(const Reading& reading) {
+  const Eigen::Isometry3d pose = isometry(mrpt::poses::CPose3D(reading.second));
+  return {mrpt::Clock::toDouble(reading.first), pose.translation(), Eigen::Quaterniond(pose.linear())};
+}
+
+/// Whether the readings jump before that one, which is not the first.
+template <typename Readings, typename At>
+std::optional<PoseStream::Jump> jump_before(const Readings& readings, At after, double max_gap) {
+  const At before = std::prev(after);
+  const StampedPose from = stamped(*before), to = stamped(*after);
+  if (to.time - from.time > max_gap) return std::nullopt;
+  std::optional<StampedPose> earlier, later;
+  if (before != readings.begin()) earlier = stamped(*std::prev(before));
+  if (std::next(after) != readings.end()) later = stamped(*std::next(after));
+  if (!is_jump(earlier ? &*earlier : nullptr, from, to, later ? &*later : nullptr, max_gap))
+    return std::nullopt;
+  return PoseStream::Jump{from.time, to.time, (to.translation - from.translation).norm(),
+                          from.rotation.angularDistance(to.rotation)};
+}
+
+}  // namespace
+
+std::optional<PoseStream::Jump> PoseStream::jump_at(double time) const {
+  const auto after = state_->poses.lower_bound(mrpt::Clock::fromDouble(time));
+  if (after == state_->poses.end() || after == state_->poses.begin()) return std::nullopt;
+  if (after->first == mrpt::Clock::fromDouble(time)) return std::nullopt;  // where it was then is known
+  return jump_before(state_->poses, after, state_->max_gap);
+}
+
+std::vector<PoseStream::Jump> PoseStream::jumps() const {
+  std::vector<Jump> found;
+  if (state_->poses.empty()) return found;
+  for (auto after = std::next(state_->poses.begin()); after != state_->poses.end(); ++after)
+    if (const auto jump = jump_before(state_->poses, after, state_->max_gap)) found.push_back(*jump);
+  return found;
 }
 
 PoseStream::Around PoseStream::around(double time) const {
@@ -334,6 +406,17 @@ std::optional<std::string> too_fast_poses(const std::filesystem::path& file, con
   if (!speed || *speed <= fastest) return std::nullopt;
   return "poses " + quote_path(file.string()) + " usually move at " + std::to_string(std::lround(*speed)) +
          " m/s from line to line, which are hardly metres and seconds: expected metres, not millimetres";
+}
+
+std::optional<std::string> jumping_poses(const std::filesystem::path& file, const PoseStream& poses) {
+  const std::vector<PoseStream::Jump> jumps = poses.jumps();
+  if (jumps.empty()) return std::nullopt;
+  const auto farthest = std::max_element(jumps.begin(), jumps.end(),
+                                         [](const auto& a, const auto& b) { return a.shift < b.shift; });
+  const std::string count = jumps.size() == 1 ? "once" : std::to_string(jumps.size()) + " times, farthest";
+  return "poses " + quote_path(file.string()) + " jump " + count + " by " + short_text(farthest->shift, 3) +
+         " m and " + short_text(farthest->turn, 3) + " rad between " + short_text(farthest->before, 15) +
+         " and " + short_text(farthest->after, 15) + " s: what was seen within a jump is left out";
 }
 
 std::string left_out_poses(const std::filesystem::path& file, std::size_t left_out) {

@@ -6,12 +6,27 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace clearway {
 
+/// A pose and its time in seconds.
+struct StampedPose {
+  double time = 0.0;
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();  ///< metres
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+};
+
+/// Whether something jumps between two poses, as a map's odometry does when the robot finds out where it is:
+/// by more than 10 cm (0.1 rad) away from where its speeds before and after lead, which would take more than
+/// 10 m/s^2 (40 rad/s^2). @param earlier, later the poses on both sides; null, or no nearer than max_gap:
+/// nothing is known of that speed, and without both nothing is a jump
+bool is_jump(const StampedPose* earlier, const StampedPose& before, const StampedPose& after,
+             const StampedPose* later, double max_gap);
+
 /// Poses of one moving body over time, and where it was in between: straight line and shortest turn between
 /// the reading before and the one after (mrpt::poses::CPose3DInterpolator). Nothing is guessed beyond the
-/// first and last reading, nor across a gap.
+/// first and last reading, nor across a gap, nor within a jump.
 class PoseStream {
  public:
   /// @param max_gap longest time between the two readings around an answer, seconds, > 0
@@ -24,10 +39,20 @@ class PoseStream {
   /// @throws std::invalid_argument for a time or pose that is not finite.
   void add(double time, const Eigen::Isometry3d& pose);
 
-  /// The pose at `time`; empty before the first reading, after the last, or in a gap longer than max_gap.
+  /// The pose at `time`; empty before the first reading, after the last, in a gap longer than max_gap, or
+  /// within a jump.
   std::optional<Eigen::Isometry3d> at(double time) const;
 
-  /// The reading nearest in time; empty when none lies within max_gap.
+  /// The two readings about a time between which the body jumps, as is_jump() says; empty: it does not.
+  struct Jump {
+    double before = 0.0, after = 0.0;  ///< s
+    double shift = 0.0, turn = 0.0;    ///< from the one to the other, m and rad
+  };
+  std::optional<Jump> jump_at(double time) const;
+  /// All of them, in time.
+  std::vector<Jump> jumps() const;
+
+  /// The reading nearest in time; empty when none lies within max_gap, or the body jumps there.
   std::optional<Eigen::Isometry3d> nearest(double time) const;
 
   /// Times of the last reading not after `time` and of the first one not before it.
@@ -66,6 +91,9 @@ PoseStream load_tum_poses(const std::filesystem::path& file, double max_gap, std
 /// The sentence about poses that can hardly be metres, as those in millimetres are: they usually move at more
 /// than 60 m/s. Empty: they do not.
 std::optional<std::string> too_fast_poses(const std::filesystem::path& file, const PoseStream& poses);
+
+/// The sentence about poses that jump, between which nothing is placed. Empty: none do.
+std::optional<std::string> jumping_poses(const std::filesystem::path& file, const PoseStream& poses);
 
 /// The sentence about so many lines that were left out.
 std::string left_out_poses(const std::filesystem::path& file, std::size_t left_out);

@@ -255,5 +255,34 @@ TEST(PoseStream, NamesTheLineThatIsNoPose) {
   EXPECT_THROW(PoseStream(0.0), std::invalid_argument);
 }
 
+/// A loop that closes: 12.9 m in a tenth of a second between two steady walks.
+TEST(PoseStream, WithinAJumpItSaysNothingAndTellsOfIt) {
+  PoseStream stream(0.5);
+  const auto walk = [](double time, double shift) {
+    return Eigen::Isometry3d(Eigen::Translation3d(0.5 * time + shift, 0.0, 1.0));
+  };
+  for (int i = 0; i < 10; ++i) stream.add(0.1 * i, walk(0.1 * i, 0.0));
+  for (int i = 10; i < 20; ++i) stream.add(0.1 * i, walk(0.1 * i, 12.9));
+  for (const double time : {0.05, 0.85, 0.9, 1.0, 1.05, 1.85}) {
+    EXPECT_TRUE(stream.at(time)) << time;
+    EXPECT_TRUE(stream.nearest(time)) << time;
+    EXPECT_FALSE(stream.jump_at(time)) << time;
+  }
+  EXPECT_FALSE(stream.at(0.95));
+  EXPECT_FALSE(stream.nearest(0.92));
+  const auto jump = stream.jump_at(0.95);
+  ASSERT_TRUE(jump);
+  EXPECT_NEAR(jump->shift, 12.95, 1e-6);
+  EXPECT_NEAR(jump->before, 0.9, 1e-6);
+  EXPECT_EQ(stream.jumps().size(), 1U);
+  const auto told = jumping_poses("walk.txt", stream);
+  ASSERT_TRUE(told);
+  EXPECT_NE(told->find("'walk.txt' jump once by 13 m"), std::string::npos) << *told;
+  EXPECT_NE(told->find("between 0.9 and 1 s"), std::string::npos) << *told;
+  PoseStream steady(0.5);
+  for (int i = 0; i < 20; ++i) steady.add(0.1 * i, walk(0.1 * i, 0.0));
+  EXPECT_FALSE(jumping_poses("walk.txt", steady));
+}
+
 }  // namespace pose_stream_test
 }  // namespace clearway
