@@ -38,6 +38,7 @@ class Clouds final : public FrameSource {
   Clouds(const std::vector<fs::path>& files, const fs::path& poses, std::string sensor,
          const SourceOptions& options)
       : files_(times_of_names(files)),
+        caveat_(names_caveat(files, "clouds")),
         sensor_(std::move(sensor)),
         points_in_(options.clouds),
         is_placed_(std::any_of(options.placed.begin(), options.placed.end(),
@@ -83,6 +84,7 @@ class Clouds final : public FrameSource {
     return std::nullopt;
   }
   std::optional<std::string> damage() const override { return damage_.sentence(files_.size(), "clouds"); }
+  std::string time_caveat() const override { return caveat_; }
   std::vector<std::string> warnings() const override {
     std::vector<std::string> sentences;
     if (!note_.empty()) sentences.push_back(note_);
@@ -160,6 +162,7 @@ class Clouds final : public FrameSource {
   }
 
   std::vector<TimedFile> files_;
+  std::string caveat_;
   std::string sensor_;
   std::optional<CloudFrameOf> points_in_;
   bool is_placed_;

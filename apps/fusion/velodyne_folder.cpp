@@ -162,7 +162,8 @@ class ScannerPoses {
       has_unused_calibration_ = !layout.calibration.empty() && camera_from_scanner(layout.calibration);
       std::size_t left_out = 0;
       stream_.emplace(parse_tum_poses(text, name, 2.0 * tolerance, &left_out));
-      if (left_out > 0) left_out_ = left_out_poses(layout.poses, left_out);
+      if (left_out > 0) notes_.push_back(left_out_poses(layout.poses, left_out));
+      if (const auto jumping = jumping_poses(layout.poses, *stream_)) notes_.push_back(*jumping);
       return;
     }
     if (!layout.calibration.empty()) turn_ = camera_from_scanner(layout.calibration);
@@ -174,7 +175,7 @@ class ScannerPoses {
 
   bool are_there() const { return stream_ || !by_scan_.empty(); }
   bool are_turned() const { return turn_.has_value(); }
-  const std::string& left_out() const { return left_out_; }  ///< a sentence, or ""
+  const std::vector<std::string>& notes() const { return notes_; }  ///< sentences on lines and jumps
   bool has_unused_calibration() const { return has_unused_calibration_; }
   std::optional<Eigen::Isometry3d> of(std::size_t scan, double time) const {
     return stream_ ? stream_->at(time) : by_scan_.at(scan);
@@ -184,7 +185,7 @@ class ScannerPoses {
   std::optional<PoseStream> stream_;
   std::optional<Eigen::Isometry3d> turn_;
   bool has_unused_calibration_ = false;
-  std::string left_out_;
+  std::vector<std::string> notes_;
   std::vector<std::optional<Eigen::Isometry3d>> by_scan_;
 };
 
@@ -198,6 +199,7 @@ class VelodyneFolder final : public FrameSource {
  public:
   VelodyneFolder(const VelodyneLayout& layout, std::string sensor, bool is_placed, double tolerance)
       : scans_(timed_scans(layout)),
+        caveat_(layout.times.empty() ? names_caveat(layout.scans, "scans") : ""),
         sensor_(std::move(sensor)),
         is_placed_(is_placed),
         poses_(is_placed ? VelodyneLayout{} : layout, scans_, tolerance) {}
@@ -231,6 +233,7 @@ class VelodyneFolder final : public FrameSource {
   }
 
   std::optional<std::string> damage() const override { return damage_.sentence(scans_.size(), "scans"); }
+  std::string time_caveat() const override { return caveat_; }
   std::vector<std::string> warnings() const override {
     std::vector<std::string> sentences;
     if (poses_.are_turned())
@@ -246,7 +249,7 @@ class VelodyneFolder final : public FrameSource {
       sentences.push_back(
           "the poses are taken as the scanner's own; a calib.txt with `Tr` beside them makes them a "
           "camera's, as KITTI's are.");
-    if (!poses_.left_out().empty()) sentences.push_back(poses_.left_out());
+    sentences.insert(sentences.end(), poses_.notes().begin(), poses_.notes().end());
     if (unposed_ > 0)
       sentences.push_back(std::to_string(unposed_) + " of " + std::to_string(scans_.size()) +
                           " scans have no pose and were left out");
@@ -256,6 +259,7 @@ class VelodyneFolder final : public FrameSource {
 
  private:
   std::vector<TimedFile> scans_;
+  std::string caveat_;
   std::string sensor_;
   bool is_placed_;
   ScannerPoses poses_;

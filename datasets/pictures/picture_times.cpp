@@ -418,6 +418,19 @@ std::vector<TimedFile> times_of_names(const std::vector<fs::path>& given) {
   return together(files, *times);
 }
 
+std::string names_caveat(const std::vector<fs::path>& files, const std::string& scans) {
+  if (files.size() < 2 || are_clock(files)) return "";
+  const auto numbers = name_times(files);
+  if (numbers && are_distinct(*numbers) && count_from_zero(*numbers))
+    return "the numbers in the " + scans +
+           "' names would be years apart as seconds, and are taken as "
+           "nanoseconds or microseconds from a start: ages of voxels count by that";
+  return "the names of the " + scans + " hold no clock's times: they are taken " +
+         (numbers && are_distinct(*numbers) ? "by the numbers in them, in seconds"
+                                            : "in the order of their names, as one a second") +
+         ": which scan is the newest, and ages of voxels, go by that";
+}
+
 TimedFiles times_of_files(const std::vector<fs::path>& given, std::optional<double> rate) {
   const std::vector<fs::path> files = in_order_of_names(given);
   if (rate) return {counted(files, *rate), {}, ""};

@@ -40,6 +40,10 @@ std::vector<std::filesystem::path> in_order_of_names(std::vector<std::filesystem
 /// seconds count nanoseconds or microseconds), else its place in that order, one a second.
 std::vector<TimedFile> times_of_names(const std::vector<std::filesystem::path>& files);
 
+/// The sentence about times of names that are no clock's, of scans: "clouds"; empty where they are, or there
+/// is one file alone.
+std::string names_caveat(const std::vector<std::filesystem::path>& files, const std::string& scans);
+
 /// The first of these that gives every file a time, none of them twice: the table of times beside them; their
 /// EXIF; their names, as times_of_names reads them. A rate goes before all of them. The table is the one .csv
 /// file in the folder that names one of them, FOLDER.csv or FOLDER.txt beside it, or TUM's associations.txt
