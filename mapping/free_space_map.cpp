@@ -93,6 +93,8 @@ int FreeSpaceMap::add_volume(const std::string& label, const std::vector<std::st
   return state().paint.add_volume(label, critical_parts);
 }
 
+bool FreeSpaceMap::remove_last_volume() { return state().paint.remove_last_volume(); }
+
 PaintCounts FreeSpaceMap::paint(int volume, const Sphere& sphere, double time) {
   state().check_sphere(volume, sphere, time);
   const PaintTally tally = state().tree.paint(volume, sphere);

@@ -57,6 +57,10 @@ class FreeSpaceMap {
   /// @throws std::invalid_argument when the label exists already or 15 volumes exist.
   int add_volume(const std::string& label, const std::vector<std::string>& critical_parts);
 
+  /// Takes the last volume out of the map, as if it had never been added. False, and nothing is done, where
+  /// there is none or something that is not undone was painted into it or erased from it.
+  bool remove_last_volume();
+
   /// Paints the voxels that lie wholly inside `sphere` and keeps the sphere itself (Chong et al. 2008, eq.
   /// 2).
   /// @throws std::invalid_argument for an unknown volume, a non-finite sphere or a radius <= 0.

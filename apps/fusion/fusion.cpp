@@ -17,6 +17,7 @@
 #include "apps/fusion/tag_search.hpp"
 #include "datasets/sources/ordered_frames.hpp"
 #include "mapping/maps/map_damage.hpp"
+#include "mapping/maps/suspect_paint.hpp"
 #include "mapping/system/parallel.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -148,6 +149,7 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   std::optional<double> start;
   FusionCounts& counts = fusion.counts;
   if (options.guide != nullptr) options.guide->begin(fusion.setup, fusion.map, counts);
+  bool is_ended_early = false;  // by who teaches, before there was an image
   while (true) {
     std::optional<SearchedFrame> searched;
     {
@@ -161,7 +163,10 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
       timeline.start_at(frame->time);
     }
     const double since_start = start ? frame->time - *start : 0.0;
-    if (options.guide != nullptr && start && !options.guide->before(since_start)) break;
+    if (options.guide != nullptr && start && !options.guide->before(since_start)) {
+      is_ended_early = counts.images == 0;
+      break;
+    }
     if (body && start)
       body->paint_until(frame->time, *start,
                         options.guide != nullptr ? std::optional(options.guide->brush()) : std::nullopt);
@@ -205,8 +210,8 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
     counts.body_radius = body->largest_radius();
   }
   fusion.damage = frames->damage();
-  const bool is_taught =
-      options.guide != nullptr && counts.spheres > 0;  // a session is kept whatever it painted
+  const bool is_taught = is_ended_early || (options.guide != nullptr &&
+                                            counts.spheres > 0);  // a session is kept whatever it painted
   if (fusion.damage && !is_taught && !has_content(fusion))
     throw std::invalid_argument(fusion.damage->substr(0, fusion.damage->find_last_not_of('.') + 1) +
                                 "; nothing gets into the map");
@@ -221,8 +226,9 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   if (const std::string caveat = frames->time_caveat(); !caveat.empty()) fusion.warnings.push_back(caveat);
   warn_of_leftovers(fusion);
   if (robot) fusion.warnings.insert(fusion.warnings.end(), robot->doubts().begin(), robot->doubts().end());
-  if (const std::string caveat = contradiction_caveat(fusion.map.snapshot()); !caveat.empty())
-    fusion.warnings.push_back(caveat);
+  const Snapshot made = fusion.map.snapshot();
+  for (const std::string& caveat : {contradiction_caveat(made), suspect_paint_caveat(made)})
+    if (!caveat.empty()) fusion.warnings.push_back(caveat);
   return fusion;
 }
 

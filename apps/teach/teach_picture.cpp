@@ -19,7 +19,7 @@ bool goes_on(const std::vector<PaintedVolume>& before, const std::vector<Painted
   if (before.size() > now.size()) return false;
   for (std::size_t v = 0; v < before.size(); ++v) {
     const auto &old = before[v].spheres, &all = now[v].spheres;
-    if (old.size() > all.size()) return false;
+    if (before[v].label != now[v].label || old.size() > all.size()) return false;
     const auto same = [](const Sphere& a, const Sphere& b) {
       return a.center == b.center && a.radius == b.radius;
     };
@@ -162,7 +162,7 @@ void TeachPainter::take_paint(const TeachView& view) {
     const PaintedVolume& volume = (*view.volumes)[v];
     if (v == painted_.size()) {
       paint_->add_volume(volume.label, volume.critical_parts);
-      painted_.emplace_back();
+      painted_.push_back({volume.label, volume.critical_parts});
     }
     for (std::size_t i = painted_[v].spheres.size(); i < volume.spheres.size(); ++i)
       paint_->paint(static_cast<int>(v), volume.spheres[i], 0.0);

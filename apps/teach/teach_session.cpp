@@ -311,6 +311,7 @@ void TeachSession::choose_volume(const TeachEvent& event) {
       is_new ? map_->add_volume(event.name, event.critical_parts) : static_cast<int>(found - volumes.begin());
   if (is_new) ++other_changes_;
   remember("volume");
+  undos_.back().adds_volume = is_new;
   choice_.volume = number;
 }
 
@@ -392,6 +393,7 @@ void TeachSession::undo(std::string& remark) {
     map_->undo_stroke(*last.stroke);
     ++other_changes_;
   }
+  if (last.adds_volume && map_->remove_last_volume()) ++other_changes_;
   choice_ = std::move(last.before);
   use_robot(choice_.robot, now_);
   remark = last.what + " is undone";

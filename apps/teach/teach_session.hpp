@@ -161,6 +161,7 @@ class TeachSession final : public FusionGuide {
     std::string what;
     Choice before;
     std::optional<int> stroke;
+    bool adds_volume = false;
   };
   struct Job {
     std::future<TaughtPlan> result;

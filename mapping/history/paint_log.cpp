@@ -76,6 +76,16 @@ int PaintLog::add_volume(const std::string& label, const std::vector<std::string
   return static_cast<int>(volumes_.size()) - 1;
 }
 
+bool PaintLog::remove_last_volume() {
+  const int last = static_cast<int>(volumes_.size()) - 1;
+  if (last < 0 || std::any_of(events_.begin(), events_.end(),
+                              [last](const PaintEvent& event) { return event.volume == last; }))
+    return false;
+  volumes_.pop_back();
+  numbers_.pop_back();
+  return true;
+}
+
 int PaintLog::begin_stroke(const std::string& label, const std::string& source) {
   strokes_.push_back({label, source});
   open_ = static_cast<int>(strokes_.size()) - 1;

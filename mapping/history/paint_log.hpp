@@ -37,6 +37,8 @@ class PaintLog {
 
   /// Precondition: the label is new.
   int add_volume(const std::string& label, const std::vector<std::string>& critical_parts);
+  /// Takes the last volume out. False, and nothing is done, where something was painted into it.
+  bool remove_last_volume();
 
   /// What follows belongs to a new stroke; returns its number. Ends the open one.
   int begin_stroke(const std::string& label, const std::string& source);

@@ -180,6 +180,23 @@ TEST_F(TeachSessionOf, APlanRestsOnAMapWithTheVolumesThatThereAre) {
   EXPECT_EQ(session_.plans()[0].map_digest, map_sha256(map_.snapshot()));
 }
 
+TEST_F(TeachSessionOf, AVolumeThatIsUndoneLeavesTheMapAsItWas) {
+  paint_everything();
+  const std::string digest = map_sha256(map_.snapshot());
+  const std::size_t version = session_.map_version();
+  for (int i = 0; i < 20; ++i) {  // more than a map has
+    ASSERT_EQ(act(TeachAction::volume, "another"), "");
+    EXPECT_GT(session_.map_version(), version);
+    ASSERT_EQ(act(TeachAction::undo), "");
+  }
+  EXPECT_EQ(map_sha256(map_.snapshot()), digest);
+  ASSERT_EQ(act(TeachAction::start, "0,0.3"), "");  // in the volume that there was before
+  ASSERT_EQ(act(TeachAction::goal, "1,0.5"), "");
+  ASSERT_EQ(act(TeachAction::volume, map_.volumes().front().label), "");  // chosen, not new
+  ASSERT_EQ(act(TeachAction::undo), "");
+  EXPECT_EQ(map_sha256(map_.snapshot()), digest);
+}
+
 TEST_F(TeachSessionOf, ARobotStandsWhereTheSetupHasIt) {
   setup_.robot->map_from_base.translation() = Eigen::Vector3d(0, 0, 0.1);
   setup_.robot->scale = 0.5;
