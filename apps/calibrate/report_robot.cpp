@@ -10,6 +10,7 @@
 #include "apps/fusion/painter.hpp"
 #include "datasets/descriptions/setup_blocks.hpp"
 #include "datasets/ros/sensor_frames.hpp"
+#include "datasets/yaml/pose_numbers.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "tracking/calibration/robot_world.hpp"
 

@@ -7,6 +7,7 @@
 #include "apps/console/shipped_file.hpp"
 #include "apps/console/table.hpp"
 #include "datasets/descriptions/setup_blocks.hpp"
+#include "datasets/yaml/moved_files.hpp"
 #include "datasets/yaml/yaml_gate.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -20,11 +21,15 @@ void require_output(const CalibrateOptions& options, const std::filesystem::path
   if (!options.out.empty()) require_writable(options.out);
 }
 
-/// The setup's text with the blocks in it; it reads back, or this is thrown.
-std::string merged(const std::filesystem::path& file, const CalibrationReport& report) {
-  std::string text = read_text(file, "setup");
+/// The setup's text with the blocks in it, for the file that it will be; it reads back, or this is thrown.
+std::string merged(const std::filesystem::path& file, const std::filesystem::path& out,
+                   const CalibrationReport& report) {
+  const auto folder = [](const std::filesystem::path& of) {
+    return of.has_parent_path() ? of.parent_path() : std::filesystem::path(".");
+  };
+  std::string text = with_files_from(read_text(file, "setup"), folder(file), folder(out));
   for (const std::string& block : report.blocks) text = with_block(text, block);
-  parse_setup(text, file.string());
+  parse_setup(text, out.string());
   return text;
 }
 
@@ -67,7 +72,7 @@ int run_calibrate(const CalibrateOptions& options, Console& console) {
   }
   const CalibrationReport report = report_of(options, setup, images);
   const bool is_good = report.refusal.empty();
-  if (is_good && !options.out.empty()) save_file(options.out, merged(file, report));
+  if (is_good && !options.out.empty()) save_file(options.out, merged(file, options.out, report));
   if (console.json) {
     print_json(report, options, console);
   } else {

@@ -73,7 +73,7 @@ void add_source(CLI::App& command, std::filesystem::path& source, double& second
             positional->required(false);
             source = "/dev/video" + std::to_string(camera);
           },
-          "read a live camera instead, by its number; its images are not stored")
+          "read a live camera instead, by its number")
       ->trigger_on_parse()
       ->check(number("a whole number from 0 to 255", 0, 255))
       ->excludes(positional)

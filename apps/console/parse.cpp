@@ -7,6 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "datasets/yaml/pose_numbers.hpp"
 #include "datasets/yaml/whole_turn.hpp"
 #include "mapping/system/number_text.hpp"
 
@@ -74,11 +75,7 @@ Eigen::Isometry3d pose_from_numbers(const std::vector<double>& numbers, const st
 }
 
 std::vector<double> numbers_from_pose(const Eigen::Isometry3d& pose) {
-  const Eigen::Matrix3d r = pose.linear();
-  const double pitch = std::atan2(-r(2, 0), std::hypot(r(0, 0), r(1, 0)));
-  const Eigen::Vector3d t = pose.translation();
-  std::vector<double> numbers{
-      t.x(), t.y(), t.z(), std::atan2(r(2, 1), r(2, 2)), pitch, std::atan2(r(1, 0), r(0, 0))};
+  std::vector<double> numbers = pose_numbers(pose);
   for (double& number : numbers) number += 0.0;  // no "-0"
   return numbers;
 }

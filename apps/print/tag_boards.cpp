@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "datasets/yaml/pose_numbers.hpp"
 #include "mapping/system/number_text.hpp"
 
 namespace clearway {
@@ -217,24 +218,16 @@ Board calibration_board(const TagBoardsOptions& options, Sheet& sheet) {
   return board;
 }
 
-/// Rz(yaw) Ry(pitch) Rx(roll) of a rotation; where the pitch is upright, the roll is 0.
-Eigen::Vector3d roll_pitch_yaw(const Eigen::Matrix3d& r) {
-  const double level = std::hypot(r(0, 0), r(1, 0)), pitch = std::atan2(-r(2, 0), level);
-  if (level < 1e-9) return {0.0, pitch, std::atan2(-r(0, 1), r(1, 1))};
-  return {std::atan2(r(2, 1), r(2, 2)), pitch, std::atan2(r(1, 0), r(0, 0))};
-}
-
 void write_board(const Board& board, std::ostringstream& text) {
   text << "  - name: " << board.name << '\n';
   if (board.is_fixed) text << "    map_from_board: [0, 0, 0, 0, 0, 0]  # measure it\n";
   if (!board.errors.empty()) text << "    errors: " << board.errors << "  # on one sheet\n";
   text << "    tags:\n";
   for (const Board::Tag& tag : board.tags) {
-    const Eigen::Vector3d p = tag.board_from_tag.translation();
-    const Eigen::Vector3d turn = roll_pitch_yaw(tag.board_from_tag.linear()) * (180.0 / M_PI);
+    const std::vector<double> pose = pose_numbers(tag.board_from_tag);
     text << "      - {id: " << tag.id << ", size: " << tag.size << ", pose_deg: [";
-    for (int i = 0; i < 6; ++i) {
-      const double value = i < 3 ? p[i] : turn[i - 3];
+    for (std::size_t i = 0; i < 6; ++i) {
+      const double value = i < 3 ? pose[i] : pose[i] * (180.0 / M_PI);
       text << (i > 0 ? ", " : "") << (std::abs(value) < 1e-12 ? 0.0 : value);
     }
     text << "]}\n";

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "datasets/sources/lens.hpp"
+#include "datasets/yaml/moved_files.hpp"
+#include "datasets/yaml/pose_numbers.hpp"
 #include "mapping/system/number_text.hpp"
 
 namespace clearway {
@@ -19,12 +21,6 @@ std::string flow_list(const Numbers& numbers) {
   std::string text;
   for (const double number : numbers) text += (text.empty() ? "[" : ", ") + digits(number);
   return text + "]";
-}
-
-std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) result += (c == '"' || c == '\\' ? std::string("\\") : std::string()) + c;
-  return result + "\"";
 }
 
 /// {key: value, …} of those that are known; empty for none.
@@ -42,16 +38,6 @@ std::string board_errors(const BoardErrorsSetup& e) {
 std::string pose_list(const Eigen::Isometry3d& pose) { return flow_list(pose_numbers(pose)); }
 
 }  // namespace
-
-std::vector<double> pose_numbers(const Eigen::Isometry3d& pose) {
-  const Eigen::Matrix3d& r = pose.linear();
-  const double level = std::hypot(r(0, 0), r(1, 0)), pitch = std::atan2(-r(2, 0), level);
-  const bool is_upright = level < 1e-9;
-  const double roll = is_upright ? 0.0 : std::atan2(r(2, 1), r(2, 2));
-  const double yaw = is_upright ? std::atan2(-r(0, 1), r(1, 1)) : std::atan2(r(1, 0), r(0, 0));
-  const Eigen::Vector3d& p = pose.translation();
-  return {p.x(), p.y(), p.z(), roll, pitch, yaw};
-}
 
 std::string camera_block(const CameraIntrinsics& c) {
   return "camera: {width: " + std::to_string(c.width) + ", height: " + std::to_string(c.height) +
@@ -76,7 +62,7 @@ std::string errors_block(const ErrorsSetup& errors) {
 std::string boards_block(const std::vector<BoardSetup>& boards) {
   std::string text = "boards:\n";
   for (const BoardSetup& board : boards) {
-    text += "  - name: " + quoted(board.name) + "\n";
+    text += "  - name: " + yaml_quoted(board.name) + "\n";
     if (board.map_from_board) text += "    map_from_board: " + pose_list(*board.map_from_board) + "\n";
     if (const std::string errors = board_errors(board.errors); !errors.empty())
       text += "    errors: " + errors + "\n";
@@ -89,7 +75,7 @@ std::string boards_block(const std::vector<BoardSetup>& boards) {
 }
 
 std::string probe_block(const ProbeSetup& probe) {
-  std::string text = "probe:\n  board: " + quoted(probe.board) + "\n  ball_center: " +
+  std::string text = "probe:\n  board: " + yaml_quoted(probe.board) + "\n  ball_center: " +
                      flow_list(std::vector<double>(probe.ball_center.begin(), probe.ball_center.end())) +
                      "\n  ball_radius: " + digits(probe.ball_radius) +
                      "\n  robot_error: " + digits(probe.robot_error) +
@@ -106,26 +92,31 @@ std::string probe_block(const ProbeSetup& probe) {
 
 std::string robot_block(const RobotSetup& robot) {
   const std::vector<double> gravity(robot.gravity.begin(), robot.gravity.end());
-  std::string text = "robot:\n  name: " + quoted(robot.name) + "\n  base: " + pose_list(robot.map_from_base) +
-                     "\n  payload: " + digits(robot.payload) + "\n  gravity: " + flow_list(gravity) +
-                     "\n  self_margin: " + digits(robot.self_margin) +
+  std::string text = "robot:\n  name: " + yaml_quoted(robot.name) +
+                     "\n  base: " + pose_list(robot.map_from_base) + "\n  payload: " + digits(robot.payload) +
+                     "\n  gravity: " + flow_list(gravity) + "\n  self_margin: " + digits(robot.self_margin) +
                      "\n  latency: " + digits(robot.latency) +
                      "\n  joint_error: " + digits(robot.joint_error) +
                      "\n  place_error: " + digits(robot.place_error) + "\n";
   if (robot.scale) text += "  scale: " + digits(*robot.scale) + "\n";
   if (!robot.joints.empty()) text += "  joints: " + flow_list(robot.joints) + "\n";
-  if (!robot.joint_file.empty()) text += "  joint_file: " + quoted(robot.joint_file.string()) + "\n";
-  if (!robot.joint_topic.empty()) text += "  joint_topic: " + quoted(robot.joint_topic) + "\n";
+  if (!robot.joint_file.empty()) text += "  joint_file: " + yaml_quoted(robot.joint_file.string()) + "\n";
+  if (!robot.joint_topic.empty()) text += "  joint_topic: " + yaml_quoted(robot.joint_topic) + "\n";
+  if (!robot.paints.empty()) {
+    std::string parts;
+    for (const std::string& part : robot.paints) parts += (parts.empty() ? "" : ", ") + yaml_quoted(part);
+    text += "  paints: [" + parts + "]\n";
+  }
   return text;
 }
 
 std::string sensors_block(const std::vector<SensorSetup>& sensors) {
   std::string text = "sensors:\n";
   for (const SensorSetup& sensor : sensors) {
-    text += "  - {name: " + quoted(sensor.name);
-    if (!sensor.poses.empty()) text += ", poses: " + quoted(sensor.poses.string());
-    if (!sensor.board.empty()) text += ", board: " + quoted(sensor.board);
-    if (!sensor.link.empty()) text += ", link: " + quoted(sensor.link);
+    text += "  - {name: " + yaml_quoted(sensor.name);
+    if (!sensor.poses.empty()) text += ", poses: " + yaml_quoted(sensor.poses.string());
+    if (!sensor.board.empty()) text += ", board: " + yaml_quoted(sensor.board);
+    if (!sensor.link.empty()) text += ", link: " + yaml_quoted(sensor.link);
     text += ", pose: " + pose_list(sensor.mount) + ", max_gap: " + digits(sensor.max_gap) + "}\n";
   }
   return text;

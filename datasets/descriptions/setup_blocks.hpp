@@ -22,9 +22,6 @@ std::string robot_block(const RobotSetup& robot);
 /// The `sensors` key.
 std::string sensors_block(const std::vector<SensorSetup>& sensors);
 
-/// x, y, z, roll, pitch, yaw, Rz(yaw) Ry(pitch) Rx(roll): metres, radians.
-std::vector<double> pose_numbers(const Eigen::Isometry3d& pose);
-
 /// A setup's text with the top level key of `block` replaced by it, or added at the end: all other lines stay
 /// as they are, comments too. @param block as the functions above give it
 /// @throws std::invalid_argument when the text has the key in a form that is not replaced (a flow map)

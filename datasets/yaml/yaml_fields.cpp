@@ -1,5 +1,6 @@
 #include "datasets/yaml/yaml_fields.hpp"
 
+#include <yaml-cpp/binary.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include <iomanip>
 #include <sstream>
 #include <stdexcept>
+#include <vector>
 
 #include "mapping/system/nearest_name.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -222,8 +224,12 @@ bool YamlFields::boolean(const std::string& key) const {
 
 std::optional<int> YamlFields::control_character(const std::string& key) const {
   const YAML::Node node = find(key);
-  if (!node.IsDefined() || !node.IsScalar() || node.Scalar().size() != 1) return std::nullopt;
-  const int number = static_cast<unsigned char>(node.Scalar().front());
+  if (!node.IsDefined() || !node.IsScalar()) return std::nullopt;
+  const bool is_binary = node.Tag() == "tag:yaml.org,2002:binary";
+  const std::vector<unsigned char> decoded =
+      is_binary ? YAML::DecodeBase64(node.Scalar()) : std::vector<unsigned char>();
+  if ((is_binary ? decoded.size() : node.Scalar().size()) != 1) return std::nullopt;
+  const int number = is_binary ? decoded[0] : static_cast<unsigned char>(node.Scalar().front());
   return number < 0x20 ? std::optional(number) : std::nullopt;
 }
 

@@ -51,8 +51,8 @@ class YamlFields {
   int integer(const std::string& key, Bounds bounds, int otherwise) const;
   std::uint64_t seed(const std::string& key, std::uint64_t otherwise) const;  ///< any of 64 bits
   bool boolean(const std::string& key) const;
-  /// The number of a single control character, as ROS 2 writes a byte: 0 for "\0". None: it is something
-  /// else.
+  /// The number of a single control character, as ROS 2 writes a byte: 0 for "\0", or of one byte as
+  /// `!!binary`, as Python does. None: it is something else.
   std::optional<int> control_character(const std::string& key) const;
   /// A name or another word: at most 80 characters and no control characters, so that any sentence may repeat
   /// it.

@@ -71,6 +71,7 @@ TEST(SetupBlocks, robots_and_sensors_read_back_to_what_was_written) {
   robot.gravity = {1.0, 2.0, -9.0};
   robot.self_margin = 0.03;
   robot.joint_file = "joints \"of\" today.csv";
+  robot.paints = {"tool", "left hand"};
   robot.latency = 0.015;
   robot.joint_error = 0.002;
   robot.place_error = 0.0017;
@@ -83,6 +84,7 @@ TEST(SetupBlocks, robots_and_sensors_read_back_to_what_was_written) {
   EXPECT_TRUE(again.robot->map_from_base.isApprox(robot.map_from_base, 1e-8));
   EXPECT_EQ(again.robot->gravity, robot.gravity);
   EXPECT_EQ(again.robot->joint_file, robot.joint_file);
+  EXPECT_EQ(again.robot->paints, robot.paints);
   EXPECT_EQ(std::tie(again.robot->name, again.robot->scale, again.robot->payload, again.robot->self_margin,
                      again.robot->latency, again.robot->joint_error, again.robot->place_error),
             std::tie(robot.name, robot.scale, robot.payload, robot.self_margin, robot.latency,

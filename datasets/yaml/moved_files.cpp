@@ -1,0 +1,71 @@
+#include "datasets/yaml/moved_files.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+#include <vector>
+
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+namespace {
+
+/// A scalar of a text: where it stands, with its quotes, and what it says.
+struct Scalar {
+  std::size_t begin = 0, length = 0;
+  std::string value;
+};
+
+/// Of the files and the robot's description that a setup names.
+void collect_files(const YAML::Node& node, const std::string& above, const std::string& text,
+                   std::vector<Scalar>& found) {
+  static const std::set<std::string> keys{"file", "poses", "joint_file", "mesh", "hull"};
+  if (node.IsSequence())
+    for (const YAML::Node& part : node) collect_files(part, above, text, found);
+  if (!node.IsMap()) return;
+  for (const auto& field : node) {
+    const std::string key = field.first.Scalar();
+    const bool is_robot = above == "robot" && key == "name" && field.second.IsScalar() &&
+                          std::filesystem::path(field.second.Scalar()).has_parent_path();
+    if (!field.second.IsScalar() || (!keys.contains(key) && !is_robot)) {
+      collect_files(field.second, key, text, found);
+      continue;
+    }
+    Scalar scalar{static_cast<std::size_t>(field.second.Mark().pos), 0, field.second.Scalar()};
+    const char quote_mark = text.at(scalar.begin);
+    const bool is_quoted = quote_mark == '"' || quote_mark == '\'';
+    scalar.length = scalar.value.size() + (is_quoted ? 2 : 0);
+    if (text.compare(scalar.begin + (is_quoted ? 1 : 0), scalar.value.size(), scalar.value) != 0)
+      throw std::invalid_argument("field " + quote(key) +
+                                  ": expected a file's name in one line, without "
+                                  "escapes, so that it can be written for another folder");
+    found.push_back(std::move(scalar));
+  }
+}
+
+}  // namespace
+
+std::string with_files_from(const std::string& setup, const std::filesystem::path& folder,
+                            const std::filesystem::path& other) {
+  namespace fs = std::filesystem;
+  const fs::path from = fs::absolute(folder).lexically_normal(), to = fs::absolute(other).lexically_normal();
+  if (from == to) return setup;
+  std::vector<Scalar> files;
+  collect_files(YAML::Load(setup), "", setup, files);
+  std::string text = setup;
+  std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) { return a.begin > b.begin; });
+  for (const Scalar& file : files)
+    if (!fs::path(file.value).is_absolute())
+      text.replace(file.begin, file.length, yaml_quoted(fs::proximate(from / file.value, to).string()));
+  return text;
+}
+
+std::string yaml_quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) result += (c == '"' || c == '\\' ? std::string("\\") : std::string()) + c;
+  return result + "\"";
+}
+
+}  // namespace clearway
