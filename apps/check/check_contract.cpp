@@ -106,7 +106,7 @@ class Statement {
       }
     };
     take(of_plan(loaded), TermSource::plan);
-    bound_plan(by_default, terms, notes);
+    bound_plan(terms);
     if (query_) take(query_->policies, TermSource::map);
     const Policies flags = choose_policies(options_.robot.policies, loaded);
     if (!flags.critical_by_default) {  // --policy P, for all parts
@@ -114,6 +114,11 @@ class Statement {
     }
     take(flags.parts, TermSource::flag);
     restrict_loads(loaded, terms);
+    for (const auto& [part, term] : terms)
+      if (term.source == TermSource::plan && term.value > by_default.at(part))
+        notes.push_back("the policy of " + shortened(part) + " is the plan's, " +
+                        std::string(to_string(term.value)) + "; by default it is " +
+                        std::string(to_string(by_default.at(part))));
     return terms;
   }
 
@@ -218,21 +223,14 @@ class Statement {
     return ends;
   }
 
-  /// The map's record of other queries for this robot bounds the policies of a plan; where it has none, what
-  /// the plan has looser than by default is noted.
-  void bound_plan(const std::map<std::string, Policy>& by_default, std::map<std::string, Term<Policy>>& terms,
-                  std::vector<std::string>& notes) const {
+  /// The map's record of other queries for this robot bounds the policies of a plan.
+  void bound_plan(std::map<std::string, Term<Policy>>& terms) const {
     const std::map<std::string, Policy> recorded = record_.loosest_policies();
     for (const Body& body : robot_.bodies) {
       Term<Policy>& term = terms.at(body.part);
       const auto found = recorded.find(body.part);
       if (found != recorded.end() && term.value > found->second) term = {found->second, TermSource::map};
     }
-    for (const auto& [part, term] : terms)
-      if (!query_ && term.source == TermSource::plan && term.value > by_default.at(part))
-        notes.push_back("the policy of " + shortened(part) + " is the plan's, " +
-                        std::string(to_string(term.value)) + "; by default it is " +
-                        std::string(to_string(by_default.at(part))));
   }
 
   /// A plan does not loosen what a load must lie in.

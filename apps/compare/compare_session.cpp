@@ -83,6 +83,8 @@ void print_experiment(const CompareExperiment& experiment, Console& console) {
   const std::string title = experiment.setup.title.empty() ? "" : ": " + experiment.setup.title;
   console.out() << "== " << experiment.setup.name << title << '\n';
   print_table(console.out(), summary_table(experiment));
+  if (experiment.setup.teams)
+    console.out() << "  Separation, below d_s and top acceleration are of the runs that were not outrun.\n";
   console.out() << '\n' << std::flush;
 }
 

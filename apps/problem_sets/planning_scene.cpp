@@ -290,8 +290,6 @@ class SceneReader {
     const std::string name = object.text("id");
     objects_.insert(name);
     if (operation == "move") return move_object(object, name);
-    if (operation != "add" && operation != "append")
-      return leave("object " + quote(name) + ", which is not added (operation " + quote(operation) + ")");
     const auto planes = object.list_of_maps("planes");
     if (object.list_of_maps("primitives").empty() && object.list_of_maps("meshes").empty() && planes.empty())
       return leave("object " + quote(name) + ", which has neither primitives nor meshes");

@@ -1,5 +1,6 @@
 #include "apps/problem_sets/scene_fields.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
@@ -141,6 +142,8 @@ std::string ros_operation(const YamlFields& object) {
   if (word.empty()) return known[0];
   if (word.size() == 1 && word[0] >= '0' && word[0] <= '3')
     return known[static_cast<std::size_t>(word[0] - '0')];
+  if (std::find(known.begin(), known.end(), word) == known.end())
+    object.fail("operation", "expected ADD (0), REMOVE (1), APPEND (2) or MOVE (3), got " + quote(word));
   return word;
 }
 

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "apps/problem_sets/file_words.hpp"
+#include "datasets/yaml/pose_numbers.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/files/load_json.hpp"
@@ -80,10 +81,7 @@ class SuiteFiles {
 
   /// As a load's file has it, a hull of many corners in a file of its own, which loads that are alike share.
   Json json_of(const Load& load) {
-    const Eigen::Vector3d yaw_pitch_roll = load.link_from_load.linear().eulerAngles(2, 1, 0);
-    std::vector<double> pose = numbers(load.link_from_load.translation());
-    for (const int i : {2, 1, 0}) pose.push_back(yaw_pitch_roll[i]);
-    Json json = {{"name", load.name}, {"link", load.link}, {"pose", pose}};
+    Json json = {{"name", load.name}, {"link", load.link}, {"pose", pose_numbers(load.link_from_load)}};
     if (load.mass > 0.0) json["mass"] = load.mass;
     if (!load.touches.empty()) json["touches"] = load.touches;
     json.update(clearway::json_of(load.shape));

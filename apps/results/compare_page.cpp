@@ -166,6 +166,16 @@ std::string noted(const CompareResults& results) {
   return text;
 }
 
+/// What the tables of teams leave out; empty where there are none.
+std::string team_note(const CompareResults& results) {
+  const bool is_of_teams =
+      std::any_of(results.experiments.begin(), results.experiments.end(),
+                  [](const CompareExperiment& experiment) { return experiment.setup.teams.has_value(); });
+  return is_of_teams
+             ? " Separation, below d_s and top acceleration of teams are of the runs that were not outrun."
+             : "";
+}
+
 /// The flags that name planners of other programs, which a repeated run needs, too.
 std::string externals_of(const CompareResults& results) {
   std::set<std::string> flags;
@@ -190,7 +200,7 @@ std::string to_html(const CompareResults& results) {
                     counted(static_cast<std::size_t>(results.jobs), "problem") +
                     " at a time. Times are of solved runs; cost, length and steps are medians "
                     "of valid runs. " +
-                    interval_note +
+                    interval_note + team_note(results) +
                     " Every path was judged by the independent check, whoever planned it. "
                     "To repeat a run and see it in 3D: clearway compare " +
                     results.file + " --rerun ID --out DIR" + results.flags + externals_of(results) + "." +

@@ -3,7 +3,7 @@
 import type { Arrays, Page } from "./data";
 import { byId, el } from "./dom";
 import { sliceMask, type Faces } from "./faces";
-import { sliceColor, sliceOrder, unpackAll } from "./map_layers";
+import { labelOf, sliceColor, sliceOrder, unpackAll } from "./map_layers";
 
 export class FlatSlices {
   private readonly sets: Faces[];
@@ -32,13 +32,14 @@ export class FlatSlices {
   private legend(): HTMLElement {
     const states = [...new Set(this.sets.map((faces) => faces.state))];
     return el("div", { class: "flat-legend" }, ...states.map((state) => el("span", {}, el("i", { class: `swatch swatch-${state}` }),
-      state.replace("_", " "))));
+      labelOf(this.page, state))));
   }
 
-  /// Through the middle of what is painted, where anything is.
+  /// Through the middle of what is painted, or newly blocked, where anything is.
   private choose(): void {
     const a = Number(this.axis.value);
-    const painted = this.sets.filter((faces) => faces.state === "painted");
+    const first = this.page.stateLabels.length > 0 ? "conflict" : "painted";  // of a difference: what is newly blocked
+    const painted = this.sets.filter((faces) => faces.state === first);
     const shown = painted.length > 0 ? painted : this.sets;
     const low = Math.min(...shown.map((faces) => faces.low[a])), high = Math.max(...shown.map((faces) => faces.high[a]));
     this.slider.min = String(this.low[a]);

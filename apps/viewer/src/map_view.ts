@@ -6,7 +6,7 @@ import type { Arrays, Page, Place, Plan } from "./data";
 import { byId, el, grouped, millimetres } from "./dom";
 import { EvidenceGrid } from "./evidence";
 import { unpackFaces, type Faces } from "./faces";
-import { ballLayer, Slice, unpackAll, voxelLayer, type Layer } from "./map_layers";
+import { ballLayer, labelOf, Slice, unpackAll, voxelLayer, type Layer } from "./map_layers";
 import { openingCuts } from "./opening_cuts";
 import type { Options } from "./options";
 import { palette } from "./palette";
@@ -22,8 +22,6 @@ import { VoxelColors } from "./voxel_colors";
 
 interface LayerRow { name: string; label: string; count: string; swatches: string[]; shown: boolean; layer?: Layer; group: Group; counter?: HTMLElement }
 
-const stateLabels: Record<string, string> = { painted: "painted", occupied: "occupied", conflict: "conflict", seen_free: "seen free" };
-const labelOf = (page: Page, state: string) => page.stateLabels.find(([name]) => name === state)?.[1] ?? stateLabels[state];
 const shownFirst = new Set(["painted", "occupied", "conflict", "robot", "tip", "ghosts", "advice", "seen"]);
 
 export class MapView {

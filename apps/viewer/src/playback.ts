@@ -23,8 +23,8 @@ export class Playback {
     this.button.addEventListener("click", () => this.toggle());
     this.slider.addEventListener("input", () => { this.pause(); this.seek(Number(this.slider.value)); });
     document.addEventListener("keydown", (event) => {
-      const inField = event.target instanceof HTMLElement && /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName)
-        && event.target !== this.slider;
+      const taken = "input, select, textarea, [role=radio]" + (event.key === " " ? ", button, summary, a[href]" : "");
+      const inField = event.target instanceof HTMLElement && event.target !== this.slider && event.target.closest(taken) !== null;
       if (inField || event.ctrlKey || event.metaKey || event.altKey || this.bar.hidden) return;
       if (event.key === " ") this.toggle();
       else if (event.key === "ArrowRight") { this.pause(); this.seek(Math.floor(this.time + 1 + 1e-6)); }

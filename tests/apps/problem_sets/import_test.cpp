@@ -292,9 +292,9 @@ TEST_F(Import, EmptyWordsAndOperationsAreReadAsEachToolWritesThem) {
       "robot_model_name: ''\nfixed_frame_transforms: [{header: {frame_id: ''}, child_frame_id: ''}]\n"
       "world:\n  collision_objects:\n";
   int count = 0;
-  for (const char* added : {"0", "\"\\0\"", "\"\\x02\"", "2", "add", "Append", "''"})
+  for (const char* added : {"0", "\"\\0\"", "\"\\x02\"", "2", "add", "Append", "''", "!!binary AA=="})
     scene += object("in" + std::to_string(count++), added);
-  for (const char* other : {"1", "\"\\x01\"", "remove", "MOVE", "3", "odd"})
+  for (const char* other : {"1", "\"\\x01\"", "remove", "MOVE", "3"})
     scene += object("out" + std::to_string(count++), other);
   scene += "    - {id: none, primitives: [], meshes: [], planes: [], operation: 0}\n";
   const CommandRun run =
@@ -304,16 +304,23 @@ TEST_F(Import, EmptyWordsAndOperationsAreReadAsEachToolWritesThem) {
              {"--json"});
   ASSERT_EQ(run.status, exit_done) << run.log;
   EXPECT_EQ(Json::parse(run.out)["left_out"],
-            (Json{"scene.yaml: the removal of object 'out7', which is not there",
-                  "scene.yaml: the removal of object 'out8', which is not there",
+            (Json{"scene.yaml: the removal of object 'out8', which is not there",
                   "scene.yaml: the removal of object 'out9', which is not there",
-                  "scene.yaml: the move of object 'out10', which is not there",
+                  "scene.yaml: the removal of object 'out10', which is not there",
                   "scene.yaml: the move of object 'out11', which is not there",
-                  "scene.yaml: object 'out12', which is not added (operation 'odd')",
+                  "scene.yaml: the move of object 'out12', which is not there",
                   "scene.yaml: object 'none', which has neither primitives nor meshes"}));
   const Json record = Json::parse(read_file(folder_.file("out/import.json")));
-  EXPECT_EQ(record["worlds"][0]["objects"].size(), 7U);
+  EXPECT_EQ(record["worlds"][0]["objects"].size(), 8U);
   std::filesystem::remove_all(folder_ / "out");
+  for (const char* odd : {"odd", "4", "b'\\x00'", "!!binary AAA="}) {
+    const CommandRun refused =
+        import("mbm", {folder_.write("odd.yaml", "world:\n  collision_objects:\n" + object("box", odd)),
+                       folder_.file("request.yaml")});
+    EXPECT_EQ(refused.status, exit_bad_input) << odd;
+    EXPECT_NE(refused.log.find("operation"), std::string::npos) << refused.log;
+    EXPECT_NE(refused.log.find("expected ADD (0), REMOVE (1)"), std::string::npos) << refused.log;
+  }
   std::string unnamed = arm_request;
   unnamed.replace(unnamed.find("group_name: arm"), 15, "group_name: ''");
   EXPECT_EQ(import("mbm", {folder_.file("scene.yaml"), folder_.write("request.yaml", unnamed)}).status,

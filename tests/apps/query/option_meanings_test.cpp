@@ -25,7 +25,7 @@ TEST(OptionMeanings, StandBesideTheFieldInTheHeader) {
   const std::string meaning = option_meaning("beam", "width");
   EXPECT_LT(header.find("int width"), header.find(meaning));
   EXPECT_EQ(header.find('\n', header.find("int width")), header.find(meaning) + meaning.size());
-  EXPECT_TRUE(option_meaning("beam", "step").ends_with("none: the robot's own"))
+  EXPECT_TRUE(option_meaning("beam", "step").ends_with("auto: the robot's own"))
       << "its comment has two lines";
   EXPECT_EQ(option_meaning("boundary", "xi"), option_meaning("constraint", "xi")) << "of a struct inside";
 }
