@@ -1,7 +1,6 @@
 #include "mapping/scans/cloud_filters.hpp"
 
 #include <pcl/filters/statistical_outlier_removal.h>
-#include <pcl/filters/voxel_grid.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 
@@ -16,18 +15,6 @@ pcl::PointCloud<pcl::PointXYZ>::Ptr pcl_cloud(const std::vector<Eigen::Vector3f>
 }
 
 }  // namespace
-
-std::vector<Eigen::Vector3f> one_point_per_cube(const std::vector<Eigen::Vector3f>& points, double edge) {
-  pcl::VoxelGrid<pcl::PointXYZ> grid;
-  const auto leaf = static_cast<float>(edge);
-  grid.setLeafSize(leaf, leaf, leaf);
-  grid.setInputCloud(pcl_cloud(points));
-  pcl::PointCloud<pcl::PointXYZ> thinned;
-  grid.filter(thinned);
-  std::vector<Eigen::Vector3f> result;
-  for (const auto& point : thinned) result.emplace_back(point.x, point.y, point.z);
-  return result;
-}
 
 std::vector<int> inliers(const std::vector<Eigen::Vector3f>& points, int neighbours, double deviations) {
   pcl::StatisticalOutlierRemoval<pcl::PointXYZ> removal;

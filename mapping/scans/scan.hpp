@@ -34,8 +34,8 @@ struct Capsule {
 struct ScanFilter {
   double min_range = 0.0;  ///< nearer points are dropped, metres
   double max_range = 0.0;  ///< farther points free the ray up to this range and set no hit; 0 = no limit
-  /// One ray per cube of this side, to the centroid of its points (pcl::VoxelGrid); 0: one for each point. In
-  /// safe integration all of them are hits, in compatible the centroids alone.
+  /// One ray per cube of this side, to the point nearest to the centroid of its points; 0: one for each
+  /// point. In safe integration all of them are hits, in compatible those of the rays alone.
   double thin_to = 0.0;
   int outlier_neighbours = 0;       ///< statistical outlier removal looks at this many neighbours; 0 = off
   double outlier_deviations = 2.0;  ///< and drops points whose mean distance to them exceeds the scan's mean

@@ -60,17 +60,36 @@ bool is_dropped(const Eigen::Vector3d& point, double range, const ScanFilter& fi
                      [&](const Capsule& body) { return contains(body, point); });
 }
 
-/// pcl::VoxelGrid counts cubes in 32 bits; a wider cloud would overflow.
-bool can_be_thinned(const std::vector<Eigen::Vector3f>& points, double edge) {
-  Eigen::AlignedBox3d box;
-  for (const auto& point : points) box.extend(point.cast<double>());
-  const Eigen::Array3d cubes = box.sizes().array() / edge + 2.0;
-  const double farthest = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff() / edge;
-  return cubes.prod() < 2.0e9 && farthest < 2.0e9;
+/// The cube of a grid of such cubes about a point: three whole numbers.
+std::array<double, 3> cube_of(const Eigen::Vector3f& point, double edge) {
+  const Eigen::Array3d cube = (point.cast<double>().array() / edge).floor();
+  return {cube.x(), cube.y(), cube.z()};
 }
 
+/// Of the points in each cube that holds any the one nearest to their centroid (of equally near ones the
+/// first), in their order: a ray to a centroid would go where none was measured.
 void thin(std::vector<Eigen::Vector3f>& points, double edge) {
-  if (!points.empty() && can_be_thinned(points, edge)) points = one_point_per_cube(points, edge);
+  std::vector<std::pair<std::array<double, 3>, std::size_t>> cubes;
+  cubes.reserve(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) cubes.emplace_back(cube_of(points[i], edge), i);
+  std::sort(cubes.begin(), cubes.end());
+  std::vector<std::size_t> kept;
+  for (std::size_t begin = 0, end = 0; begin < cubes.size(); begin = end) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (end = begin; end < cubes.size() && cubes[end].first == cubes[begin].first; ++end)
+      sum += points[cubes[end].second].cast<double>();
+    const Eigen::Vector3d centroid = sum / static_cast<double>(end - begin);
+    const auto away = [&](const auto& of) {
+      return (points[of.second].template cast<double>() - centroid).squaredNorm();
+    };
+    kept.push_back(std::min_element(cubes.begin() + static_cast<std::ptrdiff_t>(begin),
+                                    cubes.begin() + static_cast<std::ptrdiff_t>(end),
+                                    [&](const auto& a, const auto& b) { return away(a) < away(b); })
+                       ->second);
+  }
+  std::sort(kept.begin(), kept.end());
+  for (std::size_t i = 0; i < kept.size(); ++i) points[i] = points[kept[i]];
+  points.resize(kept.size());
 }
 
 /// Drops the points that stand apart from the others. Rays beyond max_range end nowhere and stay.
@@ -92,19 +111,14 @@ void drop_outliers(FilteredPoints& scan, const ScanFilter& filter) {
   scan.points = std::move(points);
 }
 
-/// Points whose centroid was an outlier are outliers: those of its cube, unless it may as well be the cube of
-/// one that stays, as of points on a border between cubes.
-void leave_outliers(const std::vector<Eigen::Vector3f>& centroids, double edge, FilteredPoints& scan) {
+/// The points of a cube whose ray was an outlier are outliers.
+void leave_outliers(const std::vector<Eigen::Vector3f>& rays, double edge, FilteredPoints& scan) {
   if (scan.thinned.empty()) return;
-  const auto cube_of = [&](const Eigen::Vector3f& point) {
-    const Eigen::Array3d cube = (point.cast<double>().array() / edge).floor();
-    return std::array{cube.x(), cube.y(), cube.z()};
-  };
-  std::set<std::array<double, 3>> kept, dropped;
-  for (const Eigen::Vector3f& point : scan.points) kept.insert(cube_of(point));
-  for (const Eigen::Vector3f& point : centroids)
-    if (const auto cube = cube_of(point); !kept.contains(cube)) dropped.insert(cube);
-  std::erase_if(scan.thinned, [&](const Eigen::Vector3f& point) { return dropped.contains(cube_of(point)); });
+  std::set<std::array<double, 3>> dropped;
+  for (const Eigen::Vector3f& point : rays) dropped.insert(cube_of(point, edge));
+  for (const Eigen::Vector3f& point : scan.points) dropped.erase(cube_of(point, edge));
+  std::erase_if(scan.thinned,
+                [&](const Eigen::Vector3f& point) { return dropped.contains(cube_of(point, edge)); });
 }
 
 }  // namespace
@@ -141,9 +155,9 @@ FilteredPoints filter_points(const Scan& scan, const ScanFilter& filter) {
     if (result.thinned.size() == result.points.size()) result.thinned.clear();
   }
   if (filter.outlier_neighbours > 0) {
-    const std::vector<Eigen::Vector3f> centroids = result.thinned.empty() ? result.thinned : result.points;
+    const std::vector<Eigen::Vector3f> rays = result.thinned.empty() ? result.thinned : result.points;
     drop_outliers(result, filter);
-    leave_outliers(centroids, filter.thin_to, result);
+    leave_outliers(rays, filter.thin_to, result);
   }
   return result;
 }

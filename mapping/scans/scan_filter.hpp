@@ -10,7 +10,7 @@ namespace clearway {
 struct FilteredPoints {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< where the rays start
   std::vector<Eigen::Vector3f> points;               ///< finite; nearer or farther than max_range
-  /// Where thinning put centroids: the points that these stand for, which were hits, too.
+  /// Where points were thinned: all of them, which were hits, too.
   std::vector<Eigen::Vector3f> thinned = {};
   std::size_t dropped_invalid = 0;  ///< NaN or infinite
   std::size_t dropped_filter = 0;
@@ -18,9 +18,8 @@ struct FilteredPoints {
 
 /// Transforms a scan into the map frame and drops what is not finite, nearer than min_range, outside the crop
 /// box, inside a body, or thinned away. Rays beyond max_range stay: they still free space. Thinning keeps one
-/// point, the centroid, per cube that holds any (pcl::VoxelGrid); a scan too wide to be thinned on 32-bit
-/// cube indices stays whole. Last, statistical outliers go (pcl::StatisticalOutlierRemoval), among the points
-/// within max_range.
+/// point per cube that holds any, that nearest to their centroid. Last, statistical outliers go
+/// (pcl::StatisticalOutlierRemoval), among the points within max_range.
 /// @throws std::invalid_argument naming the field of the filter that is negative or not finite.
 FilteredPoints filter_points(const Scan& scan, const ScanFilter& filter);
 

@@ -161,7 +161,7 @@ void add_clear_rays(const FusedTree& tree, const Scan& scan, const ScanFilter& f
   }
 }
 
-/// Points for which a centroid stands are hits as it is: their voxels are blocked, and no ray frees them.
+/// Points for which one ray stands are hits as it is: their voxels are blocked, and no ray frees them.
 void add_thinned_hits(const FusedTree& tree, const FilteredPoints& kept, double max_range, ScanGrid& hits) {
   for (const Eigen::Vector3f& point : kept.thinned) {
     const Eigen::Vector3d at = point.cast<double>();

@@ -66,15 +66,30 @@ TEST(ScanFilter, ThinningKeepsOnePointPerCube) {
     const Eigen::Array3i cube = (point.cast<double>().array() / edge).floor().cast<int>();
     cubes.insert({cube.x(), cube.y(), cube.z()});
   }
-  const FilteredPoints kept = filter_points(scan, {.thin_to = edge});
-  EXPECT_NEAR(static_cast<double>(kept.points.size()), static_cast<double>(cubes.size()),
-              3.0);  // float cubes
+  const FilteredPoints all = filter_points(scan, {}), kept = filter_points(scan, {.thin_to = edge});
+  EXPECT_EQ(kept.points.size(), cubes.size());
   EXPECT_EQ(kept.points.size() + kept.dropped_filter, scan.points.size());
+  for (const Eigen::Vector3f& ray : kept.points) {
+    const auto is_with_it = [&](const Eigen::Vector3f& point) {
+      const auto cube = [&](const Eigen::Vector3f& of) -> Eigen::Array3d {
+        return (of.cast<double>().array() / edge).floor();
+      };
+      return (cube(point) == cube(ray)).all();
+    };
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    double count = 0.0, nearest = HUGE_VAL;
+    for (const Eigen::Vector3f& point : all.points)
+      if (is_with_it(point)) sum += point.cast<double>(), ++count;
+    for (const Eigen::Vector3f& point : all.points)
+      if (is_with_it(point)) nearest = std::min(nearest, (point.cast<double>() - sum / count).norm());
+    ASSERT_GT(count, 0.0);  // a point that was measured
+    EXPECT_NEAR((ray.cast<double>() - sum / count).norm(), nearest, 1e-12);
+  }
 }
 
-TEST(ScanFilter, AScanTooWideToThinStaysWhole) {
+TEST(ScanFilter, AWideScanIsThinned) {
   Scan scan;
-  scan.points = {{0, 0, 0}, {3e4F, 3e4F, 3e4F}, {-3e4F, 0, 0}};
+  scan.points = {{0, 0, 0}, {3e4F, 3e4F, 3e4F}, {-3e4F, 0, 0}, {3e4F, 3e4F, 3e4F}};
   EXPECT_EQ(filter_points(scan, {.thin_to = 1e-3}).points.size(), 3U);
 }
 

@@ -208,22 +208,22 @@ TEST(ScanRays, ThinningTakesRaysAndNoHits) {
     if (drops_outliers) scan.points.emplace_back(0.52F, 0.02F, 0.02F);
     ScanFilter filter{.thin_to = 0.13};
     if (drops_outliers) filter.outlier_neighbours = 8, filter.outlier_deviations = 6.0;
-    FreeSpaceMap safe({.resolution = 0.05}), centroids({.resolution = 0.05, .integration = compatible});
+    FreeSpaceMap safe({.resolution = 0.05}), rays_alone({.resolution = 0.05, .integration = compatible});
     safe.insert(scan, filter);
-    EXPECT_EQ(centroids.insert(scan, filter).inserted, filter_points(scan, filter).points.size());
+    EXPECT_EQ(rays_alone.insert(scan, filter).inserted, filter_points(scan, filter).points.size());
     std::size_t lost = 0;
     for (int i = 0; i < 4000; ++i) {
       const Eigen::Vector3d point = scan.points[static_cast<std::size_t>(i)].cast<double>();
       EXPECT_EQ(safe.snapshot().state(point), VoxelState::occupied) << point.transpose();
-      lost += centroids.snapshot().state(point) != VoxelState::occupied;
+      lost += rays_alone.snapshot().state(point) != VoxelState::occupied;
     }
-    EXPECT_GT(lost, 1000U);  // what PCL's filter before OctoMap makes of it
+    EXPECT_GT(lost, 1000U);  // what a filter before OctoMap makes of it
     const VoxelState outlier = safe.snapshot().state({0.52, 0.02, 0.02});
     EXPECT_NE(outlier, VoxelState::occupied);
   }
 }
 
-/// Whose centroids rounding may put on the other side of the border.
+/// Points that rounding may put on either side of it.
 TEST(ScanRays, ThinningKeepsHitsOnABorderBetweenItsCubes) {
   for (const float x : {0.3F, 0.7F, 1.1F, 1.3F, 2.3F}) {
     Dice dice(11);
@@ -237,7 +237,7 @@ TEST(ScanRays, ThinningKeepsHitsOnABorderBetweenItsCubes) {
     std::size_t lost = 0;
     for (const Eigen::Vector3f& point : scan.points)
       lost += snapshot.state(point.cast<double>()) != VoxelState::occupied;
-    EXPECT_LT(lost, 200U) << x;  // of cubes at the corners, whose centroids stand apart
+    EXPECT_LT(lost, 200U) << x;  // of cubes at the corners, whose rays stand apart
   }
 }
 
