@@ -38,6 +38,8 @@ std::string_view name_of(AcceptedTerm term) {
       return "payload";
     case AcceptedTerm::map:
       return "map";
+    case AcceptedTerm::moving_end:
+      return "moving-end";
     case AcceptedTerm::goals:
       break;
   }
@@ -159,11 +161,11 @@ void append_motion(const MotionVerdict& motion, double duration, Rows& rows) {
     rows.emplace_back("refused for", motion.fault);
     return;
   }
-  rows.emplace_back("motion", "valid: " + significant(duration, 4) + " s, at most " +
-                                  percent(motion.shares.velocity) + " of velocity, " +
-                                  percent(motion.shares.acceleration) + " of acceleration and " +
-                                  percent(motion.shares.jerk) + " of jerk limits at " +
-                                  std::to_string(motion.samples) + " samples");
+  rows.emplace_back(
+      "motion", "valid: " + significant(duration, 4) + " s, at most " + percent(motion.shares.velocity) +
+                    " of velocity, " + percent(motion.shares.acceleration) + " of acceleration and " +
+                    percent(motion.shares.jerk) + " of jerk limits at " + std::to_string(motion.samples) +
+                    " samples; clearance at least " + significant(motion.min_clearance * 1000.0, 3) + " mm");
 }
 
 void append_splines(const SplineVerdict& splines, double duration, Rows& rows) {
@@ -242,8 +244,8 @@ Rows check_rows(const CheckReport& report) {
   }
   if (!report.path.first_contact.empty()) rows.emplace_back("first contact", report.path.first_contact);
   if (report.path.valid)
-    rows.emplace_back("min. clearance",
-                      "at least " + significant(report.path.min_clearance * 1000.0, 3) + " mm");
+    rows.emplace_back("min. clearance", "at least " + significant(report.path.min_clearance * 1000.0, 3) +
+                                            " mm" + (report.motion ? " along straight edges" : ""));
   if (report.motion) append_motion(*report.motion, report.motion_duration, rows);
   if (report.splines) append_splines(*report.splines, report.motion_duration, rows);
   if (report.torques) append_torques(*report.torques, rows);

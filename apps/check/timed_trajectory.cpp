@@ -189,8 +189,13 @@ std::optional<TimedTrajectory> timed_trajectory(const ForeignTrajectory& traject
                             picked(trajectory, robot, trajectory.accelerations[i])});
   add_start(trajectory, robot, timed);
   const Eigen::VectorXd& last = timed.points.back().velocity;
-  if (last.size() > 0 && last.cwiseAbs().maxCoeff() > rests_within)
-    timed.notes.push_back("the last point has a velocity: how the robot stops after it is not judged");
+  Eigen::Index joint = 0;
+  if (last.size() > 0 && last.cwiseAbs().maxCoeff(&joint) > rests_within)
+    timed.moving_end = "the last point moves joint " +
+                       shortened(robot.joints[static_cast<std::size_t>(joint)].name) + " at " +
+                       significant(last[joint], 3) +
+                       " a second: how the robot stops after it is not judged, "
+                       "expected it to rest there";
   return timed;
 }
 

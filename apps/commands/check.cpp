@@ -183,6 +183,9 @@ int run_check(const CheckOptions& options, Console& console) {
           (entries.size() > 1 ? ", or a later one," : "") + " has " + (unnamed.size() == 1 ? "it" : "them"));
   }
   report.deviations = deviations(report.contract, plan, robot, options.accepted);
+  if (!timed.empty() && !timed.back().moving_end.empty())
+    report.deviations.push_back({AcceptedTerm::moving_end, timed.back().moving_end,
+                                 options.accepted.contains(AcceptedTerm::moving_end)});
   adopt_accepted(report.deviations, plan, robot, report.contract);
   note_tip_and_place(robot, map, plan, report.contract);
   if (!report.contract.pick.value)

@@ -66,6 +66,8 @@ Command add_check(CLI::App& app, Console& console) {
          "accept the plan's payload if it is smaller, and its gravity if it differs");
   accept("map", AcceptedTerm::map, "accept a plan made on another map (another SHA-256)");
   accept("goals", AcceptedTerm::goals, "accept a path that starts elsewhere or omits goals");
+  accept("moving-end", AcceptedTerm::moving_end,
+         "accept a timed trajectory that ends in motion: how the robot stops after it is not judged");
   return [options](Console& c) { return run_check(*options, c); };
 }
 

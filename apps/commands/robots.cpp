@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <ostream>
@@ -165,9 +166,13 @@ class Description {
     for (const Body& body : robot_.bodies) json["bodies"].push_back(body_json(body));
     json["tested_pairs"] = tested_pairs_;
     json["exempt_pairs"] = Json::array();
-    std::set<std::pair<std::string, std::string>> exempt;  // of parts, which may have several bodies each
-    for (const auto& [a, b] : robot_.exempt)
-      if (exempt.emplace(part(a), part(b)).second) json["exempt_pairs"].push_back({part(a), part(b)});
+    std::map<std::string, std::size_t> bodies;  // of each part
+    for (const Body& body : robot_.bodies) ++bodies[body.part];
+    std::map<std::pair<std::string, std::string>, std::size_t> exempt;
+    for (const auto& [a, b] : robot_.exempt) ++exempt[std::minmax(part(a), part(b))];
+    for (const auto& [parts, pairs] : exempt)
+      if (pairs == bodies[parts.first] * bodies[parts.second])  // of the others some bodies are tested
+        json["exempt_pairs"].push_back({parts.first, parts.second});
     json["touching"] = touching_;
     json["notes"] = notes_;
     return json;

@@ -145,7 +145,7 @@ struct PlanOptions {
 int run_plan(const PlanOptions& options, Console& console);
 
 /// What a plan may loosen when the user names it (--accept-…).
-enum class AcceptedTerm { robot, held, scale, base, policy, padding, load, payload, map, goals };
+enum class AcceptedTerm { robot, held, scale, base, policy, padding, load, payload, map, goals, moving_end };
 
 struct CheckOptions {
   std::filesystem::path map;

@@ -167,6 +167,9 @@ std::string torque_fault(const Robot& robot, double period, const TorqueTerms& t
   text << "motion: after " << period * found.place << " s the torque of joint "
        << shortened(robot.joints[static_cast<std::size_t>(found.joint)].name) << " is " << found.torque
        << ", beyond its limit of " << terms.limits[found.joint] << ", the URDF's effort";
+  const std::string& joint = robot.joints[static_cast<std::size_t>(found.joint)].name;
+  if (std::find(found.overloaded.begin(), found.overloaded.end(), joint) != found.overloaded.end())
+    text << ", of which gravity alone takes more than 95 %: no slower motion helps";
   return text.str();
 }
 

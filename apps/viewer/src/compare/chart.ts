@@ -34,7 +34,7 @@ export interface ChartOptions {
 export const plain = (value: number) => value === 0 ? "0" : Math.abs(value) < 1e-4 || Math.abs(value) >= 1e6
   ? value.toExponential(0) : Number(value.toPrecision(6)).toLocaleString("en-US", { maximumSignificantDigits: 6 });
 
-const dashOf = (color: number) => color >= palette().series.length ? [6, 4] : undefined;
+export const dashOf = (color: number) => color >= palette().series.length ? [6, 4] : undefined;
 export const colorOf = (color: number) => palette().series[color % palette().series.length];
 
 /// One sorted x for all lines, as uPlot wants it; a line has a gap where it has no value.

@@ -1,7 +1,7 @@
 // All experiments in one table; and one experiment: its table, what the paper says, its plots, and the runs that failed.
 
 import { el } from "../dom";
-import { colorOf, plain, type Chart } from "./chart";
+import { colorOf, dashOf, plain, type Chart } from "./chart";
 import { isValid, type Experiment, type Figure, type Meanings, type Overview, type Planner, type Run, type Sweep } from "./data";
 import { sortable } from "./sortable";
 import { costScatter, profileCharts, resolutionCharts, shareCharts, timeChart, widthCharts } from "./plots";
@@ -36,12 +36,16 @@ function boxed(label: string, inner: HTMLElement): HTMLElement {
 const cell = (text: string, value: number | null) => el("td", value === null ? { class: "number" } : { class: "number", "data-value": String(value) }, text);
 const share = (value: number) => (100 * value).toFixed(value > 0 && value < 1 ? 1 : 0);
 
+/// A planner's colour; striped where another has the same.
+const swatch = (color: number) =>
+  el("i", { class: dashOf(color) ? "swatch dashed" : "swatch", style: `background:${colorOf(color)}`, "data-color": String(color) });
+
 /// The planner's name with its colour, options on hovering, and what it does not promise.
 function nameCell(planner: Planner, color: number, ...marks: HTMLElement[]): HTMLElement {
   const options = Object.entries(planner.options).map(([key, value]) => `${key} = ${value}`).join("\n");
   const promise = planner.certified ? [] : [el("small", { class: "mark", title: "This planner does not prove its edges" }, "not certified")];
   return el("td", { class: "planner", "data-value": String(color) },
-    el("span", { class: "name", title: `${planner.planner}\n${options}` }, el("i", { class: "swatch", style: `background:${colorOf(color)}`, "data-color": String(color) }), planner.label),
+    el("span", { class: "name", title: `${planner.planner}\n${options}` }, swatch(color), planner.label),
     ...promise, ...marks);
 }
 
@@ -162,7 +166,7 @@ function teamTable(experiment: Experiment, [head, ...rows]: string[][]): HTMLEle
   const cells = (row: string[]) => row.map((text, i) => i === 0 || i === row.length - 1 ? el("td", {}, text.replaceAll("_", " ")) : el("td", { class: "number" }, text));
   const first = (cell: HTMLElement, p: number) => {
     cell.className = "planner";
-    cell.prepend(el("i", { class: "swatch", style: `background:${colorOf(p)}`, "data-color": String(p) }));
+    cell.prepend(swatch(p));
     return cell;
   };
   return el("div", { class: "table-box", tabindex: "0", role: "region", "aria-label": experiment.name },
