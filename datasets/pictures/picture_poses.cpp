@@ -329,7 +329,7 @@ std::optional<Eigen::Isometry3d> PicturePoses::of(const TimedFile& picture) cons
     const auto number = times_.find(picture.file);
     const double time = number == times_.end() ? picture.time : number->second;
     auto pose = between_->at(time);
-    if (!pose && !between_->jump_at(time)) pose = nearest_->nearest(time);
+    if (!pose && !between_->is_in_jump(time)) pose = nearest_->nearest(time);
     if (pose) *pose = *pose * body_from_camera_;
     return pose;
   }

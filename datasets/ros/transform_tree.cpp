@@ -5,8 +5,6 @@
 #include <iterator>
 #include <set>
 
-#include "datasets/sources/pose_stream.hpp"
-
 namespace clearway {
 
 void TransformTree::add(const RosTransform& transform, bool is_fixed, double recorded) {
@@ -103,15 +101,37 @@ PoseConflicts TransformTree::conflicts_of(const std::string& frame) const {
 }
 
 bool TransformTree::is_jump(const Poses& poses, Poses::const_iterator after) {
-  const auto stamped = [](const Poses::value_type& pose) {
-    return StampedPose{pose.first, pose.second.translation, pose.second.rotation};
+  using Motion = Eigen::Matrix<double, 6, 1>;  // m and rad
+  const auto motion = [](const Pose& from, const Pose& to) {
+    const Eigen::AngleAxisd turn(from.rotation.conjugate() * to.rotation);
+    const double angle = turn.angle() > M_PI ? turn.angle() - 2.0 * M_PI : turn.angle();
+    return Motion((Motion() << to.translation - from.translation, angle * turn.axis()).finished());
+  };
+  const auto speed = [&](Poses::const_iterator first, Poses::const_iterator second) -> std::optional<Motion> {
+    const double gap = second->first - first->first;
+    if (gap > max_gap) return std::nullopt;
+    return motion(first->second, second->second) / gap;
   };
   const auto before = std::prev(after);
-  std::optional<StampedPose> earlier, later;
-  if (before != poses.begin()) earlier = stamped(*std::prev(before));
-  if (std::next(after) != poses.end()) later = stamped(*std::next(after));
-  return clearway::is_jump(earlier ? &*earlier : nullptr, stamped(*before), stamped(*after),
-                           later ? &*later : nullptr, max_gap);
+  std::optional<Motion> earlier, later;
+  if (before != poses.begin()) earlier = speed(std::prev(before), before);
+  if (std::next(after) != poses.end()) later = speed(after, std::next(after));
+  if (!earlier && !later) return false;
+  const double gap = after->first - before->first;
+  const Motion step = motion(before->second, after->second);
+  const Motion first = gap * (earlier ? *earlier : *later), last = gap * (later ? *later : *earlier);
+  const auto off = [](const Eigen::Vector3d& made, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+    const Eigen::Vector3d way = to - from;  // speeds in between are driven, too
+    const double part = way.isZero() ? 0.0 : std::clamp((made - from).dot(way) / way.squaredNorm(), 0.0, 1.0);
+    return (made - from - part * way).norm();
+  };
+  const auto is_beyond = [&](double distance, double acceleration) {
+    constexpr double least = 0.1;  // m, rad
+    const double needed = (earlier && later ? 4.0 : 1.0) * distance / (gap * gap);
+    return distance > least && needed > acceleration;
+  };
+  return is_beyond(off(step.head<3>(), first.head<3>(), last.head<3>()), 10.0) ||
+         is_beyond(off(step.tail<3>(), first.tail<3>(), last.tail<3>()), 40.0);
 }
 
 std::optional<PoseJump> TransformTree::jump_between(const std::string& root, const std::string& frame,

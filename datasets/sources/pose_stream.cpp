@@ -26,39 +26,8 @@ namespace clearway {
 struct PoseStream::State {
   mrpt::poses::CPose3DInterpolator poses;
   double max_gap = 0.0;
+  std::vector<PoseStream::Jump> jumps;
 };
-
-bool is_jump(const StampedPose* earlier, const StampedPose& before, const StampedPose& after,
-             const StampedPose* later, double max_gap) {
-  using Motion = Eigen::Matrix<double, 6, 1>;  // m and rad
-  const auto motion = [](const StampedPose& from, const StampedPose& to) {
-    const Eigen::AngleAxisd turn(from.rotation.conjugate() * to.rotation);
-    const double angle = turn.angle() > M_PI ? turn.angle() - 2.0 * M_PI : turn.angle();
-    return Motion((Motion() << to.translation - from.translation, angle * turn.axis()).finished());
-  };
-  const auto speed = [&](const StampedPose* first, const StampedPose* second) -> std::optional<Motion> {
-    if (first == nullptr || second == nullptr || second->time - first->time > max_gap) return std::nullopt;
-    return motion(*first, *second) / (second->time - first->time);
-  };
-  const std::optional<Motion> speed_before = speed(earlier, &before), speed_after = speed(&after, later);
-  if (!speed_before && !speed_after) return false;
-  const double gap = after.time - before.time;
-  const Motion step = motion(before, after);
-  const Motion first = gap * (speed_before ? *speed_before : *speed_after),
-               last = gap * (speed_after ? *speed_after : *speed_before);
-  const auto off = [](const Eigen::Vector3d& made, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
-    const Eigen::Vector3d way = to - from;  // speeds in between are driven, too
-    const double part = way.isZero() ? 0.0 : std::clamp((made - from).dot(way) / way.squaredNorm(), 0.0, 1.0);
-    return (made - from - part * way).norm();
-  };
-  const auto is_beyond = [&](double distance, double acceleration) {
-    constexpr double least = 0.1;  // m, rad
-    const double needed = (speed_before && speed_after ? 4.0 : 1.0) * distance / (gap * gap);
-    return distance > least && needed > acceleration;
-  };
-  return is_beyond(off(step.head<3>(), first.head<3>(), last.head<3>()), 10.0) ||
-         is_beyond(off(step.tail<3>(), first.tail<3>(), last.tail<3>()), 40.0);
-}
 
 PoseStream::PoseStream(double max_gap) : state_(std::make_unique<State>()) {
   if (!(max_gap > 0.0) || !std::isfinite(max_gap))
@@ -84,7 +53,7 @@ std::optional<Eigen::Isometry3d> PoseStream::at(double time) const {
   constexpr double never = std::numeric_limits<double>::infinity();
   const Around readings = around(time);
   const double gap = readings.after.value_or(never) - readings.before.value_or(-never);
-  if (gap > state_->max_gap || jump_at(time)) return std::nullopt;
+  if (gap > state_->max_gap || is_in_jump(time)) return std::nullopt;
   mrpt::poses::CPose3D pose;
   bool valid = false;
   state_->poses.interpolate(mrpt::Clock::fromDouble(time), pose, valid);
@@ -100,48 +69,59 @@ std::optional<Eigen::Isometry3d> PoseStream::nearest(double time) const {
   };
   if (best == state_->poses.end()) best = std::prev(best);
   if (best != state_->poses.begin() && away(std::prev(best)) < away(best)) best = std::prev(best);
-  if (away(best) > state_->max_gap || jump_at(time)) return std::nullopt;
+  if (away(best) > state_->max_gap || is_in_jump(time)) return std::nullopt;
   return isometry(mrpt::poses::CPose3D(best->second));
 }
 
 namespace {
 
-template <typename Reading>
-StampedPose stamped(const Reading& reading) {
-  const Eigen::Isometry3d pose = isometry(mrpt::poses::CPose3D(reading.second));
-  return {mrpt::Clock::toDouble(reading.first), pose.translation(), Eigen::Quaterniond(pose.linear())};
-}
-
-/// Whether the readings jump before that one, which is not the first.
-template <typename Readings, typename At>
-std::optional<PoseStream::Jump> jump_before(const Readings& readings, At after, double max_gap) {
-  const At before = std::prev(after);
-  const StampedPose from = stamped(*before), to = stamped(*after);
-  if (to.time - from.time > max_gap) return std::nullopt;
-  std::optional<StampedPose> earlier, later;
-  if (before != readings.begin()) earlier = stamped(*std::prev(before));
-  if (std::next(after) != readings.end()) later = stamped(*std::next(after));
-  if (!is_jump(earlier ? &*earlier : nullptr, from, to, later ? &*later : nullptr, max_gap))
-    return std::nullopt;
-  return PoseStream::Jump{from.time, to.time, (to.translation - from.translation).norm(),
-                          from.rotation.angularDistance(to.rotation)};
+/// The middle of the rates that are not 0, where there are five or more.
+std::optional<double> usual(std::vector<double> rates) {
+  constexpr std::size_t least = 5;
+  std::erase(rates, 0.0);
+  if (rates.size() < least) return std::nullopt;
+  const auto middle = rates.begin() + static_cast<std::ptrdiff_t>(rates.size() / 2);
+  std::nth_element(rates.begin(), middle, rates.end());
+  return *middle;
 }
 
 }  // namespace
 
-std::optional<PoseStream::Jump> PoseStream::jump_at(double time) const {
-  const auto after = state_->poses.lower_bound(mrpt::Clock::fromDouble(time));
-  if (after == state_->poses.end() || after == state_->poses.begin()) return std::nullopt;
-  if (after->first == mrpt::Clock::fromDouble(time)) return std::nullopt;  // where it was then is known
-  return jump_before(state_->poses, after, state_->max_gap);
+void PoseStream::leave_out_jumps() {
+  std::vector<Jump> steps;
+  std::vector<double> speeds, turns;
+  std::optional<std::pair<double, Eigen::Isometry3d>> before;
+  for (const auto& [stamp, reading] : state_->poses) {
+    const double time = mrpt::Clock::toDouble(stamp);
+    const Eigen::Isometry3d pose = isometry(mrpt::poses::CPose3D(reading));
+    if (before && time - before->first <= state_->max_gap) {
+      const Eigen::Isometry3d step = before->second.inverse() * pose;
+      steps.push_back({before->first, time, step.translation().norm(),
+                       std::abs(Eigen::AngleAxisd(step.linear()).angle())});
+      speeds.push_back(steps.back().shift / (time - before->first));
+      turns.push_back(steps.back().turn / (time - before->first));
+    }
+    before.emplace(time, pose);
+  }
+  constexpr double least = 0.3;  // m, rad
+  constexpr double times = 5.0, fastest = 60.0, fastest_turn = 30.0;
+  const auto of_usual = [&](const std::vector<double>& rates, double otherwise) {
+    const auto found = usual(rates);
+    return found ? times * *found : otherwise;
+  };
+  const double most = of_usual(speeds, fastest), most_turn = of_usual(turns, fastest_turn);
+  state_->jumps.clear();
+  for (std::size_t i = 0; i < steps.size(); ++i)
+    if ((steps[i].shift > least && speeds[i] > most) || (steps[i].turn > least && turns[i] > most_turn))
+      state_->jumps.push_back(steps[i]);
 }
 
-std::vector<PoseStream::Jump> PoseStream::jumps() const {
-  std::vector<Jump> found;
-  if (state_->poses.empty()) return found;
-  for (auto after = std::next(state_->poses.begin()); after != state_->poses.end(); ++after)
-    if (const auto jump = jump_before(state_->poses, after, state_->max_gap)) found.push_back(*jump);
-  return found;
+const std::vector<PoseStream::Jump>& PoseStream::jumps() const { return state_->jumps; }
+
+bool PoseStream::is_in_jump(double time) const {
+  const auto after = std::upper_bound(state_->jumps.begin(), state_->jumps.end(), time,
+                                      [](double at, const Jump& jump) { return at < jump.after; });
+  return after != state_->jumps.end() && after->before < time;
 }
 
 PoseStream::Around PoseStream::around(double time) const {
@@ -170,7 +150,6 @@ std::optional<double> PoseStream::last_time() const {
 std::size_t PoseStream::size() const { return state_->poses.size(); }
 
 std::optional<double> PoseStream::usual_speed() const {
-  constexpr std::size_t least = 5;
   std::vector<double> speeds;
   if (state_->poses.empty()) return std::nullopt;
   auto before = state_->poses.begin();  // the first of those that are the same: some logs repeat a pose
@@ -181,10 +160,7 @@ std::optional<double> PoseStream::usual_speed() const {
     if (time > 0.0) speeds.push_back(way / time);
     before = next;
   }
-  if (speeds.size() < least) return std::nullopt;
-  const auto middle = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2);
-  std::nth_element(speeds.begin(), middle, speeds.end());
-  return *middle;
+  return usual(std::move(speeds));
 }
 
 namespace {
@@ -391,6 +367,7 @@ PoseStream parse_tum_poses(const std::string& text, const std::string& name, dou
     if (!is_new) require_near(*std::exchange(known->second, &poses[i].pose), poses[i].pose, times[i], name);
     stream.add(times[i], poses[i].pose);
   }
+  stream.leave_out_jumps();
   return stream;
 }
 
@@ -411,8 +388,9 @@ std::optional<std::string> too_fast_poses(const std::filesystem::path& file, con
 std::optional<std::string> jumping_poses(const std::filesystem::path& file, const PoseStream& poses) {
   const std::vector<PoseStream::Jump> jumps = poses.jumps();
   if (jumps.empty()) return std::nullopt;
-  const auto farthest = std::max_element(jumps.begin(), jumps.end(),
-                                         [](const auto& a, const auto& b) { return a.shift < b.shift; });
+  const auto farthest = std::max_element(jumps.begin(), jumps.end(), [](const auto& a, const auto& b) {
+    return a.shift + a.turn < b.shift + b.turn;
+  });
   const std::string count = jumps.size() == 1 ? "once" : std::to_string(jumps.size()) + " times, farthest";
   return "poses " + quote_path(file.string()) + " jump " + count + " by " + short_text(farthest->shift, 3) +
          " m and " + short_text(farthest->turn, 3) + " rad between " + short_text(farthest->before, 15) +

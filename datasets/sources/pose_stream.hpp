@@ -10,23 +10,10 @@
 
 namespace clearway {
 
-/// A pose and its time in seconds.
-struct StampedPose {
-  double time = 0.0;
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero();  ///< metres
-  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
-};
-
-/// Whether something jumps between two poses, as a map's odometry does when the robot finds out where it is:
-/// by more than 10 cm (0.1 rad) away from where its speeds before and after lead, which would take more than
-/// 10 m/s^2 (40 rad/s^2). @param earlier, later the poses on both sides; null, or no nearer than max_gap:
-/// nothing is known of that speed, and without both nothing is a jump
-bool is_jump(const StampedPose* earlier, const StampedPose& before, const StampedPose& after,
-             const StampedPose* later, double max_gap);
-
 /// Poses of one moving body over time, and where it was in between: straight line and shortest turn between
 /// the reading before and the one after (mrpt::poses::CPose3DInterpolator). Nothing is guessed beyond the
-/// first and last reading, nor across a gap, nor within a jump.
+/// first and last reading, nor across a gap, nor, where it is asked
+/// for, within a jump.
 class PoseStream {
  public:
   /// @param max_gap longest time between the two readings around an answer, seconds, > 0
@@ -43,14 +30,17 @@ class PoseStream {
   /// within a jump.
   std::optional<Eigen::Isometry3d> at(double time) const;
 
-  /// The two readings about a time between which the body jumps, as is_jump() says; empty: it does not.
+  /// Two readings between which the body jumps, as a map's odometry does when the robot finds out where it
+  /// is: by more than 0.3 m, five times as fast as it usually moves, or by more than 0.3 rad, five times as
+  /// fast as it usually turns; where it hardly ever does, by more than 60 m/s or 30 rad/s.
   struct Jump {
     double before = 0.0, after = 0.0;  ///< s
     double shift = 0.0, turn = 0.0;    ///< from the one to the other, m and rad
   };
-  std::optional<Jump> jump_at(double time) const;
-  /// All of them, in time.
-  std::vector<Jump> jumps() const;
+  /// Finds the jumps among the readings that there are: from now on nothing is said within them.
+  void leave_out_jumps();
+  const std::vector<Jump>& jumps() const;  ///< in time; none before leave_out_jumps()
+  bool is_in_jump(double time) const;
 
   /// The reading nearest in time; empty when none lies within max_gap, or the body jumps there.
   std::optional<Eigen::Isometry3d> nearest(double time) const;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <optional>
+#include <random>
 #include <stdexcept>
 
 #include "tests/datasets/complaint.hpp"
@@ -257,31 +258,69 @@ TEST(PoseStream, NamesTheLineThatIsNoPose) {
 
 /// A loop that closes: 12.9 m in a tenth of a second between two steady walks.
 TEST(PoseStream, WithinAJumpItSaysNothingAndTellsOfIt) {
-  PoseStream stream(0.5);
   const auto walk = [](double time, double shift) {
     return Eigen::Isometry3d(Eigen::Translation3d(0.5 * time + shift, 0.0, 1.0));
   };
-  for (int i = 0; i < 10; ++i) stream.add(0.1 * i, walk(0.1 * i, 0.0));
-  for (int i = 10; i < 20; ++i) stream.add(0.1 * i, walk(0.1 * i, 12.9));
-  for (const double time : {0.05, 0.85, 0.9, 1.0, 1.05, 1.85}) {
-    EXPECT_TRUE(stream.at(time)) << time;
-    EXPECT_TRUE(stream.nearest(time)) << time;
-    EXPECT_FALSE(stream.jump_at(time)) << time;
+  for (const double per_second : {10.0, 2.0}) {
+    PoseStream stream(0.6);
+    for (int i = 0; i < 20; ++i) stream.add(i / per_second, walk(i / per_second, i < 10 ? 0.0 : 12.9));
+    EXPECT_TRUE(stream.at(9.5 / per_second));  // nobody asked for it
+    stream.leave_out_jumps();
+    for (const double at : {0.5, 8.5, 9.0, 10.0, 10.5, 18.5}) {
+      EXPECT_TRUE(stream.at(at / per_second)) << at;
+      EXPECT_TRUE(stream.nearest(at / per_second)) << at;
+      EXPECT_FALSE(stream.is_in_jump(at / per_second)) << at;
+    }
+    EXPECT_FALSE(stream.at(9.5 / per_second));
+    EXPECT_FALSE(stream.nearest(9.2 / per_second));
+    ASSERT_EQ(stream.jumps().size(), 1U);
+    EXPECT_NEAR(stream.jumps()[0].shift, 12.9 + 0.5 / per_second, 1e-6);
+    EXPECT_NEAR(stream.jumps()[0].before, 9.0 / per_second, 1e-6);
+    const auto told = jumping_poses("walk.txt", stream);
+    ASSERT_TRUE(told);
+    EXPECT_NE(told->find("'walk.txt' jump once by 13"), std::string::npos) << *told;
   }
-  EXPECT_FALSE(stream.at(0.95));
-  EXPECT_FALSE(stream.nearest(0.92));
-  const auto jump = stream.jump_at(0.95);
-  ASSERT_TRUE(jump);
-  EXPECT_NEAR(jump->shift, 12.95, 1e-6);
-  EXPECT_NEAR(jump->before, 0.9, 1e-6);
-  EXPECT_EQ(stream.jumps().size(), 1U);
-  const auto told = jumping_poses("walk.txt", stream);
-  ASSERT_TRUE(told);
-  EXPECT_NE(told->find("'walk.txt' jump once by 13 m"), std::string::npos) << *told;
-  EXPECT_NE(told->find("between 0.9 and 1 s"), std::string::npos) << *told;
-  PoseStream steady(0.5);
-  for (int i = 0; i < 20; ++i) steady.add(0.1 * i, walk(0.1 * i, 0.0));
-  EXPECT_FALSE(jumping_poses("walk.txt", steady));
+}
+
+TEST(PoseStream, ATurnInAnInstantIsAJumpToo) {
+  PoseStream stream(0.5);
+  for (int i = 0; i < 20; ++i)
+    stream.add(0.1 * i, Eigen::Isometry3d(
+                            Eigen::AngleAxisd(0.05 * i + (i < 10 ? 0.0 : 1.5), Eigen::Vector3d::UnitZ())));
+  stream.leave_out_jumps();
+  ASSERT_EQ(stream.jumps().size(), 1U);
+  EXPECT_NEAR(stream.jumps()[0].turn, 1.55, 1e-6);
+}
+
+/// What logs of robots have: poses twice, stale ones, noise, stops, turns in place, stamps that jitter.
+TEST(PoseStream, HonestPosesDoNotJump) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  const auto expect_none = [](const char* what, const auto& time_of, const auto& pose_of) {
+    PoseStream stream(1.5);
+    for (int i = 0; i < 400; ++i) stream.add(time_of(i), pose_of(i));
+    stream.leave_out_jumps();
+    EXPECT_TRUE(stream.jumps().empty()) << what << " " << stream.jumps().size();
+  };
+  const auto along = [](double x) { return Eigen::Isometry3d(Eigen::Translation3d(x, 0.0, 0.0)); };
+  const auto turned = [](double angle) {
+    return Eigen::Isometry3d(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()));
+  };
+  const auto twentieth = [](int i) { return 0.05 * i; };
+  const auto tenth = [](int i) { return 0.1 * i; };
+  expect_none("each twice", twentieth, [&](int i) { return along(0.15 * (i / 2)); });
+  expect_none("each twice, fast", twentieth, [&](int i) { return along(1.0 * (i / 2)); });
+  expect_none("turning, each twice", twentieth, [&](int i) { return turned(0.2 * (i / 2)); });
+  expect_none("one in ten stale", tenth, [&](int i) { return along(0.15 * (i - (i % 10 == 9))); });
+  expect_none("noise", tenth, [&](int i) { return along(0.1 * i + 0.05 * normal(random)); });
+  expect_none("GPS", tenth, [&](int i) { return along(0.1 * i + 0.3 * normal(random)); });
+  expect_none(
+      "stop and go", [](int i) { return 1.0 * i; }, [&](int i) { return along(3.0 * (i / 5)); });
+  expect_none("standing", tenth, [&](int) { return along(0.0); });
+  double time = 0.0;
+  expect_none(
+      "stamps", [&](int i) { return time = 0.1 * i + 0.015 * std::sin(i); },
+      [&](int i) { return along(1.5 * i); });
 }
 
 }  // namespace pose_stream_test
