@@ -93,7 +93,11 @@ int FreeSpaceMap::add_volume(const std::string& label, const std::vector<std::st
   return state().paint.add_volume(label, critical_parts);
 }
 
-bool FreeSpaceMap::remove_last_volume() { return state().paint.remove_last_volume(); }
+bool FreeSpaceMap::remove_last_volume() {
+  if (!state().paint.remove_last_volume()) return false;
+  state().conflicts.forget(static_cast<int>(state().paint.volumes().size()));
+  return true;
+}
 
 PaintCounts FreeSpaceMap::paint(int volume, const Sphere& sphere, double time) {
   state().check_sphere(volume, sphere, time);

@@ -96,4 +96,8 @@ void ConflictWatch::repainted(const FusedTree& tree) {
   std::erase_if(present_, [&](const Cell& cell) { return !is_conflict(tree, {cell[0], cell[1], cell[2]}); });
 }
 
+void ConflictWatch::forget(int volume) {
+  std::erase_if(log_.records, [volume](const ConflictRecord& record) { return record.volume == volume; });
+}
+
 }  // namespace clearway

@@ -46,6 +46,9 @@ class ConflictWatch {
   /// After paint was taken off or put back.
   void repainted(const FusedTree& tree);
 
+  /// A volume is no more: nothing is said of what was painted into it.
+  void forget(int volume);
+
   const ConflictLog& log() const { return log_; }
 
  private:

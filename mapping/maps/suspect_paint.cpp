@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <unordered_map>
 
 #include "mapping/system/plain_text.hpp"
@@ -59,21 +60,31 @@ void visit_voxels(const Voxel& leaf, double resolution, Visit visit) {
       for (int x = 0; x < edge; ++x) visit(Eigen::Vector3d(low + resolution * Eigen::Vector3d(x, y, z)));
 }
 
+/// Balls of about a size, and the conflicts near them: cubes as large as the largest of these balls.
+struct SizeOfBalls {
+  explicit SizeOfBalls(double largest) : conflicts(largest), balls(largest) {}
+  Cubes<Eigen::Vector3d> conflicts;
+  Cubes<PaintedBall> balls;
+};
+
+int size_of(const Sphere& sphere) { return std::ilogb(sphere.radius) + 1; }
+
 }  // namespace
 
 SuspectPaint suspect_paint(const Snapshot& map) {
   SuspectPaint suspect;
-  double largest = 0.0;
+  std::map<int, SizeOfBalls> sizes;  // by the power of two that none of its radii exceeds
   for (const PaintedVolume& volume : map.volumes())
-    for (const Sphere& sphere : volume.spheres) largest = std::max(largest, sphere.radius);
-  if (largest <= 0.0 || !map.holds_any({VoxelState::conflict})) return suspect;
-  Cubes<Eigen::Vector3d> conflicts(largest);
+    for (const Sphere& sphere : volume.spheres)
+      if (sphere.radius > 0.0) sizes.try_emplace(size_of(sphere), std::ldexp(1.0, size_of(sphere)));
+  if (sizes.empty() || !map.holds_any({VoxelState::conflict})) return suspect;
   map.visit_leaves([&](const Voxel& leaf) {
     if (leaf.state != VoxelState::conflict) return;
-    visit_voxels(leaf, map.resolution(), [&](const Eigen::Vector3d& at) { conflicts.add(at, at); });
+    visit_voxels(leaf, map.resolution(), [&](const Eigen::Vector3d& at) {
+      for (auto& [power, size] : sizes) size.conflicts.add(at, at);
+    });
   });
 
-  Cubes<PaintedBall> balls(largest);
   Eigen::AlignedBox3d box;
   const std::vector<PaintedVolume>& volumes = map.volumes();
   for (std::size_t v = 0; v < volumes.size(); ++v)
@@ -82,8 +93,10 @@ SuspectPaint suspect_paint(const Snapshot& map) {
       const auto is_inside = [&](const Eigen::Vector3d& at) {
         return (at - sphere.center).norm() <= sphere.radius;
       };
-      if (conflicts.find_near(sphere.center, is_inside) == nullptr) continue;
-      balls.add(sphere.center, {sphere, static_cast<int>(v), i});
+      if (sphere.radius <= 0.0) continue;
+      SizeOfBalls& size = sizes.at(size_of(sphere));
+      if (size.conflicts.find_near(sphere.center, is_inside) == nullptr) continue;
+      size.balls.add(sphere.center, {sphere, static_cast<int>(v), i});
       box.extend((sphere.center.array() - sphere.radius).matrix());
       box.extend((sphere.center.array() + sphere.radius).matrix());
     }
@@ -93,9 +106,11 @@ SuspectPaint suspect_paint(const Snapshot& map) {
   map.visit_leaves(box, [&](const Voxel& leaf) {
     if (leaf.state != VoxelState::painted || leaf.observed) return;
     visit_voxels(leaf, map.resolution(), [&](const Eigen::Vector3d& at) {
-      const PaintedBall* ball = balls.find_near(at, [&](const PaintedBall& there) {
-        return (at - there.sphere.center).norm() <= there.sphere.radius;
-      });
+      const PaintedBall* ball = nullptr;
+      for (auto size = sizes.rbegin(); ball == nullptr && size != sizes.rend(); ++size)
+        ball = size->second.balls.find_near(at, [&](const PaintedBall& there) {
+          return (at - there.sphere.center).norm() <= there.sphere.radius;
+        });
       if (ball == nullptr) return;
       ++suspect.voxels;
       const PaintedVolume& volume = volumes[static_cast<std::size_t>(ball->volume)];

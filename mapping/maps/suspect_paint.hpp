@@ -12,7 +12,7 @@ namespace clearway {
 /// scan has looked at. A hand that led the ball through an obstacle by mistake leaves them.
 struct SuspectPaint {
   std::size_t voxels = 0;
-  std::vector<std::string> strokes;  ///< that painted them, in their order, each once
+  std::vector<std::string> strokes;  ///< for each voxel one that painted it; by volume, in their order
 };
 SuspectPaint suspect_paint(const Snapshot& map);
 

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "mapping/free_space_map.hpp"
+#include "mapping/history/provenance.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 #include "tests/worlds/random_map.hpp"
 
@@ -187,6 +188,31 @@ TEST(Erase, ASnapshotTakenBeforeStaysPainted) {
   EXPECT_EQ(before.state({0.02, 0.02, 0.02}), VoxelState::painted);
   EXPECT_EQ(map.snapshot().state({0.02, 0.02, 0.02}), VoxelState::unknown);
   EXPECT_EQ(before.volumes()[0].spheres.size(), 1U);
+}
+
+/// A stroke into a wall, in a volume that is taken back with it: the record of the map names it no more.
+TEST(RemoveLastVolume, LeavesNothingOfIt) {
+  FreeSpaceMap map({.resolution = 0.05});
+  Scan scan;
+  scan.points = {{0.5F, 0.0F, 0.0F}, {0.5F, 0.06F, 0.0F}};
+  map.insert(scan);
+  map.add_volume("kept", {});
+  map.begin_stroke("first");
+  map.paint(0, {{0.2, 0.0, 0.0}, 0.15});
+  map.add_volume("wrong", {"tool"});
+  EXPECT_EQ(map.begin_stroke("into the wall"), 1);
+  map.paint(1, {{0.5, 0.0, 0.0}, 0.2});
+  EXPECT_FALSE(map.conflicts().records.empty());
+  EXPECT_FALSE(map.remove_last_volume());  // it is painted
+  EXPECT_EQ(map.volumes().size(), 2U);
+  map.undo_stroke();
+  EXPECT_TRUE(map.remove_last_volume());
+  EXPECT_EQ(map.volumes().size(), 1U);
+  EXPECT_TRUE(map.conflicts().records.empty());
+  const Provenance provenance = map.provenance();
+  EXPECT_NO_THROW(parse_provenance(format_provenance(provenance), "provenance.bin"));
+  EXPECT_EQ(map.add_volume("right", {}), 1);
+  EXPECT_FALSE(map.remove_last_volume() && map.remove_last_volume());  // "kept" is painted
 }
 
 }  // namespace erase_undo_test
