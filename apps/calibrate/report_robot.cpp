@@ -10,6 +10,7 @@
 #include "apps/fusion/painter.hpp"
 #include "datasets/descriptions/setup_blocks.hpp"
 #include "datasets/ros/sensor_frames.hpp"
+#include "datasets/yaml/moved_files.hpp"
 #include "datasets/yaml/pose_numbers.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "tracking/calibration/robot_world.hpp"
@@ -196,7 +197,7 @@ std::string found_robot(const CalibrateOptions& options, const Setup& setup, con
     return fs::proximate(fs::absolute(file), fs::absolute(written).parent_path());
   };
   if (!robot.joint_file.empty()) robot.joint_file = from_there(robot.joint_file);
-  if (fs::path(robot.name).has_parent_path()) robot.name = from_there(robot.name).string();
+  if (is_description_file(robot.name)) robot.name = from_there(robot.name).string();
   return robot_block(robot);
 }
 

@@ -418,13 +418,15 @@ std::vector<TimedFile> times_of_names(const std::vector<fs::path>& given) {
   return together(files, *times);
 }
 
-std::string names_caveat(const std::vector<fs::path>& files, const std::string& scans) {
-  if (files.size() < 2 || are_clock(files)) return "";
+std::string names_caveat(const std::vector<fs::path>& given, const std::string& scans) {
+  const std::vector<fs::path> files = in_order_of_names(given);
   const auto numbers = name_times(files);
+  if (files.size() < 2) return "";
   if (numbers && are_distinct(*numbers) && count_from_zero(*numbers))
     return "the numbers in the " + scans +
            "' names would be years apart as seconds, and are taken as "
            "nanoseconds or microseconds from a start: ages of voxels count by that";
+  if (are_clock(files)) return "";
   return "the names of the " + scans + " hold no clock's times: they are taken " +
          (numbers && are_distinct(*numbers) ? "by the numbers in them, in seconds"
                                             : "in the order of their names, as one a second") +

@@ -28,7 +28,7 @@ void collect_files(const YAML::Node& node, const std::string& above, const std::
   for (const auto& field : node) {
     const std::string key = field.first.Scalar();
     const bool is_robot = above == "robot" && key == "name" && field.second.IsScalar() &&
-                          std::filesystem::path(field.second.Scalar()).has_parent_path();
+                          is_description_file(field.second.Scalar());
     if (!field.second.IsScalar() || (!keys.contains(key) && !is_robot)) {
       collect_files(field.second, key, text, found);
       continue;
@@ -41,7 +41,8 @@ void collect_files(const YAML::Node& node, const std::string& above, const std::
       throw std::invalid_argument("field " + quote(key) +
                                   ": expected a file's name in one line, without "
                                   "escapes, so that it can be written for another folder");
-    found.push_back(std::move(scalar));
+    const auto is_same = [&](const Scalar& other) { return other.begin == scalar.begin; };  // by an alias
+    if (std::none_of(found.begin(), found.end(), is_same)) found.push_back(std::move(scalar));
   }
 }
 
@@ -60,6 +61,11 @@ std::string with_files_from(const std::string& setup, const std::filesystem::pat
     if (!fs::path(file.value).is_absolute())
       text.replace(file.begin, file.length, yaml_quoted(fs::proximate(from / file.value, to).string()));
   return text;
+}
+
+bool is_description_file(const std::string& robot) {
+  const std::filesystem::path path(robot);
+  return path.has_extension() || path.has_parent_path();
 }
 
 std::string yaml_quoted(const std::string& text) {

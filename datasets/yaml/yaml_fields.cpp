@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "datasets/yaml/moved_files.hpp"
 #include "mapping/system/nearest_name.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -258,7 +259,7 @@ std::string YamlFields::file(const std::string& key) const {
 
 std::string YamlFields::robot(const std::string& key, const std::filesystem::path& folder) const {
   const std::filesystem::path given = file(key);
-  return given.has_extension() || given.has_parent_path() ? (folder / given).string() : given.string();
+  return is_description_file(given.string()) ? (folder / given).string() : given.string();
 }
 
 std::string YamlFields::prose(const std::string& key, const std::string& otherwise) const {

@@ -43,8 +43,9 @@ RouteWalk::RouteWalk(const Robot& robot, const EndEffector& hand, const EndEffec
   double length = 0.0;
   for (std::size_t i = 1; i < route.points.size(); ++i)
     length += (route.points[i] - route.points[i - 1]).norm();
-  const double wanted = length / std::max(hand.outer_radius, length / most_steps);
-  const int steps = std::clamp(static_cast<int>(wanted), fewest_steps, most_steps);
+  const double step = std::max(hand.outer_radius, length / most_steps);
+  const int steps =
+      step > 0.0 ? std::clamp(static_cast<int>(length / step), fewest_steps, most_steps) : fewest_steps;
   way_ = spaced(route.points, length, steps);
   near_ = std::max(length / steps, *std::max_element(route.radii.begin(), route.radii.end()));
   for (Front& front : fronts_) front.nodes.resize(way_.size());

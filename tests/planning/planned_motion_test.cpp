@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <stdexcept>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -191,8 +193,7 @@ Plan out_and_close_back(const ConfigurationSpace& space, const std::vector<LegLo
     plan.motion = plan_motion(space, plan, {}, loads.empty() ? 0.0 : 0.5);
     if (least_gap(*plan.motion, 1, 0.2) < nearer) return plan;
   }
-  ADD_FAILURE() << "no motion comes so near";
-  return {};
+  throw std::runtime_error("no motion comes so near");
 }
 
 /// What a motion may not do with a load, one by one.

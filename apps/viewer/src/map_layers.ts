@@ -138,12 +138,12 @@ export function ballLayer(values: Float32Array): Layer {
   return layer;
 }
 
-/// The cells that the cut plane passes through, as a picture on the plane.
-/// What blocks is drawn over the rest: where it is drawn coarser, it reaches into that.
 const stateLabels: Record<string, string> = { painted: "painted", occupied: "occupied", conflict: "conflict", seen_free: "seen free" };
 /** What a page calls a state. */
 export const labelOf = (page: Page, state: string) => page.stateLabels.find(([name]) => name === state)?.[1] ?? stateLabels[state];
 
+/// The cells that the cut plane passes through, as a picture on the plane.
+/// What blocks is drawn over the rest: where it is drawn coarser, it reaches into that.
 export const sliceOrder: StateName[] = ["seen_free", "painted", "occupied", "conflict"];
 
 /// Red, green and blue (0 to 255) of a state in a slice.

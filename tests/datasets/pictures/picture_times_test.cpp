@@ -213,5 +213,18 @@ TEST(FileTimes, AreReadInEitherOrderAndRefusedWithTheLine) {
   EXPECT_NE(complaint([] { parse_file_times("1\n", "t"); }), "");
 }
 
+TEST(NamesCaveat, TellsWhichTimesScansHaveUnlessTheirNamesAreAClocks) {
+  const auto caveat = [](const std::vector<std::filesystem::path>& files) {
+    return names_caveat(files, "clouds");
+  };
+  EXPECT_EQ(caveat({"1700000000.1.pcd", "1700000000.2.pcd"}), "");
+  EXPECT_EQ(caveat({"scan_7.pcd"}), "");
+  std::vector<std::filesystem::path> nanoseconds;
+  for (int i = 0; i < 20; ++i) nanoseconds.emplace_back(std::to_string(100'000'000LL * i) + ".pcd");
+  EXPECT_NE(caveat(nanoseconds).find("nanoseconds or microseconds from a start"), std::string::npos);
+  EXPECT_NE(caveat({"1.pcd", "2.pcd"}).find("by the numbers in them, in seconds"), std::string::npos);
+  EXPECT_NE(caveat({"f_10.5.pcd", "a_11.5.pcd"}).find("in the order of their names"), std::string::npos);
+}
+
 }  // namespace picture_times_test
 }  // namespace clearway

@@ -38,6 +38,12 @@ TEST(MovedFiles, RobotsOfOursKeepTheirNames) {
   EXPECT_EQ(with_files_from("robot: {name: puma560}\n", "/a", "/b"), "robot: {name: puma560}\n");
 }
 
+TEST(MovedFiles, ARobotsFileWithoutAFolderIsMovedAndAliasesOnce) {
+  EXPECT_EQ(with_files_from("robot: {name: ur5.urdf}\n", "/a", "/b"), "robot: {name: \"../a/ur5.urdf\"}\n");
+  EXPECT_EQ(with_files_from("loads: [&l {mesh: cup.stl}]\nmore: [*l]\n", "/a", "/b"),
+            "loads: [&l {mesh: \"../a/cup.stl\"}]\nmore: [*l]\n");
+}
+
 TEST(MovedFiles, NamesThatAreNotInOneLineAreRefused) {
   EXPECT_THROW(with_files_from("camera:\n  file: a\n    b.yaml\n", "/a", "/b"), std::invalid_argument);
   EXPECT_THROW(with_files_from("camera: {file: \"a\\\"b.yaml\"}\n", "/a", "/b"), std::invalid_argument);
