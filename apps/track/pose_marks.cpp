@@ -31,8 +31,9 @@ void add_axes(const ImagePose& body, const BoardSetup& board, const Camera& came
   for (int axis = 0; axis < 3 && origin; ++axis) {
     const auto end = camera.project(camera_from_body * (largest * Eigen::Vector3d::Unit(axis)));
     const Colour colour = axis == 0 ? red : axis == 1 ? green : blue;
-    if (end) marks.push_back({{*origin, *end}, false, colour, axis == 0 ? board.name : ""});
+    if (end) marks.push_back({{*origin, *end}, false, colour, ""});
   }
+  if (origin) marks.push_back({{*origin, *origin}, false, body.is_accepted() ? green : red, board.name});
 }
 
 /// The circle in which the ball ends for the eye: across the way to its centre.

@@ -75,7 +75,8 @@ Json json_of(const ImagePose& pose) {
   if (!pose.pose) return json;
   json["pose"] = pose_numbers(pose.pose->pose);
   for (int row = 0; row < 6; ++row) {
-    const Vector6d numbers = pose.pose->covariance.row(row);
+    const Vector6d numbers =
+        0.5 * (pose.pose->covariance.row(row).transpose() + pose.pose->covariance.col(row));  // of rounding
     json["covariance"].push_back(std::vector<double>(numbers.data(), numbers.data() + 6));
   }
   json["rms_px"] = pose.rms_px.value_or(0.0);

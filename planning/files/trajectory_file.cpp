@@ -45,8 +45,20 @@ std::string events_text(const Trajectory& trajectory) {
   return text;
 }
 
+/// What the motion was proved for beside its joints: where the base is, and those that stand still.
+std::string standing_text(const Plan& plan) {
+  const Eigen::Vector3d& at = plan.map_from_base.translation();
+  const Eigen::Quaterniond turn(plan.map_from_base.linear());
+  std::string text = "\n# base: at " + to_text(at.x()) + ", " + to_text(at.y()) + ", " + to_text(at.z()) +
+                     " m, quaternion x y z w " + to_text(turn.x()) + ", " + to_text(turn.y()) + ", " +
+                     to_text(turn.z()) + ", " + to_text(turn.w());
+  if (!plan.group.empty()) text += "\n# group: " + quoted(plan.group);
+  for (const auto& [joint, value] : plan.held) text += "\n# held: " + quoted(joint) + " at " + to_text(value);
+  return text;
+}
+
 std::string heading(const Plan& plan, const Trajectory& trajectory) {
-  return "# robot: " + quoted(plan.robot) + ", scale " + to_text(plan.robot_scale) +
+  return "# robot: " + quoted(plan.robot) + ", scale " + to_text(plan.robot_scale) + standing_text(plan) +
          "\n# planner: " + quoted(plan.planner) + ", seed " + std::to_string(plan.seed) +
          "\n# map: " + quoted(plan.map_file) + ", sha256 " + quoted(plan.map_sha256) +
          "\n# points: " + std::to_string(trajectory.points.size()) + ", one every " +
@@ -100,6 +112,12 @@ std::string write_json(const Robot& robot, const Plan& plan, const Trajectory& t
                                  {"map", {{"file", plan.map_file}, {"sha256", plan.map_sha256}}},
                                  {"joints", joint_names(robot)},
                                  {"period_s", trajectory.sampling_period}};
+  const Eigen::Vector3d& at = plan.map_from_base.translation();
+  const Eigen::Quaterniond turn(plan.map_from_base.linear());
+  json["base"] = {{"position_m", {at.x(), at.y(), at.z()}},
+                  {"quaternion_xyzw", {turn.x(), turn.y(), turn.z(), turn.w()}}};
+  if (!plan.group.empty()) json["group"] = plan.group;
+  if (!plan.held.empty()) json["held"] = plan.held;
   for (const char* name : {"times_s", "positions", "velocities", "accelerations"})
     json[name] = nlohmann::ordered_json::array();
   for (const TrajectoryPoint& point : trajectory.points) {

@@ -108,6 +108,32 @@ TEST(TrajectoryFile, TheHeadingNamesRobotPlannerAndMapAndStaysAComment) {
   }
 }
 
+/// Values of joints that are not in the trajectory, for which it was proved.
+TEST(TrajectoryFile, WhatStandsStillIsNamed) {
+  const Robot robot = chain(6, false);
+  Plan plan;
+  plan.robot = "chain";
+  plan.group = "left";
+  plan.held = {{"torso", -1.2}};
+  plan.map_from_base =
+      Eigen::Translation3d(0.1, 0.2, 0.3) * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ());
+  Trajectory trajectory;
+  trajectory.sampling_period = 0.008;
+  for (const double time : {0.0, 0.008})
+    trajectory.points.push_back(
+        {time, Configuration::Zero(6), Configuration::Zero(6), Configuration::Zero(6)});
+  for (const char* format : {"ros", "urscript"}) {
+    const std::string text = trajectory_format(format, robot).write(robot, plan, trajectory);
+    for (const char* line : {"\n# held: \"torso\" at -1.2\n", "\n# group: \"left\"\n",
+                             "\n# base: at 0.1, 0.2, 0.3 m, quaternion x y z w 0, 0, 1, "})
+      EXPECT_NE(text.find(line), std::string::npos) << line << " in " << text;
+  }
+  const auto json = nlohmann::json::parse(trajectory_format("json", robot).write(robot, plan, trajectory));
+  EXPECT_EQ(json["held"]["torso"], -1.2);
+  EXPECT_EQ(json["group"], "left");
+  EXPECT_EQ(json["base"]["position_m"], (std::vector<double>{0.1, 0.2, 0.3}));
+}
+
 std::string refusal(const std::string& format, const Robot& robot) {
   try {
     trajectory_format(format, robot);

@@ -60,7 +60,7 @@ function successCells(planner: Planner): HTMLElement[] {
 const timeCells = (planner: Planner) => [planner.time_median_s, planner.cpu_median_s, planner.time_p95_s].map((value) => cell(seconds(value), value));
 
 function table(experiment: Experiment): HTMLElement {
-  const head = ["planner", "runs", "solved / valid / total", "success, % (95 %)", "time, median", "CPU, median", "time, p95", "cost, J", "length, rad", "steps", "not solved"];
+  const head = ["planner", "runs", "solved / valid / total", "success, % (95\u00a0%)", "time, median", "CPU, median", "time, p95", "cost, J", "length, rad", "steps", "not solved"];
   const rows = experiment.planners.map((planner, p) => el("tr", {}, nameCell(planner, p), ...successCells(planner), ...timeCells(planner),
     cell(figure(planner.cost_median_joules), planner.cost_median_joules), cell(figure(planner.length_median_rad), planner.length_median_rad),
     cell(figure(planner.steps_median, 6), planner.steps_median), el("td", {}, unsolved(planner))));
@@ -69,7 +69,7 @@ function table(experiment: Experiment): HTMLElement {
 
 /// All experiments of single robots: only planners with the same runs are told apart by it, and the others say so.
 export function overviewSection(overview: Overview): HTMLElement {
-  const head = ["planner", "experiments", "runs", "solved / valid / total", "success, % (95 %)", "time, median", "CPU, median", "time, p95",
+  const head = ["planner", "experiments", "runs", "solved / valid / total", "success, % (95\u00a0%)", "time, median", "CPU, median", "time, p95",
                 "shared: time", "shared: cost, J", "shared: length, rad", "not solved"];
   const rows = overview.planners.map((row, p) => {
     const part = row.comparable ? [] : [el("small", { class: "mark", title: `It has ${row.total} of the ${overview.runs} runs` }, "* only some runs")];
@@ -85,7 +85,7 @@ export function overviewSection(overview: Overview): HTMLElement {
 
 /// Experiments that differ in resolution alone, side by side.
 export function sweepSection(sweep: Sweep, number: number): { element: HTMLElement; charts: Chart[] } {
-  const head = ["planner", "voxels, mm", "runs", "solved / valid / total", "success, % (95 %)", "time, median", "CPU, median", "time, p95"];
+  const head = ["planner", "voxels, mm", "runs", "solved / valid / total", "success, % (95\u00a0%)", "time, median", "CPU, median", "time, p95"];
   const rows = sweep.planners.flatMap(({ points }, p) => points.map((point, i) => el("tr", {}, nameCell(point, p),
     cell(figure(1000 * sweep.resolutions_m[i]), sweep.resolutions_m[i]), ...successCells(point), ...timeCells(point))));
   const charts = resolutionCharts(sweep);
