@@ -65,7 +65,8 @@ int run_calibrate(const CalibrateOptions& options, Console& console) {
   if (setup.boards.empty())
     throw std::invalid_argument("setup " + quote_path(file.string()) +
                                 ": expected `boards` whose tags are to be seen (see clearway tags print)");
-  if (!options.out.empty()) merged(file, options.out, {});  // what cannot be written is refused before the work
+  if (!options.out.empty())
+    merged(file, options.out, {});  // what cannot be written is refused before the work
   const SearchedImages images = search_images(options.source, setup, options.threads, console);
   if (images.images.empty() && images.damage) {
     console.warn("clearway: " + *images.damage);
