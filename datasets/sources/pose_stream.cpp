@@ -386,7 +386,7 @@ std::optional<std::string> too_fast_poses(const std::filesystem::path& file, con
 }
 
 std::optional<std::string> jumping_poses(const std::filesystem::path& file, const PoseStream& poses) {
-  const std::vector<PoseStream::Jump> jumps = poses.jumps();
+  const std::vector<PoseStream::Jump>& jumps = poses.jumps();
   if (jumps.empty()) return std::nullopt;
   const auto farthest = std::max_element(jumps.begin(), jumps.end(), [](const auto& a, const auto& b) {
     return a.shift + a.turn < b.shift + b.turn;

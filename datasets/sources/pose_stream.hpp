@@ -12,8 +12,7 @@ namespace clearway {
 
 /// Poses of one moving body over time, and where it was in between: straight line and shortest turn between
 /// the reading before and the one after (mrpt::poses::CPose3DInterpolator). Nothing is guessed beyond the
-/// first and last reading, nor across a gap, nor, where it is asked
-/// for, within a jump.
+/// first and last reading, nor across a gap, nor, where it is asked for, within a jump.
 class PoseStream {
  public:
   /// @param max_gap longest time between the two readings around an answer, seconds, > 0
