@@ -34,7 +34,7 @@ class Shortener {
   /// Any two points of the path joined, over and over, until some tries in a row gained nothing worth while.
   void cut(std::mt19937_64& random) {
     is_quick_ = true;
-    constexpr int patience = 8;
+    constexpr int patience = 5;
     for (int idle = 0; idle < patience && may_try(); ++idle) {
       const std::vector<double> lengths = edge_lengths(path_, weight_);
       const double whole = std::accumulate(lengths.begin(), lengths.end(), 0.0);
