@@ -55,7 +55,7 @@ void FreeSpaceMap::State::check_sphere(int volume, const Sphere& sphere, double 
     throw std::invalid_argument("painted volume " + std::to_string(volume) + " does not exist, " +
                                 std::to_string(volumes) + " were added");
   }
-  require_paintable(sphere, time);
+  require_sphere(sphere, time);
 }
 
 /// Lets the voxels agree with the spheres again.
@@ -101,6 +101,7 @@ bool FreeSpaceMap::remove_last_volume() {
 
 PaintCounts FreeSpaceMap::paint(int volume, const Sphere& sphere, double time) {
   state().check_sphere(volume, sphere, time);
+  require_paintable(sphere, time, state().options.resolution);
   const PaintTally tally = state().tree.paint(volume, sphere);
   state().paint.paint(volume, sphere, time);
   state().conflicts.painted(sphere, state().options.resolution, tally.new_conflicts, time,

@@ -63,14 +63,15 @@ class FreeSpaceMap {
 
   /// Paints the voxels that lie wholly inside `sphere` and keeps the sphere itself (Chong et al. 2008, eq.
   /// 2).
-  /// @throws std::invalid_argument for an unknown volume, a non-finite sphere or a radius <= 0.
+  /// @throws std::invalid_argument for an unknown volume, a non-finite sphere, and a radius <= 0 or of more
+  /// than 1,000 voxels, which nobody means and no memory holds.
   PaintCounts paint(int volume, const Sphere& sphere, double time = 0.0);
 
   /// Erases what `volume` painted inside of `eraser`: shrinks each of its spheres that the eraser reaches to
   /// the radius at which the two only touch, and removes those whose centre it holds. So no painted voxel
   /// overlaps the eraser, and what is left is a union of spheres again; but a sphere that is large beside the
   /// eraser loses more than the eraser holds. What is painted later is not erased.
-  /// @throws std::invalid_argument as `paint`.
+  /// @throws std::invalid_argument as `paint`; the radius may be of any size.
   EraseCounts erase(int volume, const Sphere& eraser, double time = 0.0);
 
   /// Starts a stroke: what is painted and erased until end_stroke (or the next begin_stroke) belongs to it

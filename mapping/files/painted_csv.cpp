@@ -230,14 +230,14 @@ std::vector<PaintedVolume> parse_painted(std::string_view text, const std::files
 
 void require_paintable(const std::vector<PaintedVolume>& volumes, double resolution,
                        const std::filesystem::path& file) {
-  constexpr double most_voxels = 1000.0;
+  const double largest = largest_painted(resolution);
   for (const PaintedVolume& volume : volumes)
     for (std::size_t i = 0; i < volume.spheres.size(); ++i) {
       const double radius = volume.spheres[i].radius;
-      if (radius <= most_voxels * resolution) continue;
+      if (radius <= largest) continue;
       throw std::invalid_argument("'" + file.string() + "': sphere " + std::to_string(i + 1) + " of volume " +
                                   quote(volume.label) + " has a radius of " + short_text(radius) +
-                                  " m, expected at most " + short_text(most_voxels * resolution) +
+                                  " m, expected at most " + short_text(largest) +
                                   " m, 1000 voxels of this map");
     }
 }

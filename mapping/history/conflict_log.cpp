@@ -49,14 +49,15 @@ void ConflictWatch::painted(const Sphere& sphere, double resolution, const std::
   const double tile_edge = ScanTile::edge * resolution;
   if (2.0 * sphere.radius > widest * tile_edge) painted_everywhere_ = true;
   if (!painted_everywhere_) {
-    const Eigen::Array3d low = ((sphere.center.array() - sphere.radius) / tile_edge).floor();
-    const Eigen::Array3d high = ((sphere.center.array() + sphere.radius) / tile_edge).floor();
-    const auto tile = [](double number) {
-      return static_cast<int>(std::clamp(number, -1024.0, 1023.0)) * ScanTile::edge;
+    const auto tile = [&](const Eigen::Array3d& point) {
+      return Eigen::Array3i((point / tile_edge).floor().max(-1024.0).min(1023.0).cast<int>());
     };
-    for (double x = low.x(); x <= high.x(); ++x) {
-      for (double y = low.y(); y <= high.y(); ++y) {
-        for (double z = low.z(); z <= high.z(); ++z) painted_tiles_.insert({tile(x), tile(y), tile(z)});
+    const Eigen::Array3i low = tile(sphere.center.array() - sphere.radius),
+                         high = tile(sphere.center.array() + sphere.radius);
+    for (int x = low.x(); x <= high.x(); ++x) {
+      for (int y = low.y(); y <= high.y(); ++y) {
+        for (int z = low.z(); z <= high.z(); ++z)
+          painted_tiles_.insert({x * ScanTile::edge, y * ScanTile::edge, z * ScanTile::edge});
       }
     }
   }

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -56,10 +57,19 @@ PaintLog::Change erase_from(PaintedVolume& volume, const Sphere& eraser) {
 
 }  // namespace
 
-void require_paintable(const Sphere& sphere, double time) {
+void require_sphere(const Sphere& sphere, double time) {
   if (!sphere.center.allFinite() || !std::isfinite(sphere.radius) || !(sphere.radius > 0.0) ||
       !std::isfinite(time))
     throw std::invalid_argument("painted ball: expected a finite centre and time and a radius > 0 in metres");
+}
+
+void require_paintable(const Sphere& sphere, double time, double resolution) {
+  require_sphere(sphere, time);
+  const double largest = largest_painted(resolution);
+  if (sphere.radius > largest)
+    throw std::invalid_argument("painted ball: got a radius of " + short_text(sphere.radius) +
+                                " m, expected at most " + short_text(largest) +
+                                " m, 1000 voxels of this map");
 }
 
 void require_storable(const std::string& label, const std::vector<std::string>& critical_parts) {

@@ -9,7 +9,11 @@
 namespace clearway {
 
 /// @throws std::invalid_argument for a sphere that is none, or no time
-void require_paintable(const Sphere& sphere, double time);
+void require_sphere(const Sphere& sphere, double time);
+
+/// @param resolution metres, of the voxels
+/// @throws std::invalid_argument as require_sphere, and for a radius beyond largest_painted
+void require_paintable(const Sphere& sphere, double time, double resolution);
 
 /// @throws std::invalid_argument for a label or part that cannot be stored (is_storable_name), or an empty
 /// part

@@ -139,7 +139,7 @@ Snapshot with_painted(const Snapshot& map, const std::vector<PaintedVolume>& add
   for (const PaintedVolume& volume : added) {
     require_storable(volume.label, volume.critical_parts);
     for (std::size_t i = 0; i < volume.spheres.size(); ++i)
-      require_paintable(volume.spheres[i], i < volume.times.size() ? volume.times[i] : 0.0);
+      require_paintable(volume.spheres[i], i < volume.times.size() ? volume.times[i] : 0.0, map.resolution());
   }
   std::vector<PaintedVolume> volumes = map.volumes();
   const std::vector<std::size_t> places = merge_volumes(volumes, added);

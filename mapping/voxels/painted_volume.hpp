@@ -43,6 +43,9 @@ struct PaintedVolume {
   void add(const Sphere& sphere, double time, int stroke);
 };
 
+/// The largest radius of a ball that is painted, metres: 1,000 voxels.
+constexpr double largest_painted(double resolution) { return 1000.0 * resolution; }
+
 /// What an eraser leaves of a painted sphere: the same centre, and the radius at which the two spheres only
 /// touch (rounded down). None when nothing is left. A sphere that the eraser does not reach comes back as it
 /// is.

@@ -52,6 +52,26 @@ TEST(FreeSpaceMap, EveryVolumePaintsItsOwnBit) {
   for (int i = 0; i < 15; ++i) EXPECT_EQ(snapshot.voxel({0.1 * i + 0.05, 0.05, 0.05}).volumes, 1U << i);
 }
 
+TEST(FreeSpaceMap, RefusesABallOfMoreThanAThousandVoxelsAndStaysAsItWas) {
+  FreeSpaceMap map({.resolution = 0.02});
+  map.add_volume("a", {});
+  map.begin_stroke("millimetres");
+  EXPECT_THROW(map.paint(0, {{0, 0, 0}, 20.01}), std::invalid_argument);
+  EXPECT_TRUE(map.volumes()[0].spheres.empty());
+  EXPECT_TRUE(map.snapshot().bounds().isEmpty());
+  EXPECT_GT(map.paint(0, {{0, 0, 0}, 0.1}).painted, 0U);
+  EXPECT_EQ(map.erase(0, {{0, 0, 0}, 40.0}).removed, 1U);  // an eraser may be as large as it likes
+}
+
+TEST(FreeSpaceMap, PaintsNothingWhereItHasNoVoxels) {
+  FreeSpaceMap map({.resolution = 0.05});
+  map.add_volume("a", {});
+  for (const double away : {1e4, 1e9, 1e17, 1e300}) {
+    EXPECT_EQ(map.paint(0, {{away, 0, -away}, 0.5}).painted, 0U);
+    EXPECT_EQ(map.paint(0, {{0, -away, 0}, 40.0}).painted, 0U);
+  }
+}
+
 TEST(FreeSpaceMap, KeepsTheExactSpheresInTheOrderPainted) {
   FreeSpaceMap map;
   map.add_volume("v", {"tool"});
