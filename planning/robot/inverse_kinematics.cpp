@@ -70,6 +70,15 @@ void clamp_to_limits(const Robot& robot, Configuration& q) {
   }
 }
 
+/// What a step of each joint is damped by: the square of how far it moves the tip, so that a robot ten times
+/// as large, and a joint that slides, take the same steps.
+Eigen::VectorXd damping_of_joints(const Robot& robot, double size) {
+  Eigen::VectorXd damping(robot.dof());
+  for (std::size_t j = 0; j < robot.dof(); ++j)
+    damping[static_cast<Eigen::Index>(j)] = robot.joints[j].kind == JointKind::prismatic ? 1.0 : size * size;
+  return damping;
+}
+
 /// Levenberg-Marquardt on the pose error, orientation weighted by the robot's size, steps clamped into the
 /// limits; a step that does not help is tried again with more damping.
 bool descend(const Robot& robot, const Eigen::Isometry3d& wanted, const IkOptions& options, double size,
@@ -86,6 +95,7 @@ bool descend(const Robot& robot, const Eigen::Isometry3d& wanted, const IkOption
     if (options.leaves_freedom()) freed = leave_free(options, wanted, tip(), error);
   };
   look();
+  const Eigen::VectorXd damped = damping_of_joints(robot, size);
   const auto cost = [&] { return error.cwiseProduct(weights).head(rows).squaredNorm(); };
   double damping = 1e-3, last = cost();
   for (int i = 0; i < options.max_iterations; ++i) {
@@ -99,7 +109,7 @@ bool descend(const Robot& robot, const Eigen::Isometry3d& wanted, const IkOption
       if (!options.position_only) j.bottomRows<3>() = (freed.rotation * j.bottomRows<3>()).eval();
     }
     Eigen::MatrixXd normal = j.transpose() * j;
-    normal.diagonal().array() += damping * size * size;
+    normal.diagonal() += damping * damped;
     const Configuration old = q;
     q += normal.ldlt().solve(j.transpose() * error.cwiseProduct(weights).head(rows));
     clamp_to_limits(robot, q);

@@ -257,6 +257,28 @@ TEST(InverseKinematics, NumericSolverReachesRandomPosesWithinTolerance) {
 }
 
 /// Of an arm whose joints make two turns each the answer is at the turn of each joint that is nearest.
+TEST(InverseKinematics, SlidingJointsAreFoundAtAnyScale) {
+  Robot slides = load_robot("puma560");
+  slides.inverse_kinematics = "numeric";
+  for (const std::size_t j : {3U, 5U}) {
+    slides.joints[j].kind = JointKind::prismatic;
+    slides.joints[j].lower = -0.1, slides.joints[j].upper = 0.1;
+  }
+  for (const double scale : {0.02, 1.0, 20.0}) {
+    const Robot robot = scaled(slides, scale);
+    Random random(6);
+    int solved = 0;
+    for (int i = 0; i < 50; ++i) {
+      const Eigen::Isometry3d target = tip_pose(robot, random.configuration(robot));
+      const auto q = inverse_kinematics(robot, target, random.configuration(robot));
+      if (!q) continue;
+      ++solved;
+      EXPECT_LT(pose_error(tip_pose(robot, *q), target), 5e-6 * std::max(1.0, scale));
+    }
+    EXPECT_GE(solved, 48) << scale;
+  }
+}
+
 TEST(InverseKinematics, NoJointIsMoreThanATurnFromWhereItIsAskedToBeNear) {
   Robot robot = load_robot("arm6");
   for (Joint& joint : robot.joints)
