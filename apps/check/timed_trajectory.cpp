@@ -72,6 +72,7 @@ void add_start(const ForeignTrajectory& trajectory, const Robot& robot, TimedTra
     start[static_cast<Eigen::Index>(j)] = found->second;
     is_stated = true;
   }
+  const Configuration stated = start;
   start = by_whole_turns(robot, start, first.position);
   if (is_stated)
     for (const Joint& joint : robot.joints)
@@ -85,6 +86,7 @@ void add_start(const ForeignTrajectory& trajectory, const Robot& robot, TimedTra
     if (is_stated) {
       timed.points.insert(timed.points.begin(), {0.0, start, rest, rest});
       timed.has_start = true;
+      if (stated != start) timed.stated_start = stated;
     } else
       timed.notes.push_back("where the robot is before the first point, which it reaches after " +
                             significant(first.time) + " s, is not said: the way there is not judged");
@@ -175,6 +177,27 @@ std::string joints_without(const Robot& robot, double Joint::*limit) {
   return count == robot.dof() && count > 1 ? "any joint" : names;
 }
 
+/// As a controller may know the start, too: of a robot whose hardware states no accelerations, or no
+/// velocities, it knows less, and takes a cubic or a line; and of endless joints it may take the long way.
+std::vector<SplinePoint> other_starts(const TimedTrajectory& trajectory) {
+  if (!trajectory.has_start) return {};
+  std::vector<SplinePoint> starts;
+  SplinePoint start = trajectory.points.front();
+  const auto add_less_known = [&] {
+    for (auto* unknown : {&start.acceleration, &start.velocity}) {
+      unknown->resize(0);
+      starts.push_back(start);
+    }
+  };
+  add_less_known();
+  if (trajectory.stated_start.size() == 0) return starts;
+  start = trajectory.points.front();
+  start.position = trajectory.stated_start;
+  starts.push_back(start);
+  add_less_known();
+  return starts;
+}
+
 }  // namespace
 
 std::optional<TimedTrajectory> timed_trajectory(const ForeignTrajectory& trajectory, const Robot& robot,
@@ -202,17 +225,11 @@ std::optional<TimedTrajectory> timed_trajectory(const ForeignTrajectory& traject
 SplineVerdict check_timed(const TimedTrajectory& trajectory, const Robot& robot, const Snapshot& map,
                           const std::map<std::string, Policy>& policies, double padding, double seen_within) {
   SplineVerdict verdict = check_splines(robot, map, policies, padding, trajectory.points, seen_within);
-  if (trajectory.has_start) {
-    // Of a robot whose hardware states no accelerations, or no velocities, the controller knows less of the
-    // start: then it takes a cubic or a line.
-    SplinePoint start = trajectory.points.front();
-    for (auto* unknown : {&start.acceleration, &start.velocity}) {
-      unknown->resize(0);
-      const SplineVerdict other =
-          check_splines(robot, map, policies, padding, {start, trajectory.points[1]}, seen_within);
-      if (verdict.fault.empty()) verdict.fault = other.fault;
-      if (verdict.path.valid && !other.path.valid) verdict.path = other.path;
-    }
+  for (const SplinePoint& start : other_starts(trajectory)) {
+    const SplineVerdict other =
+        check_splines(robot, map, policies, padding, {start, trajectory.points[1]}, seen_within);
+    if (verdict.fault.empty()) verdict.fault = other.fault;
+    if (verdict.path.valid && !other.path.valid) verdict.path = other.path;
   }
   if (verdict.fault.empty()) verdict.fault = corner_fault(trajectory, robot);
   if (!trajectory.fault.empty()) verdict.fault = trajectory.fault;

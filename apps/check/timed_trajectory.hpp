@@ -21,7 +21,10 @@ struct TimedTrajectory {
   std::vector<std::string> notes{};  ///< what is not judged, one sentence each
   std::string moving_end{};          ///< a sentence where the last point has a velocity; else empty
   bool has_start = false;  ///< the first of `points` is where the robot rests before the file's first
-  std::string field{};     ///< of the trajectory
+  /// With a start whole turns of endless joints nearer to the first point than the file states: as it states
+  /// it. Of no size: the same.
+  Configuration stated_start{};
+  std::string field{};  ///< of the trajectory
 };
 
 /// The trajectory with its times; none of one without. From where the file says that the robot is before, at
@@ -32,7 +35,9 @@ struct TimedTrajectory {
 std::optional<TimedTrajectory> timed_trajectory(const ForeignTrajectory& trajectory, const Robot& robot,
                                                 const std::filesystem::path& file);
 
-/// check_splines of it, from where the robot is before; `path` then covers the way to the first point, too.
+/// check_splines of it, from where the robot is before: by each curve that a controller may take from there,
+/// and of endless joints by the shorter way, as controllers of ROS 2 since Jazzy go, and as far as numbers
+/// say; `path` then covers the way to the first point, too.
 /// Where straight lines meet, and where they begin or end at rest, a limit of acceleration that no motion
 /// through the points keeps is exceeded.
 /// @param robot with the loads that it carries

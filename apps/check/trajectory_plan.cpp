@@ -13,12 +13,6 @@ namespace {
 
 constexpr double stands_within = 1e-4;  ///< rad or m
 
-const HeldJoint* held_joint(const Robot& robot, const std::string& name) {
-  const auto held = std::find_if(robot.held.begin(), robot.held.end(),
-                                 [&](const HeldJoint& joint) { return joint.name == name; });
-  return held == robot.held.end() ? nullptr : &*held;
-}
-
 bool is_near(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
   const Eigen::Isometry3d between = a.inverse() * b;
   return between.translation().norm() <= stands_within &&
@@ -153,6 +147,12 @@ void take_default(Term<Value>& term) {
 }
 
 }  // namespace
+
+const HeldJoint* held_joint(const Robot& robot, const std::string& name) {
+  const auto held = std::find_if(robot.held.begin(), robot.held.end(),
+                                 [&](const HeldJoint& joint) { return joint.name == name; });
+  return held == robot.held.end() ? nullptr : &*held;
+}
 
 std::vector<std::string> hold_unnamed_joints(ForeignTrajectory& trajectory, const Robot& robot) {
   std::vector<std::string> unnamed;

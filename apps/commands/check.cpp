@@ -7,6 +7,7 @@
 #include "apps/check/check_report.hpp"
 #include "apps/check/trajectory_entries.hpp"
 #include "apps/check/trajectory_plan.hpp"
+#include "apps/check/trajectory_slack.hpp"
 #include "apps/console/commands.hpp"
 #include "apps/console/parse.hpp"
 #include "apps/console/table.hpp"
@@ -139,6 +140,18 @@ void take_start(const CheckOptions& options, const Robot& robot, ForeignTrajecto
     trajectory.start.try_emplace(robot.joints[j].name, q[static_cast<Eigen::Index>(j)]);
 }
 
+/// What a trajectory has a little beside where it is judged counts against its distance to what is blocked.
+void pad_by_slack(double slack, Contract& contract, Plan& plan) {
+  constexpr double rounding = 1e-9;  // metres
+  if (slack <= rounding) return;
+  contract.padding.value += slack;
+  plan.padding = contract.padding.value;
+  contract.notes.push_back(
+      "the trajectory has its base, or joints that stand still or follow others, a little beside where they "
+      "are judged: the padding is " +
+      significant(1000.0 * slack, 3) + " mm larger, by which that may move the robot");
+}
+
 }  // namespace
 
 int run_check(const CheckOptions& options, Console& console) {
@@ -175,6 +188,7 @@ int run_check(const CheckOptions& options, Console& console) {
     cut_at_goals(report.contract, plan);
     adopt_terms(report.contract, plan, !timed.empty());
     require_base(entries.front(), report.contract.map_from_base.value, options.plan);
+    pad_by_slack(slack_of(entries, robot, report.contract.map_from_base.value), report.contract, plan);
     if (const std::string note = model_note(entries.front(), robot); !note.empty())
       report.contract.notes.push_back(note);
     if (!unnamed.empty())

@@ -136,6 +136,23 @@ double lever(const Robot& robot, int link, const Body& body) {
   return radius;
 }
 
+double reach_below(const Robot& robot, int link) {
+  double farthest = 0.0;
+  for (const Body& body : robot.bodies) {
+    double radius = body.link_from_shape.translation().norm() + body.shape.bounding_radius();
+    int i = body.link;
+    for (; i >= 0 && i != link; i = link_at(robot, i).parent) {
+      const Link& at = link_at(robot, i);
+      radius += at.parent_from_link.translation().norm();
+      if (!slides(robot, at)) continue;
+      const auto [low, high] = travel(robot, at);
+      radius += std::max(std::abs(low), std::abs(high));
+    }
+    if (i == link) farthest = std::max(farthest, radius);
+  }
+  return farthest;
+}
+
 Eigen::VectorXd body_levers(const Robot& robot, const Body& body) {
   Eigen::VectorXd levers = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(robot.dof()));
   for (int i = body.link; i >= 0; i = link_at(robot, i).parent) {

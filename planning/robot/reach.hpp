@@ -18,6 +18,9 @@ Eigen::AlignedBox3d reach_box(const Robot& robot, const Body& body);
 /// must lie on the body's chain; metres per radian of that joint. For a prismatic joint 1.
 double lever(const Robot& robot, int link, const Body& body);
 
+/// Largest distance of any point of any body that hangs on the link from the link's origin.
+double reach_below(const Robot& robot, int link);
+
 /// For each joint how far it moves any point of the body at most, metres per unit: the levers of all links
 /// that it moves, added up.
 Eigen::VectorXd body_levers(const Robot& robot, const Body& body);

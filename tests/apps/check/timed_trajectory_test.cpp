@@ -167,6 +167,35 @@ TEST_F(CheckTimed, TheWayFromTheStartIsJudgedAsEachCurveThatAControllerMayTake) 
       << moving.log;
 }
 
+/// Controllers before ROS 2 Jazzy go as far as the numbers say, later ones the shorter way.
+TEST_F(CheckTimed, OfAnEndlessJointBothWaysFromTheStartAreJudged) {
+  FreeSpaceMap map({.resolution = 0.05});
+  map.paint(map.add_volume("one side", {}), {{0.3, 0.0, 0.0}, 0.5});  // holds the arm up to 97 degrees
+  save_map(map.snapshot(), folder_.path() / "side");
+  const std::string ball = "<sphere radius='0.05'/>",
+                    urdf = folder_.write("turn.urdf",
+                                         "<robot name='turn'>" + worlds::urdf_link("base", "0 0 0", ball) +
+                                             worlds::urdf_link("arm", "0.3 0 0", ball) +
+                                             worlds::urdf_joint("wheel", "continuous", "base", "arm", "0 0 0",
+                                                                "0 0 1", worlds::urdf_limit(-9, 9)) +
+                                             "</robot>");
+  const auto from = [&](double start) {
+    Json points = message({{8, {0.0}}, {9, {0.5}}});
+    points["joint_names"] = {"wheel"};
+    const Json before{{"joint_state", {{"name", {"wheel"}}, {"position", {start}}}}};
+    return run_command(
+        {"check",
+         folder_.write(
+             "turn.json",
+             Json{{"trajectory", {{{"joint_trajectory", points}}}}, {"trajectory_start", before}}.dump()),
+         "--map", folder_.file("side"), "--robot", urdf, "--policy", "painted"});
+  };
+  EXPECT_EQ(from(-0.083).status, exit_done) << from(-0.083).out << from(-0.083).log;
+  const CommandRun far = from(-0.083 + 2.0 * std::numbers::pi);
+  EXPECT_EQ(far.status, exit_no) << far.out;
+  EXPECT_NE(far.out.find("arm comes too near to a voxel that is unknown"), std::string::npos) << far.out;
+}
+
 TEST_F(CheckTimed, TimesAreReadByTheirNamesOrRefused) {
   const auto at = [&](const Json& first, const Json& second) {
     Json file = message({{0.0, {0, 0}}, {1.0, {0.4, 0}}});
