@@ -20,6 +20,7 @@ struct NamedGoalPose {
 /// comes before what is elsewhere within its tolerances.
 class PoseGoals {
  public:
+  /// @param space must live as long
   /// @param tip link, or end effector of the SRDF, that the poses are of; empty: the robot's own tip
   /// @throws std::invalid_argument naming the pose when no configuration is there, or when it is not rigid or
   /// one of its tolerances is out of range; or naming the tip

@@ -42,7 +42,13 @@ ControlStep::ControlStep(const ConfigurationSpace& space, DamperOptions options)
   const auto n = static_cast<Eigen::Index>(space.robot().dof());
   for (Eigen::VectorXd* vector : {&lower_, &upper_, &weighted_gradient_, &step_}) vector->setZero(n);
   per_weight_ = options_.weight.cwiseInverse();
-  solver_.begin(static_cast<int>(n));
+  stand_still();
+}
+
+void ControlStep::stand_still() {
+  lower_.setZero();
+  upper_.setZero();
+  solver_.begin(static_cast<int>(lower_.size()));
   solver_.set_limits(numbers(lower_), numbers(upper_));
 }
 

@@ -30,6 +30,9 @@ class ControlStep {
   /// values that are not finite
   void look(const Configuration& q);
 
+  /// As before the first look.
+  void stand_still();
+
   /// One more constraint: gradient . dq <= bound, in joint units (not weighted).
   void add(std::span<const double> gradient, double bound);
 

@@ -34,6 +34,7 @@ void run_once(ControlStep& control, const Configuration& q) {
   for (int i = 0; i < constraints_foreseen; ++i)
     control.add({gradient.data(), static_cast<std::size_t>(gradient.size())}, 1.0);
   control.solve(nothing);
+  control.stand_still();  // until the loop has looked
 }
 
 }  // namespace

@@ -88,7 +88,8 @@ class LiveControl {
   /// @throws std::invalid_argument, and changes nothing, unless `q` and `wanted` are one finite value for
   /// each joint: where the robot is it must know. After a reading that was lost call it with the last one.
   const Eigen::VectorXd& step(const Configuration& q, const Eigen::VectorXd& wanted, Time now);
-  /// The second half, for who has added constraints of its own to control() after look.
+  /// The second half, for who has added constraints of its own to control() after look. Zero where nobody
+  /// has looked since the last fetch.
   const Eigen::VectorXd& solve(const Eigen::VectorXd& wanted, Time now);
   /// Whether the last step was one that brakes.
   bool is_braking() const { return is_braking_; }

@@ -82,7 +82,9 @@ Json leg_json(const PlanResult& leg, std::size_t first) {
   json["search_steps"] = leg.search_steps;
   json["checks"] = leg.configurations_checked;
   json["edges_checked"] = leg.edges_checked;
-  json["statistics"] = with_stage(leg.statistics, leg.solved_by);
+  std::map<std::string, double> statistics = with_stage(leg.statistics, leg.solved_by);
+  std::erase_if(statistics, [](const auto& entry) { return !std::isfinite(entry.second); });  // JSON has none
+  json["statistics"] = statistics;
   add_origins(leg.origins, json);
   return json;
 }

@@ -35,9 +35,9 @@ void require_sound(const ConfigurationSpace& space, const std::vector<Waypoints>
   for (std::size_t i = 0; i < legs.size(); ++i) {
     if (legs[i].empty()) refuse("leg " + std::to_string(i) + " has no waypoints");
     for (const Configuration& q : legs[i])
-      if (q.size() != dof || !q.allFinite())
+      if (q.size() != dof || !q.allFinite() || (q.array().abs() > largest_joint_value).any())
         refuse("a waypoint of leg " + std::to_string(i) + " is not of " + std::to_string(dof) +
-               " finite joint values");
+               " joint values of at most " + short_text(largest_joint_value));
     if (i > 0 && legs[i].front() != legs[i - 1].back())
       refuse("leg " + std::to_string(i) + " does not begin where the one before it ends");
   }

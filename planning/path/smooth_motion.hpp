@@ -57,7 +57,8 @@ struct SmoothMotion {
 /// Limits of velocity, acceleration and jerk hold at all times, within rounding. Positions are averages of
 /// points of the path, so that joint limits hold too. The same on every machine; nothing depends on time.
 /// @param legs waypoints of each leg, whose edges are certified in `space`; each begins where the last ended
-/// @throws std::invalid_argument for no legs or an empty one, waypoints of a wrong size or not finite, legs
+/// @throws std::invalid_argument for no legs or an empty one, waypoints of a wrong size, not finite or beyond
+/// largest_joint_value, legs
 ///         that do not join, an option out of range, a motion of more than a million samples a leg, or jerk
 ///         limits that no window of sensible length keeps.
 SmoothMotion smooth_motion(const ConfigurationSpace& space,

@@ -33,6 +33,9 @@ LinkPoses forward_kinematics(const Robot& robot, const Configuration& q) {
 }
 
 Eigen::Isometry3d tip_pose(const Robot& robot, const Configuration& q) {
+  if (robot.tip_link < 0 || robot.tip_link >= static_cast<int>(robot.links.size()))
+    throw std::invalid_argument("robot " + quote(robot.name) + ": its tip_link is " +
+                                std::to_string(robot.tip_link) + ", expected one of its links");
   return forward_kinematics(robot, q)[static_cast<std::size_t>(robot.tip_link)] * robot.link_from_tip;
 }
 

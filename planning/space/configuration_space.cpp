@@ -221,6 +221,7 @@ bool CollisionModel::is_free_by_shapes(const Configuration& q) const {
 
 double ConfigurationSpace::clearance(const Configuration& q, double at_most) const {
   const CollisionModel& model = *model_;
+  if (std::isnan(at_most)) throw std::invalid_argument("clearance: at_most is no number, expected metres");
   if (!model.is_within_limits(q)) return 0.0;
   LinkPoses& poses = scratch_poses();
   forward_kinematics(model.robot, q, poses);

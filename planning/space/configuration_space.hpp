@@ -135,6 +135,7 @@ class ConfigurationSpace {
   /// Conservative (<= true) smallest distance of any body to what blocks it, or to another body; padding
   /// subtracted, at most the fields' max_distance; <= 0 when not free.
   /// @param at_most metres; larger ones are reported as this, and take less time.
+  /// @throws std::invalid_argument when it is NaN
   double clearance(const Configuration& q, double at_most = std::numeric_limits<double>::infinity()) const;
 
   /// Pairs nearer than `influence_distance`, in a fixed order: for each body (in up to four pieces along its

@@ -102,6 +102,21 @@ TEST(LiveControl, StepsAsOneMadeInTheLoopFromTheSameMapBitForBit) {
   EXPECT_GT(constraints, 1000.0);
 }
 
+TEST(LiveControl, StandsStillWhereNobodyHasLookedSinceTheLastFetch) {
+  const Robot robot = load_robot("puma560");
+  FreeSpaceMap map({.resolution = edge});
+  occupy(map, {3.0, 3.0, 3.0});
+  LiveControl live(damper(robot), {});
+  const Configuration q = Configuration::Zero(6), wanted = Configuration::Constant(6, 0.01);
+  for (int frame = 0; frame < 2; ++frame) {
+    live.publish(space_of(robot, map.snapshot()), Time());
+    ASSERT_TRUE(live.fetch(q));
+    EXPECT_EQ(live.solve(wanted, Time()), Configuration::Zero(6));
+    live.control().look(q);
+    EXPECT_NE(live.solve(wanted, Time()), Configuration::Zero(6));
+  }
+}
+
 TEST(LiveControl, TakesMapsApartOnTheMappingThreadAndNeverHasMoreThanThree) {
   const Robot robot = load_robot("point");
   TreeWatch watch;

@@ -102,6 +102,9 @@ TEST(PlanFile, ReadsBackWhatItWrote) {
   EXPECT_EQ(read.waypoints(), plan.waypoints());
   EXPECT_EQ(read.legs[1].waypoints, plan.legs[1].waypoints);
   EXPECT_EQ(read.legs[1].statistics, plan.legs[1].statistics);
+  Plan odd = plan;  // of somebody's own planner
+  odd.legs[1].statistics["ratio"] = std::nan("");
+  EXPECT_EQ(parse_plan(to_json(odd), "odd.json").legs[1].statistics, plan.legs[1].statistics);
   EXPECT_EQ(read.legs[1].solved_by, BoundaryPlusStage::plane);
   EXPECT_EQ(Json::parse(to_json(read))["legs"][1]["statistics"].dump(), R"({"heads":20.0,"solved_by":2.0})");
   EXPECT_EQ(read.policies, plan.policies);

@@ -256,8 +256,13 @@ TEST(SmoothMotion, RefusesWhatIsNoPath) {
   const Robot robot = load_robot("point");
   const ConfigurationSpace space = space_of(robot, {box_of(5, 5, -0.05, 5.1, 5.1, 0.05)});
   const Configuration bad = at(std::nan(""), 0.0), three = Eigen::Vector3d(0, 0, 0);
-  const std::vector<std::vector<Path>> refused{
-      {}, {{}}, {{at(0, 0), bad}}, {{three}}, {{at(0, 0), at(1, 0)}, {at(0, 0), at(1, 0)}}};
+  const std::vector<std::vector<Path>> refused{{},
+                                               {{}},
+                                               {{at(0, 0), at(1e300, 0)}},
+                                               {{at(0, 0), at(0, -1e7)}},
+                                               {{at(0, 0), bad}},
+                                               {{three}},
+                                               {{at(0, 0), at(1, 0)}, {at(0, 0), at(1, 0)}}};
   for (const auto& legs : refused) EXPECT_THROW(smooth_motion(space, legs), std::invalid_argument);
   const std::vector<Path> path{{at(0, 0), at(1, 0)}};
   EXPECT_THROW(smooth_motion(space, path, {.period = 0.0}), std::invalid_argument);

@@ -113,6 +113,14 @@ TEST(Kinematics, OfAnotherNumberOfJointValuesIsRefused) {
   }
 }
 
+TEST(Kinematics, ATipThatIsNoLinkIsRefused) {
+  Robot robot = load_robot("planar2");
+  for (const int tip : {-1, 99}) {
+    robot.tip_link = tip;
+    EXPECT_THROW(tip_pose(robot, Configuration::Zero(2)), std::invalid_argument);
+  }
+}
+
 TEST(Kinematics, LimitViolationNamesJointValueAndLimit) {
   const Robot robot = load_robot("planar2");
   EXPECT_EQ(limit_violation(robot, Eigen::Vector2d(1.0, -1.0)), "");
