@@ -64,8 +64,7 @@ std::unique_ptr<Planner> make_planner(std::string_view name, const PlannerOption
     if (planner.name == name) return planner.make(options);
     known.emplace_back(planner.name);
   }
-  throw std::invalid_argument("unknown planner " + quote(name) + ": did you mean '" +
-                              nearest_name(name, known) + "'?");
+  throw std::invalid_argument("unknown planner " + quote(name) + ": " + suggestion(name, known));
 }
 
 }  // namespace clearway

@@ -10,6 +10,7 @@
 #include "apps/console/failure.hpp"
 #include "apps/console/flags.hpp"
 #include "mapping/system/nearest_name.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/problem/planner.hpp"
 
 namespace clearway {
@@ -19,12 +20,6 @@ namespace {
 struct Text {
   std::string text;
 };
-
-/// "did you mean": the nearest candidate, if it is near.
-std::string meant(const std::string& word, std::vector<std::string> candidates) {
-  std::erase_if(candidates, [&](const std::string& c) { return 2 * edit_distance(word, c) > c.size(); });
-  return nearest_name(word, candidates, 3);
-}
 
 Command add_simulate(CLI::App& app, Console& console) {
   auto options = std::make_shared<SimulateOptions>();
@@ -80,23 +75,24 @@ int report_usage_error(const CLI::App& app, const std::vector<std::string>& argu
   }
   const bool known = std::find(names.begin(), names.end(), arguments[0]) != names.end();
   if (!known && !arguments[0].starts_with('-')) {
-    sentence = "unknown command '" + arguments[0] + "'";
-    const std::string guess = meant(arguments[0], names);
+    sentence = "unknown command " + quote(arguments[0]);
+    const std::string guess = nearest_name(arguments[0], names);
     sentence += guess.empty() ? " (see clearway --help)" : "; did you mean '" + guess + "'?";
   } else if (known) {
     sentence = arguments[0] + ": " + sentence + " (see clearway " + arguments[0] + " --help)";
     std::vector<std::string> flags;
     const CLI::App* command = app.get_subcommand(arguments[0]);
     for (const CLI::Option* option : command->get_options()) {
-      for (const std::string& name : option->get_lnames()) flags.push_back("--" + name);
+      for (const std::string& name : option->get_lnames()) flags.push_back(name);
     }
     for (const std::string& argument : arguments) {
       const std::string flag = argument.substr(0, argument.find('='));
-      if (!flag.starts_with("--") || std::find(flags.begin(), flags.end(), flag) != flags.end()) continue;
-      const std::string guess = meant(flag, flags);
-      sentence =
-          arguments[0] + ": unknown flag '" + flag + "'" +
-          (guess.empty() ? " (see clearway " + arguments[0] + " --help)" : "; did you mean '" + guess + "'?");
+      const std::string name = flag.starts_with("--") ? flag.substr(2) : "";
+      if (name.empty() || std::find(flags.begin(), flags.end(), name) != flags.end()) continue;
+      const std::string guess = nearest_name(name, flags);
+      sentence = arguments[0] + ": unknown flag " + quote(flag) +
+                 (guess.empty() ? " (see clearway " + arguments[0] + " --help)"
+                                : "; did you mean '--" + guess + "'?");
       break;
     }
   }

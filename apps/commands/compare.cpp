@@ -43,8 +43,7 @@ void require_known(const std::string& flag, const std::vector<std::string>& chos
                    const std::vector<std::string>& known) {
   for (const std::string& name : chosen) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    throw std::invalid_argument(flag + ": the suite has no '" + name + "': did you mean '" +
-                                nearest_name(name, known) + "'?");
+    throw std::invalid_argument(flag + ": the suite has no " + quote(name) + ": " + suggestion(name, known));
   }
 }
 

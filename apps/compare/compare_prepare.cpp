@@ -11,6 +11,7 @@
 #include "apps/suites/sensed_spaces.hpp"
 #include "apps/suites/suite_teams.hpp"
 #include "mapping/system/nearest_name.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/planner_table.hpp"
 
 namespace clearway {
@@ -49,9 +50,8 @@ void require_plots(const Suite& suite, const SuiteExperiment& experiment) {
     if (experiment.teams && plot != "animation")
       refuse(suite, experiment, "field 'plots': teams have no '" + plot + "': expected animation");
     if (std::find(plot_names.begin(), plot_names.end(), plot) != plot_names.end()) continue;
-    refuse(
-        suite, experiment,
-        "field 'plots': unknown plot '" + plot + "': did you mean '" + nearest_name(plot, plot_names) + "'?");
+    refuse(suite, experiment,
+           "field 'plots': unknown plot " + quote(plot) + ": " + suggestion(plot, plot_names));
   }
 }
 

@@ -17,6 +17,7 @@
 #include "apps/console/parse.hpp"
 #include "apps/results/compare_record.hpp"
 #include "mapping/system/damaged_file.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
@@ -71,7 +72,7 @@ IsolatedEnd end_of(const ChildOutcome& outcome, const CompareIsolation& isolatio
     end.explanation = "The run's process was killed (SIGKILL), as the system does when memory is short.";
   } else {
     end.ended = "crashed";
-    end.explanation = threw ? "The run ended with an error: " + outcome.failure + "."
+    end.explanation = threw ? "The run ended with an error: " + ended(outcome.failure)
                             : "The run's process " + end_of_process(outcome.status) + ".";
   }
   return end;

@@ -29,11 +29,9 @@ fs::path shipped_file(const std::string& folder, const fs::path& given) {
                                 quote_path((datasets_folder() / folder).string()) +
                                 ", CLEARWAY_DATASETS may name another folder");
   }
-  const std::string meant = nearest_name(given.string().substr(0, 100), names, 2);
-  if (!meant.empty()) throw std::invalid_argument(start + "; did you mean '" + meant + "'?");
-  std::string list;
-  for (const std::string& name : names) list += name + ", ";
-  throw std::invalid_argument(start + ": expected " + list + "or the path of a .yaml file");
+  const bool is_near = !nearest_name(given.string(), names).empty();
+  throw std::invalid_argument(start + "; " + suggestion(given.string(), names) +
+                              (is_near ? "" : ", or the path of a .yaml file"));
 }
 
 }  // namespace clearway

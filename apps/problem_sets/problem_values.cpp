@@ -45,9 +45,8 @@ void require_known(const ForeignProblem& problem, const ForeignGoal& goal, const
   const auto require = [&](const std::string& name, const std::vector<std::string>& known, const char* what) {
     if (std::find(known.begin(), known.end(), name) != known.end()) return;
     throw std::invalid_argument("problem " + quote(problem.name) + ": its goal names " + what + " " +
-                                quote(name) + ", which robot " + quote(whole.name) +
-                                " does not have, did you mean " +
-                                quote(nearest_name(name.substr(0, 100), known)) + "?");
+                                quote(name) + ", which robot " + quote(whole.name) + " does not have, " +
+                                suggestion(name, known));
   };
   for (const auto& [joint, value] : goal.joints.by_joint) require(joint, joints, "joint");
   if (goal.pose) require(goal.pose->link, links, "link");

@@ -42,10 +42,9 @@ Load load_of(const TeachEvent& event, const Setup& setup) {
     return load;
   }
   const std::vector<std::string> names = names_of_loads(setup);
-  throw std::invalid_argument(
-      "the setup has no load " + quote(shortened(event.name)) +
-      (names.empty() ? ", nor any other; the event may bring one with it, as 'load'"
-                     : ", did you mean " + quote(nearest_name(event.name.substr(0, 100), names)) + "?"));
+  throw std::invalid_argument("the setup has no load " + quote(shortened(event.name)) +
+                              (names.empty() ? ", nor any other; the event may bring one with it, as 'load'"
+                                             : ", " + suggestion(event.name, names)));
 }
 
 bool are_same(const std::vector<Load>& a, const std::vector<Load>& b) {

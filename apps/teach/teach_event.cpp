@@ -94,7 +94,7 @@ TeachAction action_of(const JsonField& field) {
   const auto found = std::find(action_names.begin(), action_names.end(), name);
   if (found == action_names.end()) {
     const std::vector<std::string> known(action_names.begin(), action_names.end());
-    field.refuse("an action, did you mean " + quote(nearest_name(name.substr(0, 100), known)) + "?");
+    field.fail("unknown action " + quote(name) + ": " + suggestion(name, known));
   }
   return static_cast<TeachAction>(found - action_names.begin());
 }
@@ -196,8 +196,7 @@ TeachEvent event_of(const JsonField& line, const char* when) {
   for (const auto& [key, value] : line.members()) {
     if (known.contains(key)) continue;
     const std::vector<std::string> names(known.begin(), known.end());
-    value.refuse("no such field with action " + quote(to_string(event.action)) + ", did you mean " +
-                 quote(nearest_name(key.substr(0, 100), names)) + "?");
+    value.fail("action " + quote(to_string(event.action)) + " has no such field: " + suggestion(key, names));
   }
   if (line.has("name")) event.name = name_of(line, event.action);
   if (event.action == TeachAction::volume) event.name = line.at("label").text();

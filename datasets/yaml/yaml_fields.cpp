@@ -89,7 +89,7 @@ void YamlFields::fail(const std::string& key, const std::string& what) const {
   const std::string line = mark.is_null() ? "" : ", line " + std::to_string(mark.line + 1);
   const std::string plain_key = key.empty() ? "" : shortened(key);
   const std::string where = path_ + (path_.empty() || key.empty() ? "" : ".") + plain_key;
-  throw std::invalid_argument(name_ + line + (where.empty() ? "" : ", " + where) + ": " + what + ".");
+  throw std::invalid_argument(name_ + line + (where.empty() ? "" : ", " + where) + ": " + ended(what));
 }
 
 YAML::Node YamlFields::find(const std::string& key) const {
@@ -442,9 +442,7 @@ void YamlFields::finish() const {
   for (const auto& entry : *node_) {
     const std::string key = entry.first.Scalar();
     if (asked_.contains(key)) continue;
-    const std::size_t near = key.size() > 100 ? 0 : std::max<std::size_t>(2, key.size() / 2);
-    const std::string nearest = nearest_name(key, {asked_.begin(), asked_.end()}, near);
-    fail(key, "unknown key" + (nearest.empty() ? std::string() : "; did you mean '" + nearest + "'?"));
+    fail(key, "unknown key; " + suggestion(key, {asked_.begin(), asked_.end()}));
   }
 }
 

@@ -4,6 +4,8 @@
 #include <numeric>
 #include <utility>
 
+#include "mapping/system/plain_text.hpp"
+
 namespace clearway {
 namespace {
 
@@ -25,37 +27,56 @@ bool is_slip(const std::string& name, const std::string& known) {
   return edit_distance(name, known) <= (known.size() <= 4 ? 1U : 2U);
 }
 
-/// Whether one of the two goes on where the other ends: rate and rate_hz.
+/// Whether one of the two goes on where the other ends, or ends in it as a word: rate and rate_hz,
+/// tolerance and turn-tolerance.
 bool continues(std::string_view a, std::string_view b) {
   constexpr std::size_t says_enough = 3;
-  return std::min(a.size(), b.size()) >= says_enough && (a.starts_with(b) || b.starts_with(a));
+  if (a.size() > b.size()) std::swap(a, b);
+  if (a.size() < says_enough) return false;
+  if (b.starts_with(a)) return true;
+  return b.ends_with(a) &&
+         std::string_view("_-. ").find(b[b.size() - a.size() - 1]) != std::string_view::npos;
+}
+
+/// Edits that still leave a name of so many letters recognizable.
+std::size_t most_edits(std::size_t letters) {
+  return letters < 2 ? 0 : std::max<std::size_t>(1, letters / 3);
 }
 
 }  // namespace
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
+  std::vector<std::size_t> row(b.size() + 1), above, two_above;
   std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0];
+    two_above = std::exchange(above, row);
     row[0] = i + 1;
     for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
+      row[j + 1] = std::min({above[j] + (a[i] == b[j] ? 0 : 1), row[j] + 1, above[j + 1] + 1});
+      if (i > 0 && j > 0 && a[i] == b[j - 1] && a[i - 1] == b[j])
+        row[j + 1] = std::min(row[j + 1], two_above[j - 1] + 1);
     }
   }
   return row.back();
 }
 
-std::string nearest_name(std::string_view name, const std::vector<std::string>& known, std::size_t most) {
+std::string nearest_name(std::string_view name, const std::vector<std::string>& known) {
+  const std::string small = lower_case(name.substr(0, 100));
   const std::string* nearest = nullptr;
   std::pair<bool, std::size_t> least{true, 0};
   for (const std::string& one : known) {
-    const std::pair key{!continues(name, one), edit_distance(name, one)};
+    const std::string other = lower_case(one);
+    const std::pair key{!continues(small, other), edit_distance(small, other)};
+    if (key.first && key.second > most_edits(std::min(small.size(), other.size()))) continue;
     if (nearest == nullptr || key < least) nearest = &one, least = key;
   }
-  return nearest == nullptr || (least.first && least.second > most) ? std::string() : *nearest;
+  return nearest == nullptr ? std::string() : *nearest;
+}
+
+std::string suggestion(std::string_view name, const std::vector<std::string>& known) {
+  const std::string nearest = nearest_name(name, known);
+  if (!nearest.empty()) return "did you mean " + quote(nearest) + "?";
+  return known.empty() ? "expected none" : "expected one of " + listed(known);
 }
 
 std::string misspelt_name(std::string_view name, const std::vector<std::string>& known) {

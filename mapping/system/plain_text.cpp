@@ -121,6 +121,11 @@ std::string listed(const std::vector<std::string>& names) {
                                     : list + " and " + std::to_string(names.size() - most_names) + " more";
 }
 
+std::string ended(std::string sentence) {
+  const bool is_ended = sentence.ends_with('.') || sentence.ends_with('?');
+  return is_ended ? sentence : sentence + ".";
+}
+
 std::string quote_path(std::string_view path) { return "'" + plain_end(path, longest_path) + "'"; }
 
 }  // namespace clearway

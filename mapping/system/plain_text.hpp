@@ -25,6 +25,9 @@ std::string quote(std::string_view text);
 /// Names, each shortened, with commas; of more than twenty the first ones "and 7 more".
 std::string listed(const std::vector<std::string>& names);
 
+/// The sentence with a full stop, unless it ends in one or in a question mark.
+std::string ended(std::string sentence);
+
 /// A path, plain, between single quotes; of a longer one the last 255 characters, with the file's name.
 std::string quote_path(std::string_view path);
 

@@ -18,16 +18,19 @@ JsonField::JsonField(const Json& root, std::string file)
 JsonField::JsonField(const Json& value, std::shared_ptr<const std::string> file, std::string name)
     : value_(&value), file_(std::move(file)), name_(std::move(name)) {}
 
-void JsonField::refuse(const std::string& expected) const {
-  throw std::invalid_argument(*file_ + ": " + (name_.empty() ? "it" : "field '" + name_ + "'") +
-                              ": expected " + expected);
+void JsonField::refuse(const std::string& expected) const { fail("expected " + expected); }
+
+void JsonField::fail(const std::string& what) const {
+  throw std::invalid_argument(*file_ + ": " + (name_.empty() ? "it" : "field '" + name_ + "'") + ": " + what);
 }
+
+std::string JsonField::inner(const std::string& key) const { return name_.empty() ? key : name_ + "." + key; }
 
 bool JsonField::has(const char* key) const { return value_->is_object() && value_->contains(key); }
 
 JsonField JsonField::at(const char* key) const {
   if (!value_->is_object()) refuse("an object");
-  const JsonField child(has(key) ? value_->at(key) : *value_, file_, name_.empty() ? key : name_ + "." + key);
+  const JsonField child(has(key) ? value_->at(key) : *value_, file_, inner(key));
   if (!has(key)) child.refuse("to be there");
   return child;
 }
@@ -45,7 +48,7 @@ std::vector<std::pair<std::string, JsonField>> JsonField::members() const {
   if (!value_->is_object()) refuse("an object");
   std::vector<std::pair<std::string, JsonField>> fields;
   for (const auto& [key, value] : value_->items())
-    fields.emplace_back(key, JsonField(value, file_, name_ + "." + shortened(key)));
+    fields.emplace_back(key, JsonField(value, file_, inner(shortened(key))));
   return fields;
 }
 

@@ -21,6 +21,7 @@ class JsonField {
   JsonField(const nlohmann::ordered_json& root, std::string file);
 
   [[noreturn]] void refuse(const std::string& expected) const;
+  [[noreturn]] void fail(const std::string& what) const;  ///< the same, where "expected …" says it badly
 
   bool has(const char* key) const;
   JsonField at(const char* key) const;
@@ -40,6 +41,7 @@ class JsonField {
  private:
   JsonField(const nlohmann::ordered_json& value, std::shared_ptr<const std::string> file, std::string name);
   JsonField item(std::size_t index) const;
+  std::string inner(const std::string& key) const;  ///< how a field of this one is called
 
   const nlohmann::ordered_json* value_;
   std::shared_ptr<const std::string> file_;  ///< one for all: a plan has a million values

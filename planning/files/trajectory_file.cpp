@@ -7,6 +7,7 @@
 
 #include "mapping/system/nearest_name.hpp"
 #include "mapping/system/number_text.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/files/csv_field.hpp"
 #include "planning/files/json_field.hpp"
 #include "planning/problem/option_reader.hpp"
@@ -236,8 +237,7 @@ const TrajectoryFormat& trajectory_format(std::string_view name, const Robot& ro
     if (!refusal.empty()) throw std::invalid_argument("trajectory: " + refusal);
     return format;
   }
-  throw std::invalid_argument("trajectory: unknown format '" + std::string(name) + "'; did you mean '" +
-                              nearest_name(name, names) + "'?");
+  throw std::invalid_argument("trajectory: unknown format " + quote(name) + "; " + suggestion(name, names));
 }
 
 }  // namespace clearway

@@ -146,11 +146,7 @@ void OptionReader::refuse_unknown() const {
   for (const auto& [name, value] : in_force_) known.push_back(name);
   for (const auto& [name, value] : given_) {
     if (in_force_.contains(name)) continue;
-    const std::string meant = misspelt_name(name, known);
-    throw std::invalid_argument(owner_ + ": unknown option " + quote(name) +
-                                (!meant.empty()  ? ": did you mean '" + meant + "'?"
-                                 : known.empty() ? ", expected none"
-                                                 : ", expected one of " + listed(known)));
+    throw std::invalid_argument(owner_ + ": unknown option " + quote(name) + ": " + suggestion(name, known));
   }
 }
 

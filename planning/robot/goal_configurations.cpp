@@ -254,8 +254,8 @@ Robot with_tip(const Robot& robot, const std::string& link) {
   for (const Link& known : robot.links) names.push_back(known.name);
   const auto found = std::find(names.begin(), names.end(), link);
   if (found == names.end())
-    throw std::invalid_argument("--tip: robot " + quote(robot.name) + " has no link " + quote(link) +
-                                ", did you mean " + quote(nearest_name(link.substr(0, 100), names)) + "?");
+    throw std::invalid_argument("--tip: robot " + quote(robot.name) + " has no link " + quote(link) + ", " +
+                                suggestion(link, names));
   Robot result = robot;
   result.tip_link = static_cast<int>(found - names.begin());
   result.link_from_tip.setIdentity();

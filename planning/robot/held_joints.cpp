@@ -24,10 +24,9 @@ std::size_t joint_index(const Robot& robot, const std::string& name, const std::
       throw std::invalid_argument(
           file.string() + ": joint " + quote(name) + " cannot be fixed, because it follows " +
           quote(names[static_cast<std::size_t>(link.joint)]) + " (mimic), expected that one");
-  const std::string nearest = nearest_name(name.substr(0, 100), names, 3);
   throw std::invalid_argument(file.string() + ": joint " + quote(name) +
-                              " cannot be fixed, because no joint of that name moves" +
-                              (nearest.empty() ? "" : ", did you mean " + quote(nearest) + "?"));
+                              " cannot be fixed, because no joint of that name moves, " +
+                              suggestion(name, names));
 }
 
 void require_within_limits(const Joint& joint, double value, const std::filesystem::path& file) {

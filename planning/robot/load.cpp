@@ -30,8 +30,8 @@ int link_of(const Robot& robot, const std::string& name, const std::string& what
   for (const Link& link : robot.links) names.push_back(link.name);
   const auto found = std::find(names.begin(), names.end(), name);
   if (found != names.end()) return static_cast<int>(found - names.begin());
-  throw std::invalid_argument(what + ": robot " + quote(robot.name) + " has no link " + quote(name) +
-                              ", did you mean " + quote(nearest_name(name.substr(0, 100), names)) + "?");
+  throw std::invalid_argument(what + ": robot " + quote(robot.name) + " has no link " + quote(name) + ", " +
+                              suggestion(name, names));
 }
 
 void require_sound(const Robot& robot, const Load& load) {

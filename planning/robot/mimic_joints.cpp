@@ -48,10 +48,7 @@ std::size_t master_of(const std::filesystem::path& file, const MimicJoint& mimic
     if (std::any_of(robot.links.begin(), robot.links.end(),
                     [&](const Link& link) { return link.joint_name == master; }))
       refuse(file, mimic, ", which is fixed: expected a joint that moves");
-    const std::string nearest = nearest_name(master.substr(0, 100), names);
-    refuse(file, mimic,
-           ", which is no joint that moves" +
-               (nearest.empty() ? std::string() : ", did you mean " + quote(nearest) + "?"));
+    refuse(file, mimic, ", which is no joint that moves, " + suggestion(master, names));
   }
   const auto index = static_cast<std::size_t>(found - names.begin());
   if (robot.joints[index].kind != mimic.joint.kind)

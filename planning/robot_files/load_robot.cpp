@@ -166,8 +166,7 @@ std::map<std::string, double> fixed_by_states(const Robot& robot, const RobotReq
     if (std::find(known.begin(), known.end(), name) == known.end())
       throw std::invalid_argument(
           "--fix: expected JOINT=VALUE or a state of a SRDF, got " + quote(name) +
-          (known.empty() ? ", and the robot has no SRDF with states"
-                         : ", did you mean " + quote(nearest_name(name.substr(0, 100), known)) + "?"));
+          (known.empty() ? ", and the robot has no SRDF with states" : "; " + suggestion(name, known)));
     for (const Srdf::State& state : srdf->states) {
       if (state.name != name) continue;
       const std::string origin = quote(state.name) + " of group " + quote(state.group);
@@ -220,7 +219,7 @@ std::vector<std::string> standing_links(const Robot& robot, const RobotRequest& 
     const auto found = std::find(names.begin(), names.end(), name);
     if (found == names.end())
       throw std::invalid_argument("standing: robot " + quote(robot.name) + " has no link " + quote(name) +
-                                  ", did you mean " + quote(nearest_name(name.substr(0, 100), names)) + "?");
+                                  ", " + suggestion(name, names));
     if (is_moved(robot, static_cast<int>(found - names.begin())) &&
         std::find(request.standing.begin(), request.standing.end(), name) != request.standing.end())
       throw std::invalid_argument("standing: a joint that is planned moves link " + quote(name) +

@@ -34,17 +34,17 @@ class Section {
     for (const auto& entry : node) {
       const std::string key = entry.first.as<std::string>("");
       if (keys.empty() || std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
-      if (misspelt_name(key, keys).empty() && path_.empty()) {
+      if (path_.empty() && nearest_name(key, keys).empty()) {
         std::error_code error;
         const bool is_beside =
             std::filesystem::exists(std::filesystem::path(file).replace_extension(".urdf"), error);
         throw std::invalid_argument(
             file.string() + ": unknown key " + quote(key) + " of a robot's settings" +
-            (is_beside ? ", as which a .yaml beside a URDF of its name is read" : "") + ", expected one of " +
-            listed(keys));
+            (is_beside ? ", as which a .yaml beside a URDF of its name is read" : "") + ", " +
+            suggestion(key, keys));
       }
-      throw std::invalid_argument(file.string() + ": unknown key " + quote(path_ + key) + ", did you mean '" +
-                                  nearest_name(key, keys) + "'?");
+      throw std::invalid_argument(file.string() + ": unknown key " + quote(path_ + key) + ", " +
+                                  suggestion(key, keys));
     }
   }
 

@@ -162,9 +162,8 @@ std::vector<std::string> xacro_notes(const std::filesystem::path& file, const Xa
   const std::vector<std::string> known(found.names().begin(), found.names().end());
   for (const auto& [name, value] : arguments) {
     if (found.names().contains(name)) continue;
-    const std::string meant = nearest_name(name, known);
     notes.push_back("xacro argument " + quote(name) + " has no effect, as " + quote_path(file.string()) +
-                    " does not declare it" + (meant.empty() ? "" : ", did you mean " + quote(meant) + "?"));
+                    " does not declare it, " + suggestion(name, known));
   }
   return notes;
 }

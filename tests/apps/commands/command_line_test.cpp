@@ -85,7 +85,13 @@ TEST_F(CommandLine, a_misspelt_command_or_flag_is_answered_with_the_nearest_one)
   EXPECT_EQ(helpless.status, exit_bad_input);
   EXPECT_NE(helpless.log.find("unknown command 'frobnicate'"), std::string::npos) << helpless.log;
   expect_refused(run_command({"inspcet", map_}), exit_bad_input, {"inspcet", "did you mean 'inspect'"});
-  expect_refused(run_command({"inspect", map_, "--slcie", "z=0"}), exit_bad_input, {"--slcie", "--slice"});
+  expect_refused(run_command({"inspect", map_, "--slcie", "z=0"}), exit_bad_input,
+                 {"--slcie", "did you mean '--slice'?"});
+  expect_refused(run_command({"plan", "--tolerance", "1"}), exit_bad_input,
+                 {"did you mean '--turn-tolerance'?"});
+  expect_refused(run_command({"plan", "--seen", "1"}), exit_bad_input, {"did you mean '--seen-within'?"});
+  expect_refused(run_command({"inspect", map_, "--frobnicate"}), exit_bad_input,
+                 {"unknown flag '--frobnicate' (see clearway inspect --help)"});
   EXPECT_EQ(run_command({}).status, exit_bad_input);
 }
 

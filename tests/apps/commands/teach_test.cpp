@@ -27,10 +27,12 @@ TEST(Teach, WhatIsWrongIsReportedInOneSentence) {
     EXPECT_NE(sentence.find(part), std::string::npos) << sentence;
   };
   expect("{\"time\": 0}", "e.jsonl', line 1: field 'action'");
-  expect("{\"time\": 0, \"action\": \"pant_on\"}", "an action, did you mean 'paint_on'?");
+  expect("{\"time\": 0, \"action\": \"pant_on\"}",
+         "field 'action': unknown action 'pant_on': did you mean 'paint_on'?");
   expect("{\"time\": -1, \"action\": \"paint_on\"}", "seconds after the first frame, 0 or more");
   expect("{\"time\": 1700000000.5, \"action\": \"paint_on\"}", "not since 1970");
-  expect("{\"time\": 0, \"action\": \"paint_on\", \"lable\": \"x\"}", "no such field with action 'paint_on'");
+  expect("{\"time\": 0, \"action\": \"paint_on\", \"lable\": \"x\"}",
+         "field 'lable': action 'paint_on' has no such field: expected one of action, time");
   expect("{\"time\": 2, \"action\": \"paint_on\"}\n{\"time\": 1, \"action\": \"paint_off\"}",
          "line 2: field 'time': expected a time not before the last line's");
   expect("{\"time\": 0, \"action\": \"plan\", \"name\": \"../x\"}", "letters, digits");
@@ -48,7 +50,7 @@ TEST(Teach, WhatIsWrongIsReportedInOneSentence) {
               "no 'legs': a load rides from 'attach' to 'detach'");
   expect_load("\"load\": [1]", "field 'load'");
   expect_load("\"load\": {}, \"name\": \"can\"", "either 'load', a load, or 'name'");
-  expect_load("\"q\": \"1\"", "no such field with action 'attach'");
+  expect_load("\"q\": \"1\"", "field 'q': action 'attach' has no such field: expected one of ");
   expect_load("\"name\": \"can\"", "at 0 s, attach: the setup has no load 'can'");
   expect_load("\"load\": {\"name\": \"can\", \"mesh\": \"no.stl\", \"link\": \"hand\"}", "no.stl");
   expect("{\"time\": 0, \"action\": \"object\"}", "field 'name'");

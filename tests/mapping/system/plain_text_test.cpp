@@ -77,5 +77,12 @@ TEST(PlainText, lists_names_and_counts_the_rest_of_many) {
   EXPECT_TRUE(listed(std::vector<std::string>(27, "a")).ends_with("a, a and 7 more"));
 }
 
+TEST(PlainText, a_sentence_ends_once) {
+  EXPECT_EQ(ended("it is so"), "it is so.");
+  EXPECT_EQ(ended("it is so."), "it is so.");
+  EXPECT_EQ(ended("is it?"), "is it?");
+  EXPECT_EQ(ended(""), ".");
+}
+
 }  // namespace plain_text_test
 }  // namespace clearway

@@ -6,7 +6,6 @@
 #include <functional>
 #include <stdexcept>
 
-#include "mapping/system/nearest_name.hpp"
 
 namespace clearway {
 namespace option_reader_test {
@@ -114,14 +113,6 @@ TEST(OptionReader, UnknownOptionNamesTheNearest) {
   reader.flag("last_segment", true);
   EXPECT_EQ(message_of([&] { reader.refuse_unknown(); }),
             "beam: unknown option 'widht': did you mean 'width'?");
-}
-
-TEST(NearestName, CountsEdits) {
-  EXPECT_EQ(nearest_name("bem", {"boundary", "beam", "constraint"}), "beam");
-  EXPECT_EQ(nearest_name("rrt_connect", {"beam", "rrtconnect"}), "rrtconnect");
-  EXPECT_EQ(nearest_name("x", {}), "");
-  EXPECT_EQ(nearest_name("rate", {"path", "rate_hz"}), "rate_hz");
-  EXPECT_EQ(nearest_name("rate_hz", {"path", "rate"}), "rate");
 }
 
 }  // namespace option_reader_test
