@@ -5,6 +5,7 @@
 #include <chrono>
 #include <stdexcept>
 
+#include "apps/console/flag_names.hpp"
 #include "apps/query/query.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
@@ -56,6 +57,12 @@ void require_size(const std::vector<double>& q, const Robot& robot, const QueryS
                               " (robot '" + robot.name + "')");
 }
 
+void require_policies(const QuerySetup& query, const Robot& robot) try {
+  choose_policies(policy_texts(query), robot);
+} catch (const std::invalid_argument& error) {
+  throw std::invalid_argument("setup, query '" + query.name + "', " + with_keys(error.what()));
+}
+
 /// A query's name becomes the name of its plans' files.
 void require_file_name(const std::string& name) {
   const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
@@ -83,7 +90,7 @@ QueryRunner::QueryRunner(const ReplayOptions& options, const std::filesystem::pa
     picks_.push_back(pick_of(query));
     const std::vector<LegLoad> riding = riding_of(loads_.size() - 1);
     const Robot loaded = with_all_loads(robot_, riding);
-    choose_policies(policy_texts(query), loaded);
+    require_policies(query, loaded);
     require_seen_within(query, riding);
     require_parts(query.allow_outside, loaded, "setup, query '" + query.name + "', field 'allow_outside'");
     require_size(query.start, robot_, query, "start");

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "apps/console/commands.hpp"
+#include "apps/console/flag_names.hpp"
 #include "apps/console/named_places.hpp"
 #include "apps/console/parse.hpp"
 #include "apps/console/quantile.hpp"
@@ -136,7 +137,8 @@ void require_possible(const TeachEvent& event, const Setup& setup, const std::st
   if (event.action == TeachAction::robot) VirtualRobot(event.robot, event.near);
   if (event.action == TeachAction::attach) load_of(event, setup);
 } catch (const std::invalid_argument& error) {
-  throw std::invalid_argument(where + ", " + std::string(to_string(event.action)) + ": " + error.what());
+  throw std::invalid_argument(where + ", " + std::string(to_string(event.action)) + ": " +
+                              with_keys(error.what()));
 }
 
 /// Keys are for the window, and for what is done there.
@@ -282,7 +284,10 @@ int run_teach(const TeachCommand& command, Console& console) {
       std::any_of(session.events().begin(), session.events().end(), [](const TaughtEvent& reported) {
         return reported.event.action == TeachAction::plan || reported.event.action == TeachAction::approve;
       });
-  return taught.broken().empty() && (approved > 0 || !is_wanted) ? exit_done : exit_no;
+  if (!taught.broken().empty()) return exit_no;
+  if (approved > 0 || !is_wanted) return exit_done;
+  console.warn("note: no plan is approved, which the session asked for: exit status 1");
+  return exit_no;
 }
 
 }  // namespace clearway

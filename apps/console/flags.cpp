@@ -8,6 +8,8 @@
 #include <memory>
 
 #include "apps/console/parse.hpp"
+#include "datasets/pictures/video.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/robot/robot.hpp"
 
 namespace clearway {
@@ -78,9 +80,15 @@ void add_source(CLI::App& command, std::filesystem::path& source, double& second
       ->check(number("a whole number from 0 to 255", 0, 255))
       ->excludes(positional)
       ->type_name("N");
-  command.add_option("--seconds", seconds, "how long to read a live camera, seconds")
-      ->check(number("a number from 0.1 to 86400", 0.1, 86400.0))
-      ->type_name("S");
+  const CLI::Option* limit =
+      command.add_option("--seconds", seconds, "how long to read a live camera, seconds")
+          ->check(number("a number from 0.1 to 86400", 0.1, 86400.0))
+          ->type_name("S");
+  command.final_callback([&source, limit] {
+    if (limit->count() > 0 && !is_camera_name(source))
+      throw CLI::ValidationError("--seconds", "expected a live camera (--camera N), got " +
+                                                  quote_path(source.string()) + ", which is read whole");
+  });
 }
 
 void add_planning_flags(CLI::App& command, std::uint64_t& seed, double& time_limit) {

@@ -10,7 +10,7 @@ namespace clearway {
 std::string line_of(const TaughtEvent& event) {
   std::string line = significant(event.event.time, 6) + " s  " + std::string(to_string(event.event.action));
   if (!event.event.name.empty()) line += " " + shortened(event.event.name);
-  if (!event.refusal.empty()) return line + ": refused: " + event.refusal;
+  if (!event.refusal.empty()) return line + " refused: " + event.refusal;
   return line + (event.remark.empty() ? "" : ": " + event.remark) + "  [" +
          std::string(to_string(event.state)) + "]";
 }

@@ -135,7 +135,7 @@ void TeachViewer::add_sentences(const SeenImage& image, TeachView& view) {
   if (session_.events().empty()) return;
   const TaughtEvent& last = session_.events().back();
   if (!last.refusal.empty() && image.since_start <= last.event.time + refusal_shown_for)
-    view.refusal = last.refusal;
+    view.refusal = std::string(to_string(last.event.action)) + " refused: " + last.refusal;
 }
 
 std::string state_line(const TeachView& view) {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "apps/query/query.hpp"
+#include "apps/console/flag_names.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -42,7 +42,10 @@ void TeachSession::begin(const Setup& setup, FreeSpaceMap& map, const FusionCoun
 bool TeachSession::before(double since_start) {
   for (const TeachEvent& event : next_events_(since_start)) apply(event);
   now_ = std::max(now_, since_start);
-  if (!options_.waits_for_plans) take_plan(false);
+  if (options_.waits_for_plans)
+    report_plan();
+  else
+    take_plan(false);
   if (doing_ == Doing::playing && now_ > play_begin_ + play_seconds_) doing_ = Doing::nothing;
   return doing_ != Doing::ended;
 }
@@ -155,7 +158,7 @@ void TeachSession::apply(const TeachEvent& event) {
     try {
       act(event, reported.remark);
     } catch (const std::invalid_argument& error) {
-      reported.refusal = std::string(to_string(event.action)) + ": " + error.what();
+      reported.refusal = with_keys(error.what());
     }
   }
   reported.state = state();
@@ -164,33 +167,27 @@ void TeachSession::apply(const TeachEvent& event) {
 }
 
 std::string TeachSession::refusal_of_state(TeachAction action) const {
-  const std::string name(to_string(action));
   const bool always = action == TeachAction::save || action == TeachAction::quit;
   const bool ends = action == TeachAction::undo || always;
   switch (doing_) {
     case Doing::ended:
-      return name + ": the session has ended";
+      return "the session has ended";
     case Doing::planning:
-      return always ? "" : name + ": a plan is being made; wait for it";
+      return always ? "" : "a plan is being made; wait for it";
     case Doing::painting:
-      return ends || action == TeachAction::paint_off
-                 ? ""
-                 : name + ": a stroke is being painted; 'paint_off' ends it";
+      return ends || action == TeachAction::paint_off ? "" : "a stroke is being painted; 'paint_off' ends it";
     case Doing::erasing:
-      return ends || action == TeachAction::erase_off ? ""
-                                                      : name + ": the ball erases; 'erase_off' ends that";
+      return ends || action == TeachAction::erase_off ? "" : "the ball erases; 'erase_off' ends that";
     case Doing::marking:
-      return ends || action == TeachAction::object_off
-                 ? ""
-                 : name + ": a stroke marks an object; 'object_off' ends it";
+      return ends || action == TeachAction::object_off ? ""
+                                                       : "a stroke marks an object; 'object_off' ends it";
     case Doing::playing:
     case Doing::nothing:
       break;
   }
-  if (action == TeachAction::object_off) return name + ": no object is being marked; 'object' begins that";
-  if (action == TeachAction::paint_off)
-    return name + ": nothing is being painted; 'paint_on' begins a stroke";
-  if (action == TeachAction::erase_off) return name + ": nothing is being erased; 'erase_on' begins that";
+  if (action == TeachAction::object_off) return "no object is being marked; 'object' begins that";
+  if (action == TeachAction::paint_off) return "nothing is being painted; 'paint_on' begins a stroke";
+  if (action == TeachAction::erase_off) return "nothing is being erased; 'erase_on' begins that";
   return {};
 }
 
@@ -206,10 +203,10 @@ void TeachSession::act(const TeachEvent& event, std::string& remark) {
       end_stroke();
       break;
     case TeachAction::volume:
-      choose_volume(event);
+      choose_volume(event, remark);
       break;
     case TeachAction::robot:
-      choose_robot(event);
+      choose_robot(event, remark);
       break;
     case TeachAction::start:
     case TeachAction::via:
@@ -295,90 +292,6 @@ void TeachSession::begin_stroke(const TeachEvent& event) {
 void TeachSession::end_stroke() {
   map_->end_stroke();
   doing_ = Doing::nothing;
-}
-
-void TeachSession::choose_volume(const TeachEvent& event) {
-  if (!setup_->probe) refuse("the setup has no probe");
-  if (event.name.empty()) refuse("the label of the volume is empty, expected a name");
-  const auto& volumes = map_->volumes();
-  const auto found = std::find_if(volumes.begin(), volumes.end(),
-                                  [&](const PaintedVolume& volume) { return volume.label == event.name; });
-  if (found != volumes.end() && !event.critical_parts.empty() &&
-      found->critical_parts != event.critical_parts)
-    refuse("volume " + quote(event.name) + " is there already, with other critical parts");
-  const bool is_new = found == volumes.end();
-  const int number =
-      is_new ? map_->add_volume(event.name, event.critical_parts) : static_cast<int>(found - volumes.begin());
-  if (is_new) ++other_changes_;
-  remember("volume");
-  undos_.back().adds_volume = is_new;
-  choice_.volume = number;
-}
-
-void TeachSession::choose_robot(const TeachEvent& event) {
-  RobotChoice choice = event.robot;
-  std::optional<Eigen::Isometry3d> map_from_base;
-  if (setup_->robot) {
-    map_from_base = setup_->robot->map_from_base;
-    if (choice.robot == setup_->robot->name && !choice.scale) choice.scale = setup_->robot->scale;
-  }
-  auto robot = std::make_shared<VirtualRobot>(choice, event.near, map_from_base);
-  remember("robot");
-  choice_.robot = robot;
-  use_robot(std::move(robot), event.time);
-  choice_.held.clear();
-  forget_places();
-}
-
-/// One that is new follows the probe from where it was seen last, and does not wait for the next image.
-void TeachSession::use_robot(std::shared_ptr<VirtualRobot> robot, double time) {
-  if (robot == robot_) return;
-  robot_ = std::move(robot);
-  if (robot_ && shown_tip_ && time - shown_tip_->time <= VirtualRobot::longest_gap)
-    robot_->lead(shown_tip_->map_from_tip, shown_tip_->time);
-}
-
-void TeachSession::require_robot() const {
-  if (!robot_) refuse("no robot is chosen; 'robot' chooses one");
-}
-
-Configuration TeachSession::place_of(const TeachEvent& event) const {
-  const std::string name(to_string(event.action));
-  if (!event.q.empty()) return choose_configuration(event.q, name, robot_->robot(), false);
-  if (!setup_->gripper) refuse("the setup has no gripper to show it with, and the event no 'q'");
-  if (const std::string why = robot_->not_there(event.time); !why.empty()) refuse(why);
-  return robot_->q();
-}
-
-Verdict TeachSession::check(const Configuration& q, const std::vector<Load>& held) {
-  return robot_->space(present_map(), map_version(), held)->check(q);
-}
-
-void TeachSession::choose_place(const TeachEvent& event, std::string& remark) {
-  require_robot();
-  if (event.action != TeachAction::start && !choice_.start) refuse("no start is chosen; 'start' comes first");
-  constexpr std::size_t most_vias = 1000;
-  if (event.action == TeachAction::via && choice_.vias.size() >= most_vias)
-    refuse("at most 1000 goals on the way are possible; 'clear' forgets them");
-  if (event.action == TeachAction::via && choice_.pick)
-    refuse("a pick has no goals on the way; 'goal' says where the robot goes in the end");
-  const TaughtPlace place{place_of(event), choice_.held};
-  const Verdict verdict = check(place.q, place.held);
-  if (!verdict.is_free()) refuse(verdict.sentence());
-  if (event.action != TeachAction::start)
-    require_begin(choice_.vias.empty() ? *choice_.start : choice_.vias.back());
-  remember(std::string(to_string(event.action)));
-  if (event.action == TeachAction::start) {
-    forget_places();
-    choice_.start = place;
-  } else if (event.action == TeachAction::via) {
-    choice_.vias.push_back(place);
-  } else {
-    choice_.goal = place;
-  }
-  forget_plan();
-  for (const double value : place.q) remark += (remark.empty() ? "" : ", ") + short_text(value, 4);
-  if (!place.held.empty()) remark += "; with " + names_of(place.held);
 }
 
 void TeachSession::undo(std::string& remark) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -38,7 +39,7 @@ std::string_view to_string(TeachState state);
 struct TaughtEvent {
   TeachEvent event;
   TeachState state = TeachState::ready;  ///< afterwards
-  std::string refusal;                   ///< one sentence with its cure; empty: it was done
+  std::string refusal;                   ///< why not, with its cure; empty: it was done
   std::string remark;                    ///< what was done, where that is worth a sentence
   bool is_late = false;  ///< refused only because a planner still worked: a replay leaves it out
 };
@@ -163,8 +164,17 @@ class TeachSession final : public FusionGuide {
     std::optional<int> stroke;
     bool adds_volume = false;
   };
+  /// What became of a plan that was asked for.
+  struct Answer {
+    std::optional<TaughtPlan> plan;  ///< none: it was refused
+    std::string sentence;
+  };
   struct Job {
-    std::future<TaughtPlan> result;
+    std::future<Answer> result;
+    std::optional<Answer> reported{};  ///< already, before an event or the end takes it
+    bool is_ready() const {
+      return reported || result.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+    }
   };
   struct Played {
     double time;  ///< s after `play`
@@ -178,8 +188,10 @@ class TeachSession final : public FusionGuide {
   void act(const TeachEvent& event, std::string& remark);
   void begin_stroke(const TeachEvent& event);
   void end_stroke();
-  void choose_volume(const TeachEvent& event);
-  void choose_robot(const TeachEvent& event);
+  void choose_volume(const TeachEvent& event, std::string& remark);
+  void choose_robot(const TeachEvent& event, std::string& remark);
+  std::string unknown_parts(const PaintedVolume& volume) const;
+  std::string cure_of(const Verdict& verdict) const;
   void choose_place(const TeachEvent& event, std::string& remark);
   void require_begin(const TaughtPlace& begin);
   Configuration place_of(const TeachEvent& event) const;
@@ -197,6 +209,9 @@ class TeachSession final : public FusionGuide {
   void forget_places();
   Verdict check(const Configuration& q, const std::vector<Load>& held);
   void begin_plan(const TeachEvent& event);
+  TaughtEvent with_answer(const TaughtEvent& asked, const Answer& answer) const;
+  void report_plan();
+  TaughtEvent& asked_plan();
   void take_plan(bool wait);
   void play(std::string& remark);
   const Played& played() const;

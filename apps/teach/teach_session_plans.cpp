@@ -3,6 +3,7 @@
 #include <chrono>
 #include <stdexcept>
 
+#include "apps/console/flag_names.hpp"
 #include "apps/query/loads.hpp"
 #include "apps/teach/teach_session.hpp"
 #include "mapping/files/map_digest.hpp"
@@ -66,6 +67,13 @@ std::string carried(const Plan& plan) {
 /// "; no smooth motion: …" for a proved plan that has none.
 std::string without_motion(const Plan& plan) {
   return plan.motion_caveat.empty() ? "" : "; no smooth motion: " + plan.motion_caveat;
+}
+
+/// How a plan went.
+std::string sentence_of(const Plan& plan) {
+  if (plan.is_proved()) return "solved and proved by " + plan.planner + carried(plan) + without_motion(plan);
+  return plan.status() == PlanStatus::solved ? "not proved: " + plan.validation.first_contact
+                                             : plan.explanation();
 }
 
 }  // namespace
@@ -169,8 +177,14 @@ void TeachSession::begin_plan(const TeachEvent& event) {
     query.gravity = setup_->robot->gravity;
   }
   Job job;
-  job.result = std::async(std::launch::async, [plan, query, pick = choice_.pick]() mutable {
-    return answered(std::move(plan), query, pick);
+  job.result = std::async(std::launch::async, [plan, query, pick = choice_.pick]() mutable -> Answer {
+    try {
+      TaughtPlan taught = answered(std::move(plan), query, pick);
+      const std::string sentence = sentence_of(taught.plan);
+      return {std::move(taught), sentence};
+    } catch (const std::invalid_argument& error) {
+      return {{}, with_keys(error.what())};
+    }
   });
   remember("plan");
   forget_plan();
@@ -178,28 +192,42 @@ void TeachSession::begin_plan(const TeachEvent& event) {
   doing_ = Doing::planning;
 }
 
+TaughtEvent TeachSession::with_answer(const TaughtEvent& asked, const Answer& answer) const {
+  TaughtEvent reported = asked;
+  (answer.plan ? reported.remark : reported.refusal) = answer.sentence;
+  const bool is_proved = answer.plan && answer.plan->plan.is_proved();
+  reported.state = is_proved ? TeachState::planned : resting_state();
+  return reported;
+}
+
+/// Says how a plan went as soon as it is known. What the session does about it waits for the next event, so
+/// that it does the same however fast the planner is.
+void TeachSession::report_plan() {
+  if (!job_ || job_->reported || !job_->is_ready()) return;
+  job_->reported = job_->result.get();
+  if (options_.report) options_.report(with_answer(asked_plan(), *job_->reported));
+}
+
+/// The event that asked for the plan that is being made; those that asked meanwhile were refused.
+TaughtEvent& TeachSession::asked_plan() {
+  return *std::find_if(done_.rbegin(), done_.rend(), [](const TaughtEvent& reported) {
+    return reported.event.action == TeachAction::plan && reported.refusal.empty();
+  });
+}
+
 void TeachSession::take_plan(bool wait) {
-  if (!job_) return;
-  if (!wait && job_->result.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
-  Job job = std::move(*job_);
+  if (!job_ || (!wait && !job_->is_ready())) return;
+  const bool is_reported = job_->reported.has_value();
+  Answer answer = is_reported ? std::move(*job_->reported) : job_->result.get();
   job_.reset();
   doing_ = Doing::nothing;
-  const auto asked = std::find_if(done_.rbegin(), done_.rend(), [](const TaughtEvent& reported) {
-    return reported.event.action == TeachAction::plan;
-  });
-  try {
-    plans_.push_back(job.result.get());
-    const Plan& plan = plans_.back().plan;
-    asked->remark = plan.is_proved()
-                        ? "solved and proved by " + plan.planner + carried(plan) + without_motion(plan)
-                    : plan.status() == PlanStatus::solved ? "not proved: " + plan.validation.first_contact
-                                                          : plan.explanation();
-    (plan.is_proved() ? choice_.plan : choice_.failed) = plans_.size() - 1;
-  } catch (const std::invalid_argument& error) {
-    asked->refusal = std::string("plan: ") + error.what();
+  TaughtEvent& asked = asked_plan();
+  asked = with_answer(asked, answer);
+  if (answer.plan) {
+    plans_.push_back(std::move(*answer.plan));
+    (plans_.back().plan.is_proved() ? choice_.plan : choice_.failed) = plans_.size() - 1;
   }
-  asked->state = state();
-  if (options_.report) options_.report(*asked);
+  if (options_.report && !is_reported) options_.report(asked);
 }
 
 void TeachSession::approve(std::string& remark) {

@@ -40,6 +40,8 @@ TEST(Teach, WhatIsWrongIsReportedInOneSentence) {
   expect("{\"time\": 0, \"action\": \"robot\", \"robot\": \"arm6\", \"fixed\": {\"a=b\": 1}}",
          "the name of a joint, without '='");
   expect("{\"time\": 0, \"action\": \"robot\", \"robot\": \"nosuch.urdf\"}", "nosuch.urdf");
+  expect("{\"time\": 0, \"action\": \"robot\", \"robot\": \"arm6\", \"policies\": {\"tol\": \"painted\"}}",
+         "e.jsonl', at 0 s, robot: policies: robot 'arm6' has no part 'tol'");
   const auto expect_load = [&](const std::string& fields, const std::string& part) {
     expect("\n{\"time\": 0, \"action\": \"attach\", " + fields + "}", part);
   };
@@ -58,6 +60,20 @@ TEST(Teach, WhatIsWrongIsReportedInOneSentence) {
   expect("{\"time\": 0, \"action\": \"pick\", \"approach\": [0, 1]}", "field 'approach'");
   expect("{\"time\": 0, \"action\": \"volume\", \"label\": \"a\", \"critical_parts\": [\"\"]}", "a word");
   expect("nothing", "e.jsonl', line 1 is not valid JSON at column 1");
+}
+
+TEST(Teach, SecondsAreThoseOfALiveCamera) {
+  for (const std::vector<std::string>& begin :
+       {std::vector<std::string>{"teach", "--out", "nowhere"}, {"replay", "--out", "nowhere"}, {"track"}}) {
+    std::vector<std::string> arguments = begin;
+    arguments.insert(arguments.end(), {"r.rawlog", "--seconds", "5"});
+    const CommandRun run = run_command(arguments);
+    EXPECT_EQ(run.status, exit_bad_input) << begin[0];
+    EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
+    EXPECT_NE(run.log.find("--seconds: expected a live camera (--camera N), got 'r.rawlog'"),
+              std::string::npos)
+        << run.log;
+  }
 }
 
 TEST(Teach, KeysAreReadBeforeTheSessionAndAreForTheWindow) {

@@ -95,20 +95,20 @@ class TeachPick : public TeachSessionOf {
 
 TEST_F(TeachPick, AMarkedObjectIsTakenAndPutDownAndOnlyWhatHoldsItTouchesIt) {
   const std::string before = map_sha256(map_.snapshot());
-  EXPECT_EQ(act(TeachAction::object_off), "object_off: no object is being marked; 'object' begins that");
+  EXPECT_EQ(act(TeachAction::object_off), "no object is being marked; 'object' begins that");
   EXPECT_NE(mark("can", "hnd").find("did you mean 'hand'?"), std::string::npos);
   ASSERT_EQ(mark("can"), "");
-  EXPECT_EQ(mark("can"), "object: there is an object 'can' already, expected another name");
+  EXPECT_EQ(mark("can"), "there is an object 'can' already, expected another name");
   EXPECT_EQ(map_sha256(map_.snapshot()), before);
-  EXPECT_EQ(act(TeachAction::pick), "pick: no start is chosen; 'start' comes first");
+  EXPECT_EQ(act(TeachAction::pick), "no start is chosen; 'start' comes first");
   ASSERT_EQ(act(TeachAction::start, "0,-1.9,1.7,-1.4,-1.57,0"), "");
-  EXPECT_EQ(act(TeachAction::place, "0,0,0,0,0,0"), "place: nothing is picked; 'pick' comes first");
-  EXPECT_EQ(act(TeachAction::pick, "cup"), "pick: no object 'cup' is marked");
+  EXPECT_EQ(act(TeachAction::place, "0,0,0,0,0,0"), "nothing is picked; 'pick' comes first");
+  EXPECT_EQ(act(TeachAction::pick, "cup"), "no object 'cup' is marked");
   EXPECT_NE(take(TeachAction::pick, {0.42, 0.16, 0.09}), "");  // the hand in the table
   ASSERT_EQ(take(TeachAction::pick, {0.42, 0.16, 0.21}), "");
   EXPECT_EQ(act(TeachAction::via, "0,-1.9,1.7,-1.4,-1.57,0"),
-            "via: a pick has no goals on the way; 'goal' says where the robot goes in the end");
-  EXPECT_EQ(act(TeachAction::plan), "plan: no place is chosen; 'place' says where 'can' goes");
+            "a pick has no goals on the way; 'goal' says where the robot goes in the end");
+  EXPECT_EQ(act(TeachAction::plan), "no place is chosen; 'place' says where 'can' goes");
   EXPECT_NE(take(TeachAction::place, {0.42, -0.2, 0.17}), "");  // the can in the table
   ASSERT_EQ(take(TeachAction::place, {0.42, -0.2, 0.212}), "");
   ASSERT_EQ(act(TeachAction::goal, "0,-1.9,1.7,-1.4,-1.57,0"), "");
@@ -148,8 +148,7 @@ TEST_F(TeachPick, AMotionThatNeedsMoreTorqueThanThereIsIsNotApproved) {
   ASSERT_EQ(act(TeachAction::play), "");
   ASSERT_TRUE(session_.plans().back().plan.is_proved());
   const std::string why = act(TeachAction::approve);
-  EXPECT_NE(why.find("approve: its motion is not proved, and would not be exported: "), std::string::npos)
-      << why;
+  EXPECT_NE(why.find("its motion is not proved, and would not be exported: "), std::string::npos) << why;
   EXPECT_NE(why.find("the torque of joint "), std::string::npos) << why;
   EXPECT_FALSE(session_.plans().back().is_approved);
 }
@@ -184,7 +183,7 @@ TEST_F(TeachPick, APickIsUndoneStepByStepAndNotApprovedOnceItsWayIsBlocked) {
   add_box(wall, {0.01, -0.03, 0.11}, {0.99, -0.01, 0.9});
   see(wall);
   const std::string why = act(TeachAction::approve);
-  EXPECT_NE(why.find("approve: the map has changed since it was planned: "), std::string::npos) << why;
+  EXPECT_NE(why.find("the map has changed since it was planned: "), std::string::npos) << why;
   EXPECT_EQ(act(TeachAction::undo), "");
   EXPECT_EQ(remark(), "plan is undone");
   EXPECT_EQ(act(TeachAction::undo), "");

@@ -13,30 +13,29 @@ using worlds::TeachSessionOf;
 
 TEST_F(TeachSessionOf, EachStateTakesWhatBelongsAndRefusesTheRestWithACure) {
   EXPECT_EQ(session_.state(), TeachState::ready);
-  EXPECT_EQ(act(TeachAction::paint_off), "paint_off: nothing is being painted; 'paint_on' begins a stroke");
-  EXPECT_EQ(act(TeachAction::erase_off), "erase_off: nothing is being erased; 'erase_on' begins that");
-  EXPECT_EQ(act(TeachAction::goal, "0,0"), "goal: no start is chosen; 'start' comes first");
-  EXPECT_EQ(act(TeachAction::plan), "plan: no start is chosen; 'start' chooses one");
-  EXPECT_EQ(act(TeachAction::play), "play: there is no plan; 'plan' makes one");
-  EXPECT_EQ(act(TeachAction::approve), "approve: there is no plan that is proved; 'plan' makes one");
-  EXPECT_EQ(act(TeachAction::undo), "undo: nothing was done");
-  EXPECT_EQ(act(TeachAction::save, "x"), "save: this session saves nothing before its end");
-  EXPECT_EQ(act(TeachAction::start), "start: the setup has no gripper to show it with, and the event no 'q'");
+  EXPECT_EQ(act(TeachAction::paint_off), "nothing is being painted; 'paint_on' begins a stroke");
+  EXPECT_EQ(act(TeachAction::erase_off), "nothing is being erased; 'erase_on' begins that");
+  EXPECT_EQ(act(TeachAction::goal, "0,0"), "no start is chosen; 'start' comes first");
+  EXPECT_EQ(act(TeachAction::plan), "no start is chosen; 'start' chooses one");
+  EXPECT_EQ(act(TeachAction::play), "there is no plan; 'plan' makes one");
+  EXPECT_EQ(act(TeachAction::approve), "there is no plan that is proved; 'plan' makes one");
+  EXPECT_EQ(act(TeachAction::undo), "nothing was done");
+  EXPECT_EQ(act(TeachAction::save, "x"), "this session saves nothing before its end");
+  EXPECT_EQ(act(TeachAction::start), "the setup has no gripper to show it with, and the event no 'q'");
   EXPECT_EQ(act(TeachAction::paint_on), "");
   EXPECT_EQ(session_.state(), TeachState::painting);
   for (const TeachAction action : {TeachAction::paint_on, TeachAction::erase_on, TeachAction::start,
                                    TeachAction::plan, TeachAction::volume, TeachAction::robot})
-    EXPECT_EQ(act(action, "x"),
-              std::string(to_string(action)) + ": a stroke is being painted; 'paint_off' ends it");
+    EXPECT_EQ(act(action, "x"), "a stroke is being painted; 'paint_off' ends it");
   EXPECT_EQ(act(TeachAction::paint_off), "");
   EXPECT_EQ(act(TeachAction::erase_on), "");
   EXPECT_EQ(session_.state(), TeachState::erasing);
   EXPECT_EQ(session_.brush().use, Brush::Use::erases);
-  EXPECT_EQ(act(TeachAction::paint_off), "paint_off: the ball erases; 'erase_off' ends that");
+  EXPECT_EQ(act(TeachAction::paint_off), "the ball erases; 'erase_off' ends that");
   EXPECT_EQ(act(TeachAction::erase_off), "");
   EXPECT_EQ(act(TeachAction::quit), "");
   EXPECT_EQ(session_.state(), TeachState::ended);
-  EXPECT_EQ(act(TeachAction::paint_on), "paint_on: the session has ended");
+  EXPECT_EQ(act(TeachAction::paint_on), "the session has ended");
 }
 
 TEST_F(TeachSessionOf, WhatComesAfterTheLastImageIsDoneAndCounted) {
@@ -55,20 +54,21 @@ TEST_F(TeachSessionOf, WhatComesAfterTheLastImageIsDoneAndCounted) {
 }
 
 TEST_F(TeachSessionOf, StartAndGoalsLieInsideOfThePaintAndAPlanBetweenThemIsApproved) {
-  EXPECT_NE(act(TeachAction::start, "0,0").find("start: "), std::string::npos);  // nothing is painted yet
+  const std::string early = act(TeachAction::start, "0,0");
+  EXPECT_TRUE(early.ends_with("mm deep; nothing is painted yet, 'paint_on' begins a stroke")) << early;
   EXPECT_EQ(session_.state(), TeachState::ready);
   paint_everything();
-  EXPECT_NE(act(TeachAction::start, "0").find("start: got 1 value, expected 2"), std::string::npos);
+  EXPECT_EQ(act(TeachAction::start, "0").find("q: got 1 value, expected 2"), 0U);
   EXPECT_EQ(act(TeachAction::start, "0,0.3"), "");
   EXPECT_EQ(session_.state(), TeachState::selecting);
-  EXPECT_EQ(act(TeachAction::plan), "plan: no goal is chosen; 'goal' chooses one");
+  EXPECT_EQ(act(TeachAction::plan), "no goal is chosen; 'goal' chooses one");
   EXPECT_EQ(act(TeachAction::via, "0.5,0.3"), "");
   EXPECT_EQ(act(TeachAction::goal, "1,1"), "");
   EXPECT_EQ(act(TeachAction::goal, "1,0.5"), "");  // replaces
   EXPECT_EQ(session_.goals().size(), 2u);
   EXPECT_EQ(act(TeachAction::plan, "first"), "");
   EXPECT_EQ(act(TeachAction::plan, "first"),
-            "plan: there is a plan or a map 'first' already, expected another name");
+            "there is a plan or a map 'first' already, expected another name");
   EXPECT_EQ(session_.state(), TeachState::planned);
   ASSERT_EQ(session_.plans().size(), 1u);
   EXPECT_TRUE(session_.plans()[0].plan.is_proved());
@@ -91,7 +91,7 @@ TEST_F(TeachSessionOf, AllThatWasDoneIsUndoneStepByStep) {
   ASSERT_EQ(act(TeachAction::goal, "1,0.5"), "");
   ASSERT_EQ(act(TeachAction::plan), "");
   ASSERT_EQ(act(TeachAction::approve), "");
-  EXPECT_EQ(act(TeachAction::approve), "approve: the plan is approved already; undo takes that back");
+  EXPECT_EQ(act(TeachAction::approve), "the plan is approved already; undo takes that back");
   EXPECT_EQ(act(TeachAction::undo), "");
   EXPECT_EQ(remark(), "approval is undone");
   EXPECT_EQ(session_.state(), TeachState::planned);
@@ -106,7 +106,7 @@ TEST_F(TeachSessionOf, AllThatWasDoneIsUndoneStepByStep) {
   EXPECT_EQ(remark(), "stroke is undone");
   EXPECT_EQ(map_.snapshot().counts().painted, 0u);
   EXPECT_NE(act(TeachAction::start, "0,0.3"), "");  // no paint is left
-  EXPECT_EQ(act(TeachAction::undo), "undo: nothing was done");
+  EXPECT_EQ(act(TeachAction::undo), "nothing was done");
 }
 
 TEST_F(TeachSessionOf, APlanIsNotApprovedOnceWhatItRestsOnIsBlocked) {
@@ -129,7 +129,7 @@ TEST_F(TeachSessionOf, APlanIsNotApprovedOnceWhatItRestsOnIsBlocked) {
   map_.insert(scan);
   ++counts_.scans_inserted;
   const std::string why = act(TeachAction::approve);
-  EXPECT_NE(why.find("approve: the map has changed since it was planned: "), std::string::npos) << why;
+  EXPECT_NE(why.find("the map has changed since it was planned: "), std::string::npos) << why;
   EXPECT_EQ(session_.state(), TeachState::planned);
   EXPECT_FALSE(session_.plans()[0].is_approved);
 }
@@ -147,10 +147,63 @@ TEST_F(TeachSessionOf, ARobotThatIsChosenBetweenImagesStandsWhereTheProbeWasSeen
   time_ -= 0.9;
   EXPECT_EQ(act(TeachAction::start), "");
   EXPECT_TRUE(tip_pose(session_.robot()->robot(), session_.robot()->q()).isApprox(map_from_tip, 1e-6));
-  EXPECT_EQ(act(TeachAction::goal), "goal: the gripper probe was not seen for 1.2 s");
+  EXPECT_EQ(act(TeachAction::goal), "the gripper probe was not seen for 1.2 s");
   ASSERT_EQ(act(TeachAction::robot, "planar2"), "");  // by now the pose says nothing
-  EXPECT_EQ(act(TeachAction::start),
-            "start: the gripper probe was not seen yet, since this robot was chosen");
+  EXPECT_EQ(act(TeachAction::start), "the gripper probe was not seen yet, since this robot was chosen");
+}
+
+TEST_F(TeachSessionOf, PartsThatTheRobotHasNotAreNamedAsTheVolumeOrTheRobotIsChosen) {
+  TeachEvent volume;
+  volume.time = ++time_;
+  volume.action = TeachAction::volume;
+  volume.name = "hold";
+  volume.critical_parts = {"forearm", "griper"};
+  due_ = {volume};
+  session_.before(time_);
+  const std::string note =
+      "volume 'hold' is for griper, and robot 'planar2' has no such part, only forearm, upper_arm";
+  EXPECT_EQ(remark(), note);
+  EXPECT_EQ(act(TeachAction::robot, "planar2"), "");
+  EXPECT_EQ(remark(), note);
+  TeachEvent robot;
+  robot.time = ++time_;
+  robot.action = TeachAction::robot;
+  robot.robot.robot = "planar2";
+  robot.robot.policies = {"griper=painted"};
+  due_ = {robot};
+  session_.before(time_);
+  EXPECT_EQ(session_.events().back().refusal,
+            "policies: robot 'planar2' has no part 'griper' (it has forearm, upper_arm)");
+}
+
+/// What the session does next waits for its next event, however fast the planner is.
+TEST(TeachSession, APlansAnswerIsReportedBeforeTheNextEvent) {
+  clearway::Setup setup;
+  setup.probe.emplace();
+  setup.robot.emplace();
+  setup.robot->name = "planar2";
+  FreeSpaceMap map(MapOptions{.resolution = 0.05});
+  map.paint(map.add_volume("free", {}), {Eigen::Vector3d::Zero(), 3.0}, 0.0);
+  FusionCounts counts;
+  counts.spheres = 1;
+  std::vector<TeachEvent> due(3);
+  due[0].action = TeachAction::start;
+  due[1].action = TeachAction::goal;
+  due[2].action = TeachAction::plan;
+  due[0].q = "0,0.3";
+  due[1].q = "1,0.5";
+  std::vector<TaughtEvent> reports;
+  TeachSession session([&](double) { return std::exchange(due, {}); },
+                       {.report = [&](const TaughtEvent& event) { reports.push_back(event); }});
+  session.begin(setup, map, counts);
+  while (reports.size() < 4) session.before(1.0);
+  EXPECT_EQ(reports.back().state, TeachState::planned);
+  EXPECT_TRUE(reports.back().remark.starts_with("solved and proved by ")) << reports.back().remark;
+  EXPECT_EQ(session.state(), TeachState::planning);
+  EXPECT_EQ(session.events().back().remark, "");
+  session.end();
+  EXPECT_EQ(reports.size(), 4U);
+  EXPECT_EQ(session.events().back().remark, reports.back().remark);
 }
 
 /// A motion leaves the plan's edges at corners: it is what a person approves, so it has to hold as well.
@@ -220,7 +273,7 @@ TEST_F(TeachSessionOf, AFailedPlanSaysWhyAndTheChoiceStays) {
   session_.before(time_);
   EXPECT_NE(session_.events().back().refusal.find("nosuch"), std::string::npos);
   EXPECT_EQ(session_.state(), TeachState::selecting);
-  EXPECT_EQ(act(TeachAction::robot, "nosuch").substr(0, 7), "robot: ");
+  EXPECT_NE(act(TeachAction::robot, "nosuch"), "");
   EXPECT_EQ(act(TeachAction::robot, "arm6"), "");
   EXPECT_EQ(session_.state(), TeachState::ready);  // another robot: start and goals are gone
   EXPECT_EQ(act(TeachAction::undo), "");

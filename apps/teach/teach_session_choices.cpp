@@ -1,0 +1,120 @@
+// What a person chooses: the volume that takes the paint, the robot, and where it starts and goes.
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+
+#include "apps/query/query.hpp"
+#include "apps/teach/teach_session.hpp"
+#include "mapping/system/number_text.hpp"
+#include "mapping/system/plain_text.hpp"
+
+namespace clearway {
+
+void TeachSession::choose_volume(const TeachEvent& event, std::string& remark) {
+  if (!setup_->probe) refuse("the setup has no probe");
+  if (event.name.empty()) refuse("the label of the volume is empty, expected a name");
+  const auto& volumes = map_->volumes();
+  const auto found = std::find_if(volumes.begin(), volumes.end(),
+                                  [&](const PaintedVolume& volume) { return volume.label == event.name; });
+  if (found != volumes.end() && !event.critical_parts.empty() &&
+      found->critical_parts != event.critical_parts)
+    refuse("volume " + quote(event.name) + " is there already, with other critical parts");
+  const bool is_new = found == volumes.end();
+  const int number =
+      is_new ? map_->add_volume(event.name, event.critical_parts) : static_cast<int>(found - volumes.begin());
+  if (is_new) ++other_changes_;
+  remember("volume");
+  undos_.back().adds_volume = is_new;
+  choice_.volume = number;
+  remark = unknown_parts(map_->volumes()[static_cast<std::size_t>(number)]);
+}
+
+void TeachSession::choose_robot(const TeachEvent& event, std::string& remark) {
+  RobotChoice choice = event.robot;
+  std::optional<Eigen::Isometry3d> map_from_base;
+  if (setup_->robot) {
+    map_from_base = setup_->robot->map_from_base;
+    if (choice.robot == setup_->robot->name && !choice.scale) choice.scale = setup_->robot->scale;
+  }
+  auto robot = std::make_shared<VirtualRobot>(choice, event.near, map_from_base);
+  remember("robot");
+  choice_.robot = robot;
+  use_robot(std::move(robot), event.time);
+  choice_.held.clear();
+  forget_places();
+  for (const PaintedVolume& volume : map_->volumes()) remark = joined(remark, unknown_parts(volume));
+}
+
+/// A remark on critical parts of a volume that are none of the robot's, nor loads that it holds.
+std::string TeachSession::unknown_parts(const PaintedVolume& volume) const {
+  if (!robot_) return {};
+  std::set<std::string> known;
+  for (const Body& body : robot_->robot().bodies) known.insert(body.part);
+  std::vector<std::string> unknown;
+  for (const std::string& part : volume.critical_parts)
+    if (!known.contains(part) && !holds(choice_.held, part)) unknown.push_back(part);
+  if (unknown.empty()) return {};
+  return "volume " + quote(volume.label) + " is for " + listed(unknown) + ", and robot " +
+         quote(robot_->robot().name) + " has no such part, only " + listed({known.begin(), known.end()});
+}
+
+/// One that is new follows the probe from where it was seen last, and does not wait for the next image.
+void TeachSession::use_robot(std::shared_ptr<VirtualRobot> robot, double time) {
+  if (robot == robot_) return;
+  robot_ = std::move(robot);
+  if (robot_ && shown_tip_ && time - shown_tip_->time <= VirtualRobot::longest_gap)
+    robot_->lead(shown_tip_->map_from_tip, shown_tip_->time);
+}
+
+void TeachSession::require_robot() const {
+  if (!robot_) refuse("no robot is chosen; 'robot' chooses one");
+}
+
+Configuration TeachSession::place_of(const TeachEvent& event) const {
+  if (!event.q.empty()) return choose_configuration(event.q, "q", robot_->robot(), false);
+  if (!setup_->gripper) refuse("the setup has no gripper to show it with, and the event no 'q'");
+  if (const std::string why = robot_->not_there(event.time); !why.empty()) refuse(why);
+  return robot_->q();
+}
+
+Verdict TeachSession::check(const Configuration& q, const std::vector<Load>& held) {
+  return robot_->space(present_map(), map_version(), held)->check(q);
+}
+
+/// Who places the robot before anything is painted may not know that paint comes first.
+std::string TeachSession::cure_of(const Verdict& verdict) const {
+  const auto& volumes = map_->volumes();
+  const bool is_painted = std::any_of(volumes.begin(), volumes.end(),
+                                      [](const PaintedVolume& volume) { return !volume.spheres.empty(); });
+  if (verdict.obstruction != Obstruction::outside_painted || is_painted) return {};
+  return "; nothing is painted yet, 'paint_on' begins a stroke";
+}
+
+void TeachSession::choose_place(const TeachEvent& event, std::string& remark) {
+  require_robot();
+  if (event.action != TeachAction::start && !choice_.start) refuse("no start is chosen; 'start' comes first");
+  constexpr std::size_t most_vias = 1000;
+  if (event.action == TeachAction::via && choice_.vias.size() >= most_vias)
+    refuse("at most 1000 goals on the way are possible; 'clear' forgets them");
+  if (event.action == TeachAction::via && choice_.pick)
+    refuse("a pick has no goals on the way; 'goal' says where the robot goes in the end");
+  const TaughtPlace place{place_of(event), choice_.held};
+  const Verdict verdict = check(place.q, place.held);
+  if (!verdict.is_free()) refuse(verdict.sentence() + cure_of(verdict));
+  if (event.action != TeachAction::start)
+    require_begin(choice_.vias.empty() ? *choice_.start : choice_.vias.back());
+  remember(std::string(to_string(event.action)));
+  if (event.action == TeachAction::start) {
+    forget_places();
+    choice_.start = place;
+  } else if (event.action == TeachAction::via) {
+    choice_.vias.push_back(place);
+  } else {
+    choice_.goal = place;
+  }
+  forget_plan();
+  for (const double value : place.q) remark += (remark.empty() ? "" : ", ") + short_text(value, 4);
+  if (!place.held.empty()) remark += "; with " + names_of(place.held);
+}
+
+}  // namespace clearway
