@@ -101,7 +101,7 @@ double Snapshot::log_odds_of_a_look() const { return -static_cast<double>(tree()
 
 namespace {
 
-VoxelCounts counted(const FusedTree& tree) {
+VoxelCounts counts_of(const FusedTree& tree) {
   VoxelCounts counts;
   tree.visit_leaves([&](const FusedNode& node, const CellCube& cube) {
     switch (tree.state(node)) {
@@ -136,7 +136,7 @@ bool any_leaf_is(const FusedTree& tree, const FusedNode& node, std::initializer_
 }  // namespace
 
 VoxelCounts Snapshot::counts() const {
-  std::call_once(state_->counted, [this] { state_->counts = counted(tree()); });
+  std::call_once(state_->counted, [this] { state_->counts = counts_of(tree()); });
   return state_->counts;
 }
 

@@ -39,7 +39,7 @@ constexpr double most_gravity = 1e3;  ///< m/s^2
 
 void require_values(const Configuration& q, const std::string& field, const Robot& robot) {
   if (q.size() == static_cast<Eigen::Index>(robot.dof())) return;
-  refuse_field(field + " has " + std::to_string(q.size()) + " values",
+  refuse_field(field + " has " + counted(q.size(), "value"),
                std::to_string(robot.dof()) + ", one for each joint of robot " + quote(robot.name));
 }
 

@@ -37,9 +37,8 @@ std::size_t periods_of(double time, double period) {
 /// A file may hold fewer legs in its motion than its path has.
 void require_ends_of_legs(const Plan& plan) {
   if (plan.motion->leg_ends.size() != plan.legs.size())
-    throw std::invalid_argument("motion: it has the ends of " + std::to_string(plan.motion->leg_ends.size()) +
-                                " legs, expected as many as the path has, " +
-                                std::to_string(plan.legs.size()));
+    throw std::invalid_argument("motion: it has the ends of " + counted(plan.motion->leg_ends.size(), "leg") +
+                                ", expected as many as the path has, " + std::to_string(plan.legs.size()));
 }
 
 /// The motion with what happens to loads on it.

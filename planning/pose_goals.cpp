@@ -167,8 +167,8 @@ std::vector<Configuration> PoseGoals::with_others_aside(const Configuration& nea
 
 std::string PoseGoals::hint_of(const GoalPose& wanted) const {
   if (robot_.dof() >= 6 || !wanted.is_exact()) return {};
-  return "; an arm of " + std::to_string(robot_.dof()) +
-         " joints reaches few poses exactly: leave a turn open (free axis, turn tolerance)";
+  return "; an arm of " + counted(robot_.dof(), "joint") +
+         " reaches few poses exactly: leave a turn open (free axis, turn tolerance)";
 }
 
 namespace {
@@ -182,8 +182,8 @@ Plan plan_to_choices(PlanQuery query, PoseGoals& goals) {
   if (first.status() == PlanStatus::start_invalid && first.legs.size() == 1) return first;
   if (const std::size_t blocked = first.legs.empty() ? 0 : goals.blocked_at(first.legs.size() - 1);
       blocked > 1 && first.status() == PlanStatus::goal_invalid)
-    first.legs.back().explanation += " Of " + std::to_string(blocked) +
-                                     " configurations that were found at its pose none is free; this is the "
+    first.legs.back().explanation += " Of " + counted(blocked, "configuration") +
+                                     " that were found at its pose none is free; this is the "
                                      "nearest.";
   query.advice_time = 0.0;
   int others = 0;

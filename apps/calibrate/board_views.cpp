@@ -91,10 +91,10 @@ SearchedImages search_images(const std::filesystem::path& source, const Setup& s
   if (found.images.empty()) throw std::invalid_argument(name + " holds no image");
   if (tags == 0)
     throw std::invalid_argument("no " + setup.detector.family + " tag is seen in the " +
-                                std::to_string(number) + " images of " + name);
+                                counted(number, "image") + " of " + name);
   keep_most_frequent_size(found);
   if (found.other_size > 0)
-    console.warn("warning: " + grouped(found.other_size) + " of " + grouped(number) + " images of " + name +
+    console.warn("warning: " + grouped(found.other_size) + " of " + counted(number, "image") + " of " + name +
                  " have another size than most, " + std::to_string(found.width) + " x " +
                  std::to_string(found.height) + " pixels: they are left out");
   return found;

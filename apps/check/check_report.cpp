@@ -164,8 +164,8 @@ void append_motion(const MotionVerdict& motion, double duration, Rows& rows) {
   rows.emplace_back(
       "motion", "valid: " + significant(duration, 4) + " s, at most " + percent(motion.shares.velocity) +
                     " of velocity, " + percent(motion.shares.acceleration) + " of acceleration and " +
-                    percent(motion.shares.jerk) + " of jerk limits at " + std::to_string(motion.samples) +
-                    " samples; clearance at least " + significant(motion.min_clearance * 1000.0, 3) + " mm");
+                    percent(motion.shares.jerk) + " of jerk limits at " + counted(motion.samples, "sample") +
+                    "; clearance at least " + significant(motion.min_clearance * 1000.0, 3) + " mm");
 }
 
 void append_splines(const SplineVerdict& splines, double duration, Rows& rows) {

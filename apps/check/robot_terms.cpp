@@ -93,7 +93,7 @@ void require_same_joints(const Robot& robot, const Plan& plan, const std::filesy
   });
   throw std::invalid_argument(file.string() + ": field 'joints': the plan is for " +
                               std::to_string(plan.joints.size()) + " joints that are not those of robot " +
-                              quote(robot.name) + " (" + std::to_string(robot.dof()) + " joints)" +
+                              quote(robot.name) + " (" + counted(robot.dof(), "joint") + ")" +
                               (other == plan.joints.end() ? "" : ", of which none is " + quote(*other)));
 }
 

@@ -162,10 +162,6 @@ std::string corner_fault(const TimedTrajectory& trajectory, const Robot& robot) 
   return {};
 }
 
-std::string counted(std::size_t count, const std::string& one, const std::string& many) {
-  return std::to_string(count) + " " + (count == 1 ? one : many);
-}
-
 std::string joints_without(const Robot& robot, double Joint::*limit) {
   std::string names;
   std::size_t count = 0;

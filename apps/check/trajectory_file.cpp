@@ -115,7 +115,7 @@ std::vector<double> rates_of(const YamlFields& point, const std::string& key, st
   if (!point.has(key)) return {};
   std::vector<double> values = point.numbers(key, any_value);
   if (!values.empty() && values.size() != joints)
-    point.fail(key, "expected none or " + std::to_string(joints) + " numbers, one for each joint, got " +
+    point.fail(key, "expected none or " + counted(joints, "number") + ", one for each joint, got " +
                         std::to_string(values.size()));
   return values;
 }
@@ -154,7 +154,7 @@ std::vector<std::vector<double>> rates_in(const YamlFields& root, const std::str
   });
   if (rates.size() != count || !fits)
     root.fail(key, "expected " + std::to_string(joints) + " numbers or none for each of the " +
-                       std::to_string(count) + " points");
+                       counted(count, "point"));
   return rates;
 }
 

@@ -9,6 +9,7 @@
 #include "apps/query/query.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
+#include "mapping/system/number_text.hpp"
 #include "planning/plan_and_check.hpp"
 #include "planning/plan_pick.hpp"
 #include "planning/planned_motion.hpp"
@@ -53,7 +54,7 @@ void require_size(const std::vector<double>& q, const Robot& robot, const QueryS
                   const char* field) {
   if (q.size() == robot.dof()) return;
   throw std::invalid_argument("setup, query '" + query.name + "', field '" + field + "': got " +
-                              std::to_string(q.size()) + " values, expected " + std::to_string(robot.dof()) +
+                              counted(q.size(), "value") + ", expected " + std::to_string(robot.dof()) +
                               " (robot '" + robot.name + "')");
 }
 

@@ -125,7 +125,7 @@ std::unique_ptr<TeachScreen> open_screen(const TeachCommand& command, Console& c
 
 void report_times(const ScreenTimes& times, Console& console) {
   if (times.latencies.empty()) return;
-  console.log("window: " + grouped(times.latencies.size()) + " pictures, " + grouped(times.dropped) +
+  console.log("window: " + counted(times.latencies.size(), "picture") + ", " + grouped(times.dropped) +
               " left out; from image to picture " + significant(1e3 * quantile(times.latencies, 0.5), 3) +
               " ms (median), " + significant(1e3 * quantile(times.latencies, 0.95), 3) + " ms (95 %)");
 }

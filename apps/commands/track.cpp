@@ -110,7 +110,7 @@ class TrackReport {
   std::string why_nothing() const {
     if (poses_ > 0) return "";
     if (images_ == 0) return "it holds no image";
-    const std::string images = "its " + grouped(images_) + " images";
+    const std::string images = "its " + counted(images_, "image");
     if (refused_images_ == images_) return "none of " + images + " is the camera's: " + refusal_;
     if (ids_.empty()) return "no tag is seen in " + images;
     return "none of the tags in " + images + " is on a board of the setup, or no pose explains them";

@@ -40,8 +40,7 @@ Eigen::VectorXd parse_configuration(const std::string& text, const std::string& 
   if (numbers.size() != joints.size()) {
     std::string names;
     for (const std::string& joint : joints) names += (names.empty() ? "" : ", ") + joint;
-    throw std::invalid_argument(what + ": got " + std::to_string(numbers.size()) +
-                                (numbers.size() == 1 ? " value" : " values") + ", expected " +
+    throw std::invalid_argument(what + ": got " + counted(numbers.size(), "value") + ", expected " +
                                 std::to_string(joints.size()) + " (" + names + ")");
   }
   Eigen::VectorXd q(static_cast<Eigen::Index>(numbers.size()));
@@ -93,17 +92,6 @@ std::string to_text(const Eigen::Isometry3d& pose) {
     if (std::abs(number) < 1e-12) number = 0.0;  // of rounding
   return to_text(
       Eigen::Map<const Eigen::VectorXd>(numbers.data(), static_cast<Eigen::Index>(numbers.size())));
-}
-
-std::string grouped(std::size_t number) {
-  std::string digits = std::to_string(number);
-  for (int i = static_cast<int>(digits.size()) - 3; i > 0; i -= 3)
-    digits.insert(static_cast<std::size_t>(i), 1, ',');
-  return digits;
-}
-
-std::string counted(std::size_t count, const std::string& what) {
-  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
 std::string significant(double value, int digits) {

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "mapping/system/number_text.hpp"  // grouped, counted
+
 namespace clearway {
 
 /// Comma-separated finite numbers. @throws std::invalid_argument naming `what` and the offending text.
@@ -26,12 +28,6 @@ std::vector<double> numbers_from_pose(const Eigen::Isometry3d& pose);
 /// A configuration or a pose for messages: "(0.1, -2, 0.3)".
 std::string to_text(const Eigen::VectorXd& values);
 std::string to_text(const Eigen::Isometry3d& pose);
-
-/// "1234567" as "1,234,567".
-std::string grouped(std::size_t number);
-
-/// "1 run", "2 runs".
-std::string counted(std::size_t count, const std::string& what);
 
 /// A number with `digits` significant digits in the classic locale.
 std::string significant(double value, int digits = 4);

@@ -10,6 +10,7 @@
 #include "mapping/files/cloud_file.hpp"
 #include "mapping/system/damaged_file.hpp"
 #include "mapping/system/input_file.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -150,9 +151,9 @@ class Clouds final : public FrameSource {
       return;
     }
     if (numbered->poses.size() != files_.size())
-      throw std::invalid_argument(name + " has " + std::to_string(numbered->poses.size()) + " lines for " +
-                                  std::to_string(files_.size()) +
-                                  " clouds; expected one for each, in the order of their names, or `source: "
+      throw std::invalid_argument(name + " has " + counted(numbered->poses.size(), "line") + " for " +
+                                  counted(files_.size(), "cloud") +
+                                  "; expected one for each, in the order of their names, or `source: "
                                   "{clouds: map}` in the setup for clouds in the map's frame");
     for (const auto& [number, pose] : numbered->poses) poses_.push_back(pose);
     note_ =

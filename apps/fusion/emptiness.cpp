@@ -43,7 +43,7 @@ std::string left_out_of(const Fusion& fusion) {
 void require_tags(const Fusion& fusion, const std::string& name) {
   if (!fusion.setup.probe || saw_a_board(fusion)) return;
   const FusionCounts& counts = fusion.counts;
-  const std::string images = grouped(counts.images) + " images";
+  const std::string images = counted(counts.images, "image");
   const std::string left_out = left_out_of(fusion);
   const std::string none =
       left_out.empty() ? "there is no camera image" : "no camera image of it can be used: " + left_out;
@@ -61,21 +61,25 @@ void require_tags(const Fusion& fusion, const std::string& name) {
 /// What became of the scans, of which no point is in the map.
 std::string fate_of_scans(const FusionCounts& counts) {
   std::string fate;
-  const auto add = [&](std::size_t count, const std::string& what) {
-    if (count > 0) fate += (fate.empty() ? "" : ", ") + grouped(count) + " " + what;
+  const auto add = [&](std::size_t count, const std::string& one, const std::string& many) {
+    if (count > 0) fate += (fate.empty() ? "" : ", ") + counted(count, one, many);
   };
-  add(counts.scans_without_pose, "scans have no pose at their time");
-  add(counts.scans_without_joints, "scans have no joints of the robot at their time" +
-                                       (counts.joint_gap.empty() ? "" : " (" + counts.joint_gap + ")"));
-  add(counts.scans_refused, "scans start outside the map's range");
-  add(counts.points.beyond_range, "points lie beyond max_range and only free the space before it");
-  add(counts.points.dropped_invalid,
-      "points are not finite, at the sensor's own origin or outside the map's range");
-  add(counts.infinite_beams, "beams of laser scans are +inf");
-  add(counts.points.dropped_filter,
-      "points were taken out by min_range, crop, thin_to, outliers, or as the robot or the probe");
-  const std::string scans = "nothing of its " + grouped(counts.scans) + " scans got into the map: ";
-  return scans + (fate.empty() ? "they hold no points" : fate);
+  const auto add_same = [&](std::size_t count, const std::string& one, const std::string& many,
+                            const std::string& rest) { add(count, one + rest, many + rest); };
+  const std::string gap = counts.joint_gap.empty() ? "" : " (" + counts.joint_gap + ")";
+  add(counts.scans_without_pose, "scan has no pose at its time", "scans have no pose at their time");
+  add(counts.scans_without_joints, "scan has no joints of the robot at its time" + gap,
+      "scans have no joints of the robot at their time" + gap);
+  add_same(counts.scans_refused, "scan starts", "scans start", " outside the map's range");
+  add(counts.points.beyond_range, "point lies beyond max_range and only frees the space before it",
+      "points lie beyond max_range and only free the space before it");
+  add_same(counts.points.dropped_invalid, "point is", "points are",
+           " not finite, at the sensor's own origin or outside the map's range");
+  add_same(counts.infinite_beams, "beam of laser scans is", "beams of laser scans are", " +inf");
+  add_same(counts.points.dropped_filter, "point was", "points were",
+           " taken out by min_range, crop, thin_to, outliers, or as the robot or the probe");
+  const std::string scans = "nothing of its " + counted(counts.scans, "scan") + " got into the map: ";
+  return scans + (fate.empty() ? "there is no point in it" : fate);
 }
 
 std::string reason_for_nothing(const Fusion& fusion) {
@@ -86,8 +90,8 @@ std::string reason_for_nothing(const Fusion& fusion) {
   if (!no_ball.empty()) return no_ball;
   const std::string left_out = left_out_of(fusion);
   if (counts.images > 0)
-    return (left_out.empty() ? "" : left_out + "; ") + "its " + grouped(counts.images) +
-           " images put nothing into a map without a probe in the setup (" + fusion.setup_source + ")";
+    return (left_out.empty() ? "" : left_out + "; ") + "its " + counted(counts.images, "image") +
+           " put nothing into a map without a probe in the setup (" + fusion.setup_source + ")";
   return left_out.empty() ? "it holds no image and no scan"
                           : "no image and no scan of it can be used: " + left_out;
 }
@@ -117,7 +121,7 @@ std::string unpainted_reason(const Fusion& fusion) {
   const double holds_one_anywhere = radius / std::sqrt(3.0);
   if (1000.0 * fusion.map.options().resolution <= holds_one_anywhere) return "";  // strokes were undone
   const double unit = std::pow(10.0, std::floor(std::log10(holds_one_anywhere)) - 1.0);
-  return "none of the " + grouped(counts.spheres + counts.body_spheres) + " balls" +
+  return "none of the " + counted(counts.spheres + counts.body_spheres, "ball") +
          (is_by_bodies ? " of the robot's bodies, of radius " + significant(radius, 3) + " mm at most"
                        : ", of mean radius " + significant(radius, 3) + " mm") +
          ", holds a whole voxel of " + significant(1000.0 * fusion.map.options().resolution, 3) +

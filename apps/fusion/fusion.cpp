@@ -54,15 +54,14 @@ void warn_of_leftovers(Fusion& fusion) {
                               " scans have no pose at their time and were left out");
   }
   if (counts.scans_probe_hidden > 0) {
-    fusion.warnings.push_back(std::to_string(counts.scans_probe_hidden) +
-                              " scans were left out: for a moment no image shows where the probe or the "
+    fusion.warnings.push_back(counted(counts.scans_probe_hidden, "scan was", "scans were") +
+                              " left out: for a moment no image shows where the probe or the "
                               "gripper in them is");
   }
   if (counts.scans_without_joints > 0) {
-    fusion.warnings.push_back(
-        std::to_string(counts.scans_without_joints) +
-        " scans were left out: at their time the robot's joints are not known; of the first, " +
-        counts.joint_gap);
+    fusion.warnings.push_back(counted(counts.scans_without_joints, "scan was", "scans were") +
+                              " left out: at their time the robot's joints are not known; of the first, " +
+                              counts.joint_gap);
   }
   if (counts.infinite_beams > 0) {
     std::string beams = grouped(counts.infinite_beams) + " beams of laser scans are +inf";
@@ -78,8 +77,8 @@ void warn_of_leftovers(Fusion& fusion) {
                   "range_max");
   }
   if (counts.scans_refused > 0) {
-    fusion.warnings.push_back(std::to_string(counts.scans_refused) +
-                              " scans start outside the map's range and were left out");
+    fusion.warnings.push_back(counted(counts.scans_refused, "scan starts", "scans start") +
+                              " outside the map's range, left out");
   }
 }
 

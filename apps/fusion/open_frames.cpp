@@ -201,8 +201,8 @@ std::unique_ptr<FrameSource> open_other(const fs::path& folder, const FolderCont
   const auto& [name, pictures, clouds, velodyne] = content;
   if (!pictures.empty() && !clouds.empty())
     throw std::invalid_argument("recording " + quote_path(folder.string()) + " has " +
-                                std::to_string(pictures.size()) + " pictures and " +
-                                std::to_string(clouds.size()) + " clouds; expected a folder of one kind");
+                                counted(pictures.size(), "picture") + " and " +
+                                counted(clouds.size(), "cloud") + "; expected a folder of one kind");
   if (!pictures.empty()) return open_pictures(pictures, name, options);
   if (!clouds.empty()) {
     auto source = open_clouds(clouds, scan_poses_beside(folder), name, options);

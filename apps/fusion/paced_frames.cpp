@@ -3,6 +3,8 @@
 #include <thread>
 #include <utility>
 
+#include "mapping/system/number_text.hpp"
+
 namespace clearway {
 
 std::optional<Frame> PacedFrames::next() {
@@ -26,8 +28,8 @@ std::optional<Frame> PacedFrames::next() {
 std::vector<std::string> PacedFrames::warnings() const {
   std::vector<std::string> warnings = frames_->warnings();
   if (dropped_ > 0)
-    warnings.push_back(std::to_string(dropped_) +
-                       " images came while one before them was worked on, and were left out");
+    warnings.push_back(counted(dropped_, "image") +
+                       " came while one before them was worked on, and were left out");
   return warnings;
 }
 

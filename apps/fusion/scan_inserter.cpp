@@ -27,9 +27,9 @@ std::vector<Capsule> robot_capsules(const RobotSetup& setup) {
   Robot robot = choose_robot(choice);
   robot.map_from_base = setup.map_from_base;
   if (setup.joints.size() != robot.dof()) {
-    throw std::invalid_argument("setup, robot, field 'joints': got " + std::to_string(setup.joints.size()) +
-                                " values, expected " + std::to_string(robot.dof()) + " (robot '" +
-                                robot.name + "')");
+    throw std::invalid_argument("setup, robot, field 'joints': got " + counted(setup.joints.size(), "value") +
+                                ", expected " + std::to_string(robot.dof()) + " (robot '" + robot.name +
+                                "')");
   }
   for (std::size_t i = 0; i < setup.joints.size(); ++i)
     require_possible(robot.joints[i], setup.joints[i], "setup, robot, field 'joints'");

@@ -14,6 +14,7 @@
 #include "mapping/files/velodyne_scan.hpp"
 #include "mapping/system/damaged_file.hpp"
 #include "mapping/system/input_file.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -43,9 +44,9 @@ std::vector<std::size_t> lines_of(const std::vector<TimedFile>& scans, std::size
     const bool is_number = stem.size() < 10 && stem.find_first_not_of("0123456789") == std::string::npos;
     const std::size_t line = lines == scans.size() ? of_scans.size() : is_number ? std::stoul(stem) : lines;
     if (line >= lines)
-      throw std::invalid_argument(name + " has " + std::to_string(lines) + " lines for " +
-                                  std::to_string(scans.size()) +
-                                  " scans; expected one for each, or for each of the numbers, from 0, that "
+      throw std::invalid_argument(name + " has " + counted(lines, "line") + " for " +
+                                  counted(scans.size(), "scan") +
+                                  "; expected one for each, or for each of the numbers, from 0, that "
                                   "are their names");
     of_scans.push_back(line);
   }
@@ -304,8 +305,8 @@ std::unique_ptr<FrameSource> open_velodyne(const VelodyneLayout& layout, const s
   auto source = std::make_unique<VelodyneFolder>(stated, name, is_placed, options.depth.tolerance);
   if (!source->are_placed())
     throw std::invalid_argument(
-        "recording " + quote(name) + " has " + std::to_string(layout.scans.size()) +
-        " scans and no poses of them: expected poses.txt beside them, or ../../poses/NUMBER.txt (KITTI's "
+        "recording " + quote(name) + " has " + counted(layout.scans.size(), "scan") +
+        " and no poses of them: expected poses.txt beside them, or ../../poses/NUMBER.txt (KITTI's "
         "12 numbers a line, or TUM's text), or the sensor 'velodyne' in the setup's `sensors`");
   return source;
 }

@@ -41,10 +41,10 @@ void print_difference(const Json& json, std::ostream& out) {
                       "differs in parts or balls, or is in one map only");
   for (const auto& pair : json["voxels"]) {
     rows.emplace_back(pair["here"].get<std::string>() + ", there " + pair["there"].get<std::string>(),
-                      grouped(pair["count"].get<std::size_t>()) + " voxels");
+                      counted(pair["count"].get<std::size_t>(), "voxel"));
   }
   const auto evidence = json["same_state_other_evidence"].get<std::size_t>();
-  if (evidence > 0) rows.emplace_back("same state, other evidence", grouped(evidence) + " voxels");
+  if (evidence > 0) rows.emplace_back("same state, other evidence", counted(evidence, "voxel"));
   out << '\n';
   print_rows(out, rows);
 }

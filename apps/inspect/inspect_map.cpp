@@ -135,7 +135,7 @@ void print_map(const Json& json, std::ostream& out) {
   for (const auto& volume : json["volumes"]) {
     rows.emplace_back(
         "volume " + volume["label"].get<std::string>(),
-        grouped(volume["balls"].get<std::size_t>()) + " balls, parts: " + join(volume["critical_parts"]));
+        counted(volume["balls"].get<std::size_t>(), "ball") + ", parts: " + join(volume["critical_parts"]));
   }
   print_rows(out, rows);
 }

@@ -44,9 +44,10 @@ std::string numbers_text(const Json& scans) {
 std::string stroke_text(const Json& stroke) {
   const std::string label = stroke["stroke"].get<std::string>(), source = stroke["source"].get<std::string>();
   return "'" + stroke["volume"].get<std::string>() + "', " + (label.empty() ? "no stroke" : label) +
-         (source.empty() ? "" : " (" + source + ")") + ": " + grouped(stroke["balls"].get<std::size_t>()) +
-         " balls, " + significant(stroke["from_s"].get<double>()) + " to " +
-         significant(stroke["to_s"].get<double>()) + " s";
+         (source.empty() ? "" : " (" + source + ")") + ": " +
+         counted(stroke["balls"].get<std::size_t>(), "ball") + ", " +
+         significant(stroke["from_s"].get<double>()) + " to " + significant(stroke["to_s"].get<double>()) +
+         " s";
 }
 
 }  // namespace

@@ -116,10 +116,10 @@ void add_holes(const Json& volume, std::vector<std::pair<std::string, std::strin
     const auto occupied = hole["occupied_voxels"].get<std::size_t>();
     std::string why = beyond > 0 ? grouped(beyond) + " beyond all balls" : "inside the balls";
     if (occupied > 0) why += ", " + grouped(occupied) + " sensed occupied";
-    rows.emplace_back(
-        "  hole " + std::to_string(i + 1),
-        "at " + point_text(hole["centroid"]) + ", " + grouped(hole["voxels"].get<std::size_t>()) +
-            " voxels = " + significant(1e6 * number(hole, "volume_m3"), 3) + " cm3 (" + why + ")");
+    rows.emplace_back("  hole " + std::to_string(i + 1),
+                      "at " + point_text(hole["centroid"]) + ", " +
+                          counted(hole["voxels"].get<std::size_t>(), "voxel") + " = " +
+                          significant(1e6 * number(hole, "volume_m3"), 3) + " cm3 (" + why + ")");
   }
 }
 

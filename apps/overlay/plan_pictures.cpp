@@ -145,9 +145,9 @@ cv::Mat PlanPictures::painted(const Snapshot& map) const {
   scene.map = &map_;
   std::size_t balls = 0;
   for (const PaintedVolume& volume : map.volumes()) balls += volume.spheres.size();
-  scene.strip =
-      Strip{grouped(balls) + " balls painted, " + grouped(map.counts().conflict) + " voxels of them occupied",
-            "", "", "", 0.0};
+  scene.strip = Strip{
+      counted(balls, "ball") + " painted, " + counted(map.counts().conflict, "voxel") + " of them occupied",
+      "", "", "", 0.0};
   return draw(scene);
 }
 

@@ -95,7 +95,7 @@ std::optional<OverlayBall> RecordingPictures::ball_of(const ImagePoses& poses, d
 
 Strip RecordingPictures::strip(double since_start) const {
   Strip strip;
-  strip.state = to_tenths(since_start) + ", " + grouped(paint_.spheres()) + " balls painted";
+  strip.state = to_tenths(since_start) + ", " + counted(paint_.spheres(), "ball") + " painted";
   constexpr double held = 1.0;  // s: time to read it
   if (refused_at_ && since_start - *refused_at_ < held) {
     strip.refusal = refusal_;

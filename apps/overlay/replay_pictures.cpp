@@ -152,10 +152,10 @@ void draw_replay(const std::filesystem::path& recording, const Fusion& fusion, c
                               : pictures->draw_lost(grey, poses, since_start));
   }
   if (!last)
-    throw std::invalid_argument("--overlay and --video-out: none of the " + grouped(fusion.counts.images) +
-                                " images of " + quote_path(recording.string()) +
-                                " shows where the camera is: expected one with the fixed board '" + board +
-                                "'");
+    throw std::invalid_argument(
+        "--overlay and --video-out: none of the " + counted(fusion.counts.images, "image") + " of " +
+        quote_path(recording.string()) + " shows where the camera is: expected one with the fixed board '" +
+        board + "'");
   const OverlayMap shown = overlay_map(map);
   if (!options.stills.empty()) save_stills(options.stills, *last, map, shown, plans);
   if (!pictures) return;

@@ -190,8 +190,8 @@ std::vector<std::pair<std::string, std::string>> report_figures(const ReplayRepo
   const FusionCounts& counts = report.fusion->counts;
   const VoxelCounts voxels = report.map.counts();
   std::vector<std::pair<std::string, std::string>> rows;
-  rows.emplace_back("frames", grouped(counts.frames) + " (" + grouped(counts.images) + " images, " +
-                                  grouped(counts.scans) + " scans, " + grouped(counts.odometry) +
+  rows.emplace_back("frames", grouped(counts.frames) + " (" + counted(counts.images, "image") + ", " +
+                                  counted(counts.scans, "scan") + ", " + grouped(counts.odometry) +
                                   " odometry), " + significant(counts.duration, 3) + " s");
   for (const TakenCamera& camera : report.fusion->cameras)
     rows.emplace_back("camera " + camera.sensor, shown(camera));

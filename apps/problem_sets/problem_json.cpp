@@ -11,6 +11,7 @@
 #include "datasets/yaml/message_keys.hpp"
 #include "datasets/yaml/whole_turn.hpp"
 #include "datasets/yaml/yaml_fields.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/files/json_field.hpp"
 #include "planning/files/json_text.hpp"
@@ -127,7 +128,7 @@ ForeignState state_of(const JsonField& field, const std::vector<std::string>& na
   const std::vector<double> values = values_of(field);
   if (names.empty()) return {{}, values};
   if (values.size() != names.size())
-    field.refuse(std::to_string(names.size()) + " values, one for each of the joints that the file names");
+    field.refuse(counted(names.size(), "value") + ", one for each of the joints that the file names");
   ForeignState state;
   for (std::size_t j = 0; j < names.size(); ++j) state.by_joint[names[j]] = values[j];
   return state;

@@ -22,7 +22,7 @@ std::vector<double> ordered_values(const Robot& robot, const ForeignProblem& pro
   if (!state.values.empty() || state.by_joint.empty()) {
     if (state.values.size() == robot.dof()) return state.values;
     throw std::invalid_argument("problem " + quote(problem.name) + ", " + what + ": got " +
-                                std::to_string(state.values.size()) + " values, expected " +
+                                counted(state.values.size(), "value") + ", expected " +
                                 std::to_string(robot.dof()) + ", one for each joint of robot " +
                                 quote(robot.name) + " (--group and --fix choose which)");
   }

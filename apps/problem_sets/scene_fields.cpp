@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "datasets/yaml/message_keys.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -201,7 +202,7 @@ std::map<std::string, double> ros_joints(const YamlFields& state) {
   const auto names = joints.texts("name");
   const auto positions = joints.numbers("position", within_reach);
   if (names.size() != positions.size())
-    joints.fail("position", "expected " + std::to_string(names.size()) + " numbers, one for each name, got " +
+    joints.fail("position", "expected " + counted(names.size(), "number") + ", one for each name, got " +
                                 std::to_string(positions.size()));
   for (std::size_t i = 0; i < names.size(); ++i) values[names[i]] = positions[i];
   return values;
@@ -237,7 +238,7 @@ std::vector<Eigen::Isometry3d> ros_poses(const YamlFields& fields, const std::st
   for (const YamlFields& pose : fields.list_of_maps(key)) result.push_back(ros_pose(pose));
   if (result.empty() && count == 1) result.push_back(Eigen::Isometry3d::Identity());
   if (result.size() != count)
-    fields.fail(key, "expected " + std::to_string(count) + " poses, one for each piece, got " +
+    fields.fail(key, "expected " + counted(count, "pose") + ", one for each piece, got " +
                          std::to_string(result.size()));
   return result;
 }

@@ -31,8 +31,8 @@ RobotRequest robot_request(const RobotChoice& choice) {
     const std::string joint = text.substr(0, equals);
     const std::vector<double> values = parse_numbers(text.substr(equals + 1), "--fix " + quote(joint));
     if (values.size() != 1)
-      throw std::invalid_argument("--fix " + quote(joint) + ": got " + std::to_string(values.size()) +
-                                  " values, expected one");
+      throw std::invalid_argument("--fix " + quote(joint) + ": got " + counted(values.size(), "value") +
+                                  ", expected one");
     if (!request.fixed.emplace(joint, values.front()).second)
       throw std::invalid_argument("--fix: joint " + quote(joint) + " is given twice, expected it once");
   }

@@ -24,7 +24,7 @@ std::string maybe_by_hand(const SweptVoxels& swept) {
 
 std::string describe_swept(const SweptVoxels& swept) {
   std::string text =
-      significant(swept.litres(swept.total()), 3) + " l (" + grouped(swept.total()) + " voxels): ";
+      significant(swept.litres(swept.total()), 3) + " l (" + counted(swept.total(), "voxel") + "): ";
   text += percent(swept, swept.unknown) + " unknown";
   if (swept.beyond > 0) text += " (" + percent(swept, swept.beyond) + " beyond the map's bounds)";
   text += ", " + percent(swept, swept.seen_once) + " seen once, " +

@@ -254,8 +254,8 @@ std::string other_of_problems(const std::string& what, const OfProblems& before,
     if (count++ == 0) first = "'" + plain(problem.second) + "' in experiment '" + plain(problem.first) + "'";
   }
   if (count == 0) return "";
-  return "The " + what + " of " + std::to_string(count) + (count == 1 ? " problem" : " problems") +
-         " differ, as in " + first + ": what changed may be theirs.";
+  return "The " + what + " of " + counted(count, "problem") + " differ, as in " + first +
+         ": what changed may be theirs.";
 }
 
 void add_other_settings(const StoredResults& before, const StoredResults& after,

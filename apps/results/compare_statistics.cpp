@@ -126,7 +126,7 @@ std::string success_words(const PairedPlanners& pair, const std::string& a, cons
   if (differ == 0) return "Both solve the same problems.";
   const bool first_leads = pair.first_more > pair.second_more;
   const std::string counts = std::to_string(std::max(pair.first_more, pair.second_more)) + " of " +
-                             std::to_string(differ) + " problems on which they differ, p " +
+                             counted(differ, "problem") + " on which they differ, p " +
                              p_text(pair.success_p);
   if (pair.success_p >= significance) return "No difference in success beyond chance (" + counts + ").";
   return (first_leads ? a : b) + " solves more (" + counts + ").";

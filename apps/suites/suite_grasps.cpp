@@ -5,6 +5,7 @@
 #include "apps/suites/suite_draws.hpp"
 #include "apps/suites/suite_furniture.hpp"
 #include "apps/suites/suite_reaching.hpp"
+#include "mapping/system/number_text.hpp"
 
 namespace clearway {
 namespace {
@@ -89,8 +90,8 @@ class GraspDrawer {
 FurnitureScene draw_cells(const SuiteGenerator& generator, std::size_t index, const Robot& robot,
                           const Policies& policies, double padding) {
   if (robot.dof() < 6) {
-    throw std::runtime_error("cells: robot '" + robot.name + "' has " + std::to_string(robot.dof()) +
-                             " joints, expected at least 6 to hold its hand as it likes");
+    throw std::runtime_error("cells: robot '" + robot.name + "' has " + counted(robot.dof(), "joint") +
+                             ", expected at least 6 to hold its hand as it likes");
   }
   for (int attempt = 0;; ++attempt) {
     FurnitureScene scene = draw_furniture(robot, generator.seed, index, attempt);

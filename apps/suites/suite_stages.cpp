@@ -15,6 +15,7 @@
 #include "mapping/files/cloud_file.hpp"
 #include "mapping/files/map_digest.hpp"
 #include "mapping/files/map_file.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/robot/held_joints.hpp"
 
@@ -159,7 +160,7 @@ void require_sizes(const Suite& suite, const SuiteExperiment& experiment, const 
     }
     if (size == robot.dof()) return;
     refuse(suite, experiment,
-           where + "got " + std::to_string(size) + " values, expected " + std::to_string(robot.dof()) +
+           where + "got " + counted(size, "value") + ", expected " + std::to_string(robot.dof()) +
                ", one for each joint of robot '" + robot.name + "'");
   };
   for (const SuiteProblem& problem : experiment.problems) {

@@ -7,6 +7,7 @@
 #include "apps/suites/suite_cells.hpp"
 #include "apps/suites/suite_stages.hpp"
 #include "mapping/free_space_map.hpp"
+#include "mapping/system/number_text.hpp"
 #include "planning/robot/joined_robot.hpp"
 
 namespace clearway {
@@ -18,7 +19,7 @@ TeamRobot make_robot(const SuiteTeamRobot& given, const Snapshot& map,
   if (given.map_from_base) robot.map_from_base = *given.map_from_base;
   if (given.start.size() != robot.dof() || given.goal.size() != robot.dof()) {
     throw std::invalid_argument("start and goal: got " + std::to_string(given.start.size()) + " and " +
-                                std::to_string(given.goal.size()) + " values, expected " +
+                                counted(given.goal.size(), "value") + ", expected " +
                                 std::to_string(robot.dof()) + " each (robot '" + robot.name + "')");
   }
   const Policies chosen = team_policies(robot, map, policies);

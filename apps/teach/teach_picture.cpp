@@ -7,6 +7,7 @@
 #include "apps/fusion/painter.hpp"
 #include "apps/overlay/strip.hpp"
 #include "apps/teach/teach_keys.hpp"
+#include "mapping/system/number_text.hpp"
 
 namespace clearway {
 namespace {
@@ -142,9 +143,7 @@ std::string state_line(const TeachView& view) {
   char time[32];
   std::snprintf(time, sizeof time, "%.1f s", view.since_start);
   std::string line = std::string(time) + ", " + std::string(to_string(view.state));
-  if (!view.volume.empty())
-    line += ", volume " + view.volume + ", " + std::to_string(view.balls) +
-            (view.balls == 1 ? " ball" : " balls");
+  if (!view.volume.empty()) line += ", volume " + view.volume + ", " + counted(view.balls, "ball");
   if (!view.held.empty()) line += ", holds " + view.held;
   return line;
 }

@@ -154,10 +154,10 @@ void TeachSession::end_object(std::string& remark) {
     refuse(error.what());
   }
   choice_.objects.push_back(marked_);
-  remark = marked_.load.name + ", " + size_text(marked_.load.shape) + " round " +
-           std::to_string(balls_.size()) + " balls; it stands at z = " +
-           short_text(marked_.load.shape.bounds(marked_.map_from_object).min().z(), 3) +
-           " m: what of it is lower is no part of it";
+  remark =
+      marked_.load.name + ", " + size_text(marked_.load.shape) + " round " + counted(balls_.size(), "ball") +
+      "; it stands at z = " + short_text(marked_.load.shape.bounds(marked_.map_from_object).min().z(), 3) +
+      " m: what of it is lower is no part of it";
 }
 
 void TeachSession::require_own_voxels(const Pick& pick, const Snapshot& map) const {

@@ -32,7 +32,7 @@ VirtualRobot::VirtualRobot(const RobotChoice& choice, const std::vector<double>&
   }
   near_ = Eigen::Map<const Configuration>(near.data(), static_cast<Eigen::Index>(near.size()));
   if (near.size() != robot_.dof())
-    throw std::invalid_argument("near: got " + std::to_string(near.size()) + " values, expected " +
+    throw std::invalid_argument("near: got " + counted(near.size(), "value") + ", expected " +
                                 std::to_string(robot_.dof()) + ", one for each joint of robot '" +
                                 robot_.name + "'");
   if (const std::string beyond = limit_violation(robot_, near_); !beyond.empty())

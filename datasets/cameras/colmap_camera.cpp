@@ -129,7 +129,7 @@ CameraIntrinsics camera_of_words(const std::vector<std::string>& words, const st
   const auto& [focal_lengths, lens, places] = model->second;
   const std::size_t count = 2 + focal_lengths + 2 + places.size();
   if (numbers.size() != count)
-    refuse("expected " + std::to_string(count) + " numbers behind " + words[1] + ", got " +
+    refuse("expected " + counted(count, "number") + " behind " + words[1] + ", got " +
            std::to_string(numbers.size()));
   for (const std::size_t i : {std::size_t{0}, std::size_t{1}})
     if (!(numbers[i] >= 32 && numbers[i] <= 20000 && numbers[i] == std::round(numbers[i])))

@@ -10,6 +10,7 @@
 #include "datasets/yaml/yaml_fields.hpp"
 #include "datasets/yaml/yaml_gate.hpp"
 #include "mapping/system/input_file.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -64,8 +65,7 @@ Eigen::Isometry3d place_of(const YamlFields& fields, const Eigen::Isometry3d& ma
   const std::string key = fields.has("place_deg") ? "place_deg" : "place";
   const std::size_t count = fields.is_list(key) ? fields.numbers(key, within_reach).size() : 6;
   if (count != 3 && count != 6)
-    fields.fail(key,
-                "expected x, y, z or x, y, z, roll, pitch, yaw, got " + std::to_string(count) + " numbers");
+    fields.fail(key, "expected x, y, z or x, y, z, roll, pitch, yaw, got " + counted(count, "number"));
   if (count == 6) return fields.pose("place");
   Eigen::Isometry3d place = map_from_object;
   place.translation() = fields.vector(key);

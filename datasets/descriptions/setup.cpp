@@ -12,6 +12,7 @@
 #include "datasets/yaml/yaml_fields.hpp"
 #include "datasets/yaml/yaml_gate.hpp"
 #include "mapping/system/input_file.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -322,7 +323,7 @@ QuerySetup read_query(const YamlFields& fields, const std::filesystem::path& fol
   for (std::size_t i = 0; i < query.goals.size(); ++i) {
     const std::size_t size = query.goals[i].size();
     if (size == query.start.size()) continue;
-    fields.fail("", "the start has " + std::to_string(query.start.size()) + " numbers and goals[" +
+    fields.fail("", "the start has " + counted(query.start.size(), "number") + " and goals[" +
                         std::to_string(i) + "] has " + std::to_string(size) +
                         ", expected as many numbers in both, one for each joint of the robot");
   }

@@ -7,6 +7,7 @@
 
 #include "datasets/cameras/path_fields.hpp"
 #include "datasets/pictures/picture_poses.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -193,7 +194,7 @@ std::map<fs::path, CameraShot> shots_of_pictures(const CameraPath& path, const f
   std::map<fs::path, CameraShot> shots;
   if (!path.is_named) {
     if (path.shots.size() != pictures.size())
-      throw std::invalid_argument(name + ": it has " + std::to_string(path.shots.size()) + " poses for " +
+      throw std::invalid_argument(name + ": it has " + counted(path.shots.size(), "pose") + " for " +
                                   std::to_string(pictures.size()) + " depth pictures; expected one for each");
     for (std::size_t i = 0; i < pictures.size(); ++i) shots[pictures[i]] = path.shots[i];
     return shots;

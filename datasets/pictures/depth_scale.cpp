@@ -10,6 +10,7 @@
 #include "datasets/pictures/depth_picture.hpp"
 #include "datasets/pictures/files_in_child.hpp"
 #include "datasets/pictures/picture_times.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -91,8 +92,8 @@ void require_steps_of_tum(const std::string& name, const DepthLayout& layout) {
   if (sample.values.empty() || far_ones * 1000 >= sample.values.size()) return;
   throw std::invalid_argument(
       name + " has a table of depth pictures as TUM's, " + quote_path(layout.tum_table.string()) +
-      ", whose steps are 0.0002 m, but hardly a pixel of " + std::to_string(sample.pictures) +
-      " pictures reaches 10000 steps, as of others in millimetres: expected `source: {depth: {scale: …}}` in "
+      ", whose steps are 0.0002 m, but hardly a pixel of " + counted(sample.pictures, "picture") +
+      " reaches 10000 steps, as of others in millimetres: expected `source: {depth: {scale: …}}` in "
       "the setup, 0.0002 or 0.001");
 }
 

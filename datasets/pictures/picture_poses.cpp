@@ -17,6 +17,7 @@
 #include "datasets/pictures/stray_folder.hpp"
 #include "datasets/sources/finite_number.hpp"
 #include "mapping/system/input_file.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -179,10 +180,10 @@ void require_columns(const std::string& text, const std::string& name) {
     });
     if (!are_numbers) continue;          // a head, or a table with commas
     if (line.words.size() >= 8) return;  // parse_tum_poses knows more columns by their head
-    throw std::invalid_argument(
-        name + ", line " + std::to_string(line.number) + ": it has " + std::to_string(line.words.size()) +
-        " numbers, expected 'time x y z qx qy qz qw', the 12 or 16 of a picture's matrix, "
-        "or its rows in three lines");
+    throw std::invalid_argument(name + ", line " + std::to_string(line.number) + ": it has " +
+                                counted(line.words.size(), "number") +
+                                ", expected 'time x y z qx qy qz qw', the 12 or 16 of a picture's matrix, "
+                                "or its rows in three lines");
   }
 }
 
@@ -295,7 +296,7 @@ void PicturePoses::note_apart(const std::string& name, const std::string& clause
 void PicturePoses::number(NumberedPoses numbered, const std::vector<fs::path>& pictures,
                           const std::string& name) {
   auto& poses = numbered.poses;
-  const std::string they_are = name + ": it has " + std::to_string(poses.size()) + " poses",
+  const std::string they_are = name + ": it has " + counted(poses.size(), "pose"),
                     for_these = " for " + std::to_string(pictures.size()) + " depth pictures";
   if (const auto numbers = numbers_in_names(pictures); numbered.have_numbers && !numbers.empty()) {
     try {

@@ -151,15 +151,16 @@ TimedFiles times_by_table(const std::vector<fs::path>& files, const fs::path& ta
   for (const fs::path& file : files)
     if (const auto time = times.time_of(file, folder)) result.files.push_back({file, *time});
   if (result.files.empty())
-    throw std::invalid_argument(name + ": it names none of the " + std::to_string(files.size()) +
-                                " pictures, expected lines 'time, file'");
+    throw std::invalid_argument(name + ": it names none of the " + counted(files.size(), "picture") +
+                                ", expected lines 'time, file'");
   const std::size_t without_time = files.size() - result.files.size(),
                     missing = times.size() - result.files.size();
   if (without_time > 0)
     result.warnings.push_back(name + " has no time for " + std::to_string(without_time) + " of " +
-                              std::to_string(files.size()) + " pictures, which are left out");
+                              counted(files.size(), "picture") + ", which are left out");
   if (missing > 0 && parse == parse_file_times)  // associations name those of another camera, too
-    result.warnings.push_back(name + " names " + std::to_string(missing) + " pictures that are not there");
+    result.warnings.push_back(name + " names " + counted(missing, "picture that is", "pictures that are") +
+                              " not there");
   return result;
 }
 
@@ -318,7 +319,7 @@ std::vector<double> finer_than_seconds(std::vector<double> times) {
   return times;
 }
 
-std::vector<TimedFile> counted(const std::vector<fs::path>& files, double rate) {
+std::vector<TimedFile> evenly_timed(const std::vector<fs::path>& files, double rate) {
   std::vector<double> times(files.size());
   for (std::size_t i = 0; i < files.size(); ++i) times[i] = static_cast<double>(i) / rate;
   return together(files, times);
@@ -412,7 +413,7 @@ std::vector<std::pair<std::string, double>> parse_associations(const std::string
 std::vector<TimedFile> times_of_names(const std::vector<fs::path>& given) {
   const std::vector<fs::path> files = in_order_of_names(given);
   auto times = name_times(files);
-  if (!times || !are_distinct(*times)) return counted(files, 1.0);
+  if (!times || !are_distinct(*times)) return evenly_timed(files, 1.0);
   if (count_from_zero(*times)) return together(files, finer_than_seconds(*times));
   make_seconds(*times);
   return together(files, *times);
@@ -435,7 +436,7 @@ std::string names_caveat(const std::vector<fs::path>& given, const std::string& 
 
 TimedFiles times_of_files(const std::vector<fs::path>& given, std::optional<double> rate) {
   const std::vector<fs::path> files = in_order_of_names(given);
-  if (rate) return {counted(files, *rate), {}, ""};
+  if (rate) return {evenly_timed(files, *rate), {}, ""};
 
   TimedFiles result;
   std::error_code error;

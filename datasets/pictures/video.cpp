@@ -20,6 +20,7 @@
 #include "datasets/sources/decoding_child.hpp"
 #include "datasets/sources/frame_bytes.hpp"
 #include "mapping/system/input_file.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -100,20 +101,20 @@ void decode_video(const ChildReport& report, const std::string& file, std::optio
   if (number == 0) throw std::runtime_error("it holds no picture that can be decoded");
   if (video.leading > 0)
     report.send(ChildMessage::skipped, 0,
-                "its first " + std::to_string(video.leading) +
-                    " pictures need ones that are not in it, and are left out");
+                "its first " + counted(video.leading, "picture needs", "pictures need") +
+                    " ones that are not in it: left out");
   if (video.times.empty() && !rate)
     report.send(ChildMessage::skipped, 0,
                 "it does not say when its pictures are shown: they are taken as evenly apart");
   if (timeless > 0)
     report.send(ChildMessage::skipped, 0,
-                "it holds no times of its last " + std::to_string(timeless) + " pictures, they are left out");
+                "it holds no times of its last " + counted(timeless, "picture") + ": left out");
   if (video.is_cut && video.stated == 0)
-    throw std::runtime_error("the file ends within it, after " + std::to_string(number) + " pictures");
+    throw std::runtime_error("the file ends within it, after " + counted(number, "picture"));
   const std::size_t said = video.is_cut ? video.stated : video.shown;
   if (number + 1 < said) {
     const std::string fewer =
-        "it says that it holds " + std::to_string(said) + " pictures, and " + std::to_string(number) +
+        "it says that it holds " + counted(said, "picture") + ", and " + std::to_string(number) +
         " could be decoded" +
         (rate || clock.sees_gaps() ? "" : "; which are missing is not known: times may be off");
     constexpr double most_broken =

@@ -95,8 +95,8 @@ std::vector<std::string> LeftOut::clauses(const std::vector<std::string>& frames
                         " without a stamp; the times of recording are taken, so that they may be placed by "
                         "poses of a later moment");
   for (const auto& [topic, unseen] : unseen_)
-    clauses.push_back("holds " + std::to_string(unseen.count) + " clouds in topic " + quote(topic) +
-                      " in frame " + quote(unseen.first) +
+    clauses.push_back("holds " + counted(unseen.count, "cloud") + " in topic " + quote(topic) + " in frame " +
+                      quote(unseen.first) +
                       ", which is no sensor's: they mark what is occupied and free nothing, as nothing says "
                       "where the sensor was; `source: {bag: {fixed_frame: …, sensor_frame: …}}` of the setup "
                       "lets their rays begin at a "
@@ -104,13 +104,13 @@ std::vector<std::string> LeftOut::clauses(const std::vector<std::string>& frames
                       list_of_frames(frames));
   for (const auto& [topic, standing] : standing_)
     clauses.push_back(
-        "holds " + std::to_string(standing.count) + " clouds in topic " + quote(topic) + " in frame " +
+        "holds " + counted(standing.count, "cloud") + " in topic " + quote(topic) + " in frame " +
         quote(standing.first) +
         ", and nothing that says where a sensor was: it is taken to stand at that frame's origin; "
         "`sensors` of the setup places it elsewhere");
   for (const auto& [topic, motion] : moved_)
     clauses.push_back(
-        "holds " + std::to_string(motion.count) + " clouds in topic " + quote(topic) +
+        "holds " + counted(motion.count, "cloud") + " in topic " + quote(topic) +
         " during which the sensor moved, what it saw by up to " + short_text(motion.farthest) + " m; " +
         (by_point_times ? "each point is placed at its own time, by the field " + quote(motion.field) +
                               "; `point_times: false` in `source: {bag: …}` of the setup takes a cloud as "
@@ -118,16 +118,16 @@ std::vector<std::string> LeftOut::clauses(const std::vector<std::string>& frames
                         : "each is placed by one pose, at its stamp"));
   for (const auto& [topic, opposite] : opposite_angles_)
     clauses.push_back(
-        "holds " + std::to_string(opposite.count) + " scans in topic " + quote(topic) +
+        "holds " + counted(opposite.count, "scan") + " in topic " + quote(topic) +
         " whose angle_increment leads away from their angle_max: one of them is wrong, and the scans "
         "may be mirrored; beams are placed by the increment");
   for (const auto& [topic, other] : other_order_)
     clauses.push_back(
-        "holds " + std::to_string(other.count) + " clouds in topic " + quote(topic) +
+        "holds " + counted(other.count, "cloud") + " in topic " + quote(topic) +
         " that state an order of bytes (`is_bigendian`) in which their points make no sense; the "
         "other one was read");
   for (const auto& [topic, odd] : odd_times_)
-    clauses.push_back("holds " + std::to_string(odd.count) + " clouds in topic " + quote(topic) +
+    clauses.push_back("holds " + counted(odd.count, "cloud") + " in topic " + quote(topic) +
                       " whose points' times make no sense in s, ms, us or ns since the stamp or 1970 (of the "
                       "first, " +
                       odd.first + "); each is placed by one pose, at its stamp");

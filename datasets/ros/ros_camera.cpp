@@ -9,6 +9,7 @@
 
 #include "datasets/cameras/realsense_lens.hpp"
 #include "datasets/sources/lens.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -48,7 +49,7 @@ void set_lens_of(const RosCameraInfo& info, CameraIntrinsics& camera) {
   const auto lens = lens_named(info.distortion_model);
   if (lens == LensModel::fisheye && info.d.size() < 4)
     throw std::runtime_error("its distortion " + quote(info.distortion_model) + " has " +
-                             std::to_string(info.d.size()) + " numbers, expected k1, k2, k3, k4");
+                             counted(info.d.size(), "number") + ", expected k1, k2, k3, k4");
   if (lens != LensModel::fisheye && is_zero(info.d)) return;
   if (!lens)
     throw std::runtime_error("its distortion " + quote(info.distortion_model) +

@@ -39,7 +39,7 @@ void refuse_alternation(const TransformTree& tree, const std::string& frame) {
   const PoseConflicts conflicts = tree.conflicts_of(frame);
   if (!conflicts.are_many()) return;
   throw ContradictoryBag("has transforms that contradict each other: " + std::to_string(conflicts.count()) +
-                         " of " + std::to_string(conflicts.poses) + " poses of frame " + quote(frame) +
+                         " of " + counted(conflicts.poses, "pose") + " of frame " + quote(frame) +
                          " are up to " + short_text(conflicts.farthest) +
                          " m away from others of their time, as of two publishers or two runs; expected "
                          "one publisher of each frame");
@@ -104,7 +104,7 @@ std::vector<std::string> tell_contradictions(const TransformTree& tree, const st
     const PoseConflicts conflicts = tree.conflicts_of(frame);
     if (conflicts.same_time > 0)
       clauses.push_back("holds " + std::to_string(conflicts.same_time) + " of " +
-                        std::to_string(conflicts.poses) + " poses of frame " + quote(frame) +
+                        counted(conflicts.poses, "pose") + " of frame " + quote(frame) +
                         " that contradict others of the same time, by up to " +
                         short_text(conflicts.farthest) + " m; the last one counts");
     if (const std::size_t changes = tree.changes_of(frame); changes > 0)

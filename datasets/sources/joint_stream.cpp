@@ -158,7 +158,7 @@ JointStream parse_joint_states(const std::string& text, const std::string& name,
       numbers.push_back(*value);
     }
     if (numbers.size() != names.size() + 1)
-      fail(std::to_string(names.size() + 1) + " numbers, got " + std::to_string(numbers.size()));
+      fail(counted(names.size() + 1, "number") + ", got " + std::to_string(numbers.size()));
     stream.add(numbers[0], names, {numbers.begin() + 1, numbers.end()});
   }
   if (stream.empty())

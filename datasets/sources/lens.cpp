@@ -6,6 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "mapping/system/number_text.hpp"
+
 namespace clearway {
 namespace {
 
@@ -120,7 +122,7 @@ void set_lens(CameraIntrinsics& camera, LensModel model, std::span<const double>
   const std::size_t count = std::min(coefficients.size(), coefficient_count(model));
   const auto rest = coefficients.subspan(count);
   if (std::any_of(rest.begin(), rest.end(), [](double value) { return value != 0; }))
-    throw std::runtime_error("expected " + std::to_string(count) + " numbers other than 0 of a " +
+    throw std::runtime_error("expected " + counted(count, "number") + " other than 0 of a " +
                              lens_name(model) + " lens, " + names_of(model));
   camera.distortion = {};
   std::copy_n(coefficients.begin(), count, camera.distortion.begin());

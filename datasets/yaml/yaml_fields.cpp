@@ -14,6 +14,7 @@
 
 #include "datasets/yaml/moved_files.hpp"
 #include "mapping/system/nearest_name.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -339,7 +340,7 @@ std::vector<double> YamlFields::numbers(const std::string& key, Bounds bounds) c
 std::vector<double> YamlFields::numbers(const std::string& key, Bounds bounds, size_t size) const {
   auto result = numbers(key, bounds);
   if (result.size() != size)
-    fail(key, "expected " + std::to_string(size) + " numbers, got " + std::to_string(result.size()));
+    fail(key, "expected " + counted(size, "number") + ", got " + std::to_string(result.size()));
   return result;
 }
 
@@ -360,7 +361,7 @@ std::vector<std::vector<double>> YamlFields::lists_of_numbers(const std::string&
   std::vector<std::vector<double>> lists = lists_of_numbers(key, bounds);
   for (const std::vector<double>& list : lists)
     if (list.size() != size)
-      fail(key, "expected " + std::to_string(size) + " numbers in each of its lists, got " +
+      fail(key, "expected " + counted(size, "number") + " in each of its lists, got " +
                     std::to_string(list.size()));
   return lists;
 }
@@ -395,8 +396,7 @@ std::vector<std::vector<double>> YamlFields::rows(const std::string& key, Bounds
   if (node.size() > 0 && node.begin()->IsScalar()) {
     const std::vector<double> all = numbers_of(node, key, bounds);
     if (all.size() % size != 0)
-      fail(key,
-           "expected " + std::to_string(size) + " numbers for each row, got " + std::to_string(all.size()));
+      fail(key, "expected " + counted(size, "number") + " for each row, got " + std::to_string(all.size()));
     for (auto at = all.begin(); at != all.end(); at += static_cast<std::ptrdiff_t>(size))
       result.emplace_back(at, at + static_cast<std::ptrdiff_t>(size));
     return result;
@@ -404,7 +404,7 @@ std::vector<std::vector<double>> YamlFields::rows(const std::string& key, Bounds
   for (const auto& item : node) {
     result.push_back(row_of(item, key, bounds, names));
     if (result.back().size() != size)
-      fail(key, "expected " + std::to_string(size) + " numbers in each of its rows, got " +
+      fail(key, "expected " + counted(size, "number") + " in each of its rows, got " +
                     std::to_string(result.back().size()));
   }
   return result;

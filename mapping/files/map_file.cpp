@@ -212,10 +212,10 @@ std::string cloud_remark(const fs::path& path, const Snapshot& map, bool is_chos
   const auto [sparse, filled, left] = looks_of_cloud(map);
   const auto add = [&](const std::string& text) { remark += (remark.empty() ? "" : "; ") + text; };
   if (filled > 0)
-    add(std::to_string(filled) + " voxels of " + millimetres(edge) +
+    add(counted(filled, "voxel") + " of " + millimetres(edge) +
         " fill the gaps of surfaces that were thinned further");
   if (left > 0)
-    add(std::to_string(left) + " voxels of " + millimetres(edge) +
+    add(counted(left, "voxel") + " of " + millimetres(edge) +
         " stand for points so far apart that surfaces may have holes there that a path leads through");
   if (sparse >= 0.1 && left == 0)
     add(short_text(std::floor(100.0 * sparse)) + " % of the cloud's voxels of " + millimetres(edge) +
@@ -223,7 +223,8 @@ std::string cloud_remark(const fs::path& path, const Snapshot& map, bool is_chos
   if (!remark.empty()) remark += "; --cloud-resolution chooses others";
   if (is_velodyne_file(path)) {
     const VelodyneScan scan = read_velodyne_scan(path);
-    if (scan.left_out() > 0) add(std::to_string(scan.left_out()) + " points are left out: " + scan.reasons());
+    if (scan.left_out() > 0)
+      add(counted(scan.left_out(), "point is", "points are") + " left out: " + scan.reasons());
   } else if (has_turned_viewpoint(path)) {
     add("the cloud's VIEWPOINT is turned and its points are taken as in the map's frame: where they are in "
         "the sensor's, `clearway replay` with `source: {clouds: sensor}` places them");

@@ -13,6 +13,7 @@
 #include "mapping/files/number_words.hpp"
 #include "mapping/system/damaged_file.hpp"
 #include "mapping/system/input_file.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -95,7 +96,7 @@ class XyzReader {
       rest.remove_prefix(std::min(end + 1, rest.size()));
     }
     if (stated_ && *stated_ != static_cast<double>(count_))
-      throw DamagedFile(name() + " is damaged: it holds " + std::to_string(count_) + " points, " +
+      throw DamagedFile(name() + " is damaged: it holds " + counted(count_, "point") + ", " +
                         (scans_ == 1 ? "its first line says " : "the counts of its scans say ") +
                         std::to_string(static_cast<long long>(*stated_)));
     if (points_.empty())

@@ -1,6 +1,7 @@
 #include "mapping/maps/hand_edit.hpp"
 
 #include "mapping/stamps/seen_stamps.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 
 namespace clearway {
@@ -29,10 +30,6 @@ Snapshot edited_voxels(const Snapshot& map, const std::vector<Eigen::Vector3d>& 
   return {tree, map.volumes(), map, std::move(seen)};
 }
 
-std::string voxels(std::uint64_t count) {
-  return std::to_string(count) + (count == 1 ? " voxel" : " voxels");
-}
-
 }  // namespace
 
 Snapshot with_occupied_voxels(const Snapshot& map, const std::vector<Eigen::Vector3d>& points,
@@ -48,8 +45,8 @@ Snapshot with_cleared_voxels(const Snapshot& map, const std::vector<Eigen::Vecto
 std::string hand_edit_caveat(const Snapshot& map) {
   const HandEdits& edits = map.tree().hand_edits();
   if (edits == HandEdits{}) return {};
-  return "the map was edited by hand: " + voxels(edits.occupied) + " made occupied, " + voxels(edits.freed) +
-         " made free";
+  return "the map was edited by hand: " + counted(edits.occupied, "voxel") + " made occupied, " +
+         counted(edits.freed, "voxel") + " made free";
 }
 
 }  // namespace clearway

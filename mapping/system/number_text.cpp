@@ -23,4 +23,17 @@ std::string short_text(double value, int digits) {
   return std::string(buffer, end.ptr);
 }
 
+std::string grouped(std::size_t number) {
+  std::string digits = std::to_string(number);
+  for (int i = static_cast<int>(digits.size()) - 3; i > 0; i -= 3)
+    digits.insert(static_cast<std::size_t>(i), 1, ',');
+  return digits;
+}
+
+std::string counted(std::size_t count, const std::string& one) { return counted(count, one, one + "s"); }
+
+std::string counted(std::size_t count, const std::string& one, const std::string& many) {
+  return grouped(count) + " " + (count == 1 ? one : many);
+}
+
 }  // namespace clearway

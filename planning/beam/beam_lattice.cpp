@@ -18,9 +18,9 @@ constexpr double kDefaultSlide = 0.005;         ///< metres, full size
 
 double given_step(const std::vector<double>& steps, std::size_t joint, const char* name, std::size_t dof) {
   if (steps.size() != 1 && steps.size() != dof) {
-    throw std::invalid_argument(
-        "beam: option '" + std::string(name) + "' has " + std::to_string(steps.size()) +
-        " values: expected one, or one for each of the " + std::to_string(dof) + " joints");
+    throw std::invalid_argument("beam: option '" + std::string(name) + "' has " +
+                                counted(steps.size(), "value") + ": expected one, or one for each of the " +
+                                counted(dof, "joint"));
   }
   return steps.size() == 1 ? steps[0] : steps[joint];
 }

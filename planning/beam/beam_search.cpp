@@ -63,7 +63,7 @@ void report_success(const PlanProblem& problem, const BeamOptions& options, cons
   result.cost = paths.head(paths.goal_head()).cost;
   result.search_steps = static_cast<int>(result.waypoints.size()) - 1;
   result.final_distance = (result.waypoints.back() - problem.goal).norm();
-  result.explanation = "Reached the goal box in " + std::to_string(result.search_steps) + " steps.";
+  result.explanation = "Reached the goal box in " + counted(result.search_steps, "step") + ".";
   if (options.last_segment) append_last_segment(problem, result);
   result.origins = lattice_origins(result.waypoints.size(), result.last_segment);
 }
@@ -77,9 +77,8 @@ void report_failure(const PlanProblem& problem, const Lattice& lattice, const Be
   result.search_steps = paths.steps();
   result.final_distance = (lattice.configuration(best.node) - problem.goal).norm();
   const char* how = out_of_time ? "out of time" : paths.beam().empty() ? "stalled" : "stalled (max_steps)";
-  result.explanation = std::string(how) + " after " + std::to_string(paths.steps()) +
-                       " steps: the best node is " + short_text(result.final_distance) +
-                       " from the goal in joint space. ";
+  result.explanation = std::string(how) + " after " + counted(paths.steps(), "step") + ": the best node is " +
+                       short_text(result.final_distance) + " from the goal in joint space. ";
   if (out_of_time) {  // looking closer takes time, too
     result.explanation.pop_back();
     return;

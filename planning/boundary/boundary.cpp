@@ -24,7 +24,7 @@ class BoundaryMotion {
       failure = motion_.steps() >= max_steps_ ? stopped("Reached max_steps") : advance();
     }
     const std::string solved =
-        "Reached the goal after " + counted_deadlocks(controller_.counts().deadlocks) + ".";
+        "Reached the goal after " + counted(controller_.counts().deadlocks, "deadlock") + ".";
     return finish(ends, failure.empty() ? PlanStatus::solved : PlanStatus::no_path,
                   failure.empty() ? solved : failure);
   }
@@ -49,9 +49,9 @@ class BoundaryMotion {
   }
 
   std::string stopped(const std::string& why) const {
-    return why + ", after " + std::to_string(motion_.steps()) + " steps and " +
-           counted_deadlocks(controller_.counts().deadlocks) + ", " + short_text(motion_.distance_to_goal()) +
-           " from the goal in joint space: " +
+    return why + ", after " + counted(motion_.steps(), "step") + " and " +
+           counted(controller_.counts().deadlocks, "deadlock") + ", " +
+           short_text(motion_.distance_to_goal()) + " from the goal in joint space: " +
            holding_back(problem_.space, constraints_, local_.multipliers) + ".";
   }
 

@@ -7,10 +7,6 @@
 
 namespace clearway {
 
-std::string counted_deadlocks(int count) {
-  return std::to_string(count) + (count == 1 ? " deadlock" : " deadlocks");
-}
-
 bool Milestone::is_reached_again(const Eigen::Vector2d& now, const Eigen::Vector2d& now_followed,
                                  double max_step) {
   ++since;

@@ -44,9 +44,6 @@ struct BoundaryChoice {
   int followed = -1;     ///< along a boundary: the constraint, as LocalStep counts them
 };
 
-/// "1 deadlock", "2 deadlocks".
-std::string counted_deadlocks(int count);
-
 /// The constraint method with boundary following, Lahouar et al. 2006, eq. 1-23, one step at a time: it keeps
 /// what has to be kept from step to step and moves nothing itself, so that one scene may hold many of them.
 class BoundaryController {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/random_unit.hpp"
 #include "planning/boundary/boundary_following.hpp"
 #include "planning/routes/route_guide.hpp"
@@ -151,7 +152,7 @@ bool BoundaryPlusSearch::by_trees(int samples) {
     if (!is_guided_ && options_.guided_share > 0.0) guide_samples();
     is_grown = trees_.grow(samples - unguided, random_, guide_);
   }
-  if (is_grown) how_ = "trees of " + std::to_string(trees_.samples()) + " samples";
+  if (is_grown) how_ = "trees of " + counted(trees_.samples(), "sample");
   return is_grown;
 }
 
@@ -159,7 +160,7 @@ bool BoundaryPlusSearch::by_hand_over(int samples) {
   if (samples <= 0 || problem_.out_of_time()) return false;
   if (by_trees(samples)) return true;
   if (problem_.out_of_time() || !back_to_local_method()) return false;
-  how_ = "the local method after trees of " + std::to_string(trees_.samples()) + " samples";
+  how_ = "the local method after trees of " + counted(trees_.samples(), "sample");
   return true;
 }
 
@@ -182,9 +183,9 @@ BoundaryPlusStage BoundaryPlusSearch::solve() {
 }
 
 std::string BoundaryPlusSearch::effort() const {
-  return std::to_string(local_steps_) + " local steps, " + std::to_string(planes_) +
-         " runs along boundaries and a hand-over to trees of " + std::to_string(trees_.samples()) +
-         " samples";
+  return counted(local_steps_, "local step") + ", " +
+         counted(planes_, "run along boundaries", "runs along boundaries") + " and a hand-over to trees of " +
+         counted(trees_.samples(), "sample");
 }
 
 std::vector<Configuration> BoundaryPlusSearch::explored() const {

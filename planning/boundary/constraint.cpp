@@ -24,7 +24,7 @@ PlanResult Constraint::plan(const PlanProblem& problem) const {
     motion.note(constraints, local);
     const auto stop = [&](const std::string& why) {
       return motion.result(ends, PlanStatus::no_path,
-                           why + " after " + std::to_string(motion.steps()) + " steps, " +
+                           why + " after " + counted(motion.steps(), "step") + ", " +
                                short_text(motion.distance_to_goal()) + " from the goal in joint space: " +
                                holding_back(problem.space, constraints, local.multipliers) + ".");
     };

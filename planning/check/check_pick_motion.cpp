@@ -1,5 +1,6 @@
 #include <string>
 
+#include "mapping/system/number_text.hpp"
 #include "planning/check/check_pick.hpp"
 #include "planning/check/path_check_links.hpp"
 #include "planning/check/pick_maps.hpp"
@@ -25,7 +26,7 @@ class PickMotionCheck {
       verdict_ = check_rates(terms_.plan.robot, motion_, terms_.grips());
       if (!verdict_.valid) return verdict_;
       if (motion_.rests.size() != terms_.plan.legs.size())
-        terms_.refuse("its motion has " + std::to_string(motion_.rests.size()) + " legs, its path " +
+        terms_.refuse("its motion has " + counted(motion_.rests.size(), "leg") + ", its path " +
                       std::to_string(terms_.plan.legs.size()));
       check_legs();
     } catch (const check::PickRefusal& refusal) {

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/problem/planner.hpp"
 
@@ -102,7 +103,7 @@ class MotionChecker {
   void require_rests(const std::vector<std::size_t>& rests, const std::vector<Configuration>& stops,
                      const std::vector<std::size_t>& grips, double grip_time) {
     if (stops.size() != rests.size() + 1 || rests.empty())
-      return refuse("it has " + std::to_string(rests.size()) + " legs, the path " +
+      return refuse("it has " + counted(rests.size(), "leg") + ", the path " +
                     std::to_string(stops.empty() ? 0 : stops.size() - 1));
     if (!(std::isfinite(grip_time) && grip_time >= 0.0 && grip_time <= longest))
       return refuse("the time in which a load is taken or left is none");

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "mapping/files/number_words.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/check/path_check_links.hpp"
 #include "planning/robot_files/robot_settings.hpp"
@@ -147,7 +148,7 @@ class FileReader {
   explicit FileReader(const Robot& robot) : robot_(robot), model_(scaled_model(robot)) {
     if (!kdl_parser::treeFromUrdfModel(*model_, tree_)) disagree(robot, "kdl_parser refuses it");
     if (model_->links_.size() != own_links(robot))
-      disagree(robot, "it has " + std::to_string(model_->links_.size()) + " links, not " +
+      disagree(robot, "it has " + counted(model_->links_.size(), "link") + ", not " +
                           std::to_string(own_links(robot)));
   }
 
@@ -283,8 +284,7 @@ class FileReader {
           number < collisions.size() ? collisions[number] : mesh_of_piece(body, collisions);
       const bool is_hull = body.shape.name() == "convex";
       if (!source || (number >= collisions.size() && !is_hull))
-        disagree(robot_,
-                 "link " + quote(link) + " has only " + std::to_string(collisions.size()) + " bodies");
+        disagree(robot_, "link " + quote(link) + " has only " + counted(collisions.size(), "body", "bodies"));
       const bool has_pieces = all[body.link] > collisions.size();  // and none in the place of another body
       if (has_pieces ? is_hull != is_mesh(*source) : is_mesh(*source) && !is_hull)
         disagree(robot_, "a body of link " + quote(link) + (is_hull ? " is no mesh" : " is a mesh"));
@@ -293,8 +293,9 @@ class FileReader {
     for (std::size_t i = 0; i < own_links(robot_); ++i) {
       const auto& collisions = model_->links_.at(robot_.links[i].name)->collision_array;
       if (seen[static_cast<int>(i)] < collisions.size())
-        disagree(robot_, "link " + quote(robot_.links[i].name) + " has " + std::to_string(collisions.size()) +
-                             " bodies, not " + std::to_string(seen[static_cast<int>(i)]));
+        disagree(robot_, "link " + quote(robot_.links[i].name) + " has " +
+                             counted(collisions.size(), "body", "bodies") + ", not " +
+                             std::to_string(seen[static_cast<int>(i)]));
     }
   }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "mapping/system/number_text.hpp"
+
 namespace clearway {
 namespace {
 
@@ -55,7 +57,7 @@ void ControlStep::stand_still() {
 void ControlStep::require_joints(std::size_t count, const char* what) const {
   const std::size_t joints = constraints_.robot().dof();
   if (count != joints)
-    throw std::invalid_argument("control step: expected " + std::to_string(joints) + " values of " + what +
+    throw std::invalid_argument("control step: expected " + counted(joints, "value") + " of " + what +
                                 ", one for each joint, got " + std::to_string(count));
 }
 

@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "mapping/system/number_text.hpp"
+
 namespace clearway {
 
 struct LiveControl::Map {
@@ -86,7 +88,7 @@ std::size_t LiveControl::collect() {
 void LiveControl::require(const Eigen::VectorXd& values, const char* name) const {
   const Eigen::Index joints = damper_.weight.size();
   if (values.size() != joints)
-    throw std::invalid_argument("live control: expected " + std::to_string(joints) + " values of " + name +
+    throw std::invalid_argument("live control: expected " + counted(joints, "value") + " of " + name +
                                 ", one for each joint, got " + std::to_string(values.size()));
   if (!values.allFinite())
     throw std::invalid_argument(std::string("live control: ") + name + " holds a number that is not finite");

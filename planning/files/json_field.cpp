@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/robot/robot.hpp"
 
@@ -89,7 +90,7 @@ JsonField JsonField::item(std::size_t index) const {
 Eigen::VectorXd JsonField::numbers(std::size_t size) const {
   if (!value_->is_array()) refuse("an array");
   if (value_->size() != size) {
-    refuse(std::to_string(size) + " numbers, found " + std::to_string(value_->size()));
+    refuse(counted(size, "number") + ", found " + std::to_string(value_->size()));
   }
   Eigen::VectorXd result(static_cast<Eigen::Index>(size));
   for (std::size_t i = 0; i < size; ++i) result[static_cast<Eigen::Index>(i)] = item(i).number();

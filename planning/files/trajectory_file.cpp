@@ -163,7 +163,7 @@ std::string urscript_refusal(const Robot& robot) {
   for (const Joint& joint : robot.joints) revolute += joint.kind == JointKind::revolute ? 1 : 0;
   if (robot.dof() == ur_joints && revolute == ur_joints) return {};
   return "urscript drives six revolute joints, robot '" + robot.name + "' has " +
-         std::to_string(robot.dof()) + " joints, " + std::to_string(revolute) + " of them revolute";
+         counted(robot.dof(), "joint") + ", " + std::to_string(revolute) + " of them revolute";
 }
 
 /// What the program calls where the hand has something to do; whoever has a gripper writes it in there.

@@ -33,18 +33,18 @@ ChunkFault size_fault(const MotionChunk& chunk, const Robot& robot) {
   const std::string expected =
       ", expected " + std::to_string(MotionChunk::fewest) + " to " + std::to_string(MotionChunk::most);
   if (count < MotionChunk::fewest)
-    return {GateReason::too_short, "the chunk has " + std::to_string(count) + " configurations" + expected};
+    return {GateReason::too_short, "the chunk has " + counted(count, "configuration") + expected};
   if (count > MotionChunk::most)
-    return {GateReason::too_long, "the chunk has " + std::to_string(count) + " configurations" + expected};
+    return {GateReason::too_long, "the chunk has " + counted(count, "configuration") + expected};
   if (chunk.times.size() != count)
-    return {GateReason::wrong_size, "the chunk has " + std::to_string(chunk.times.size()) + " times for " +
-                                        std::to_string(count) + " configurations, expected one for each"};
+    return {GateReason::wrong_size, "the chunk has " + counted(chunk.times.size(), "time") + " for " +
+                                        counted(count, "configuration") + ", expected one for each"};
   for (std::size_t i = 0; i < count; ++i) {
     const auto size = static_cast<std::size_t>(chunk.positions[i].size());
     if (size != robot.dof())
-      return {GateReason::wrong_size, positions_name(i) + " has " + std::to_string(size) +
-                                          " values, expected " + std::to_string(robot.dof()) +
-                                          ", one for each joint of " + robot.name};
+      return {GateReason::wrong_size, positions_name(i) + " has " + counted(size, "value") + ", expected " +
+                                          std::to_string(robot.dof()) + ", one for each joint of " +
+                                          robot.name};
   }
   return {};
 }
@@ -117,7 +117,7 @@ void require_above_zero(const std::vector<double>& list, const char* name) {
 
 Eigen::VectorXd for_each_joint(const std::vector<double>& list, const Robot& robot, const char* name) {
   require(list.size() == 1 || list.size() == robot.dof(),
-          std::string("gate: ") + name + " has " + std::to_string(list.size()) + " values, expected 1 or " +
+          std::string("gate: ") + name + " has " + counted(list.size(), "value") + ", expected 1 or " +
               std::to_string(robot.dof()) + ", one for each joint of " + robot.name);
   Eigen::VectorXd values(static_cast<Eigen::Index>(robot.dof()));
   for (std::size_t j = 0; j < robot.dof(); ++j)

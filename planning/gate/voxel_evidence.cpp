@@ -50,7 +50,7 @@ std::string sensors_text(const VoxelEvidence& evidence) {
   if (!evidence.hits.empty())
     text = hits_text(evidence);
   else if (evidence.has_history && evidence.forgotten == 0 && evidence.pass_count > 0)
-    text = "passed by " + std::to_string(evidence.pass_count) + " scans, hit by none";
+    text = "passed by " + counted(evidence.pass_count, "scan") + ", hit by none";
   else
     text = "seen by scans that are not on record";
   if (evidence.last_seen) text += ", last seen at " + short_text(*evidence.last_seen, 12) + " s";

@@ -71,7 +71,7 @@ std::string hull_clause(const Robot& robot, const Verdict& verdict) {
 std::string refusal(const ConfigurationSpace& space, const Configuration& q) {
   const auto dof = static_cast<Eigen::Index>(space.robot().dof());
   if (q.size() != dof) {
-    return "it has " + std::to_string(q.size()) + " values, expected " + std::to_string(dof) + " for robot " +
+    return "it has " + counted(q.size(), "value") + ", expected " + std::to_string(dof) + " for robot " +
            space.robot().name;
   }
   const Verdict verdict = space.check(q);

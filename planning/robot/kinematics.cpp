@@ -7,6 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/robot/link_pose.hpp"
 
@@ -24,7 +25,7 @@ void forward_kinematics(const Robot& robot, const Configuration& q, LinkPoses& m
 
 LinkPoses forward_kinematics(const Robot& robot, const Configuration& q) {
   if (q.size() != static_cast<Eigen::Index>(robot.dof()))
-    throw std::invalid_argument("forward kinematics: got " + std::to_string(q.size()) + " values, expected " +
+    throw std::invalid_argument("forward kinematics: got " + counted(q.size(), "value") + ", expected " +
                                 std::to_string(robot.dof()) + ", one for each joint of robot " +
                                 quote(robot.name));
   LinkPoses poses;

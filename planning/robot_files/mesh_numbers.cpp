@@ -51,8 +51,8 @@ void add_vertex(std::string_view words, std::size_t line, std::string& plain) {
   const bool has_weight = numbers.size() == 4 || numbers.size() == 7;
   if (numbers.size() != 3 && numbers.size() != 6 && !has_weight)
     throw std::runtime_error("line " + std::to_string(line) + " has a vertex of " +
-                             std::to_string(numbers.size()) +
-                             " numbers, expected 3, and a weight or a colour or nothing");
+                             counted(numbers.size(), "number") +
+                             ", expected 3, and a weight or a colour or nothing");
   if (has_weight && numbers[3] != 1.0)
     throw std::runtime_error("line " + std::to_string(line) + " has a vertex of another weight than 1");
   plain += 'v';
@@ -93,8 +93,8 @@ void check_ply_line(const PlyElement& element, std::string_view line, std::size_
     if (expected > static_cast<double>(numbers.size())) break;
   }
   if (expected != static_cast<double>(numbers.size()))
-    throw std::runtime_error("line " + std::to_string(number) + " has " + std::to_string(numbers.size()) +
-                             " numbers, other than its properties");
+    throw std::runtime_error("line " + std::to_string(number) + " has " + counted(numbers.size(), "number") +
+                             ", other than its properties");
 }
 
 /// The numbers of a .ply file's data, one after the other. Of whole ones in binary data the sign is not

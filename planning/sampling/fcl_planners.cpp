@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <mutex>
 
+#include "mapping/system/number_text.hpp"
 #include "planning/path/any_angle.hpp"
 #include "planning/problem/option_reader.hpp"
 #include "planning/robot/same_robot.hpp"
@@ -196,11 +197,11 @@ PlanResult FclPlanner::plan(const PlanProblem& problem) const {
   if (path.empty()) {
     result.status = out_of_time ? PlanStatus::timed_out : PlanStatus::no_path;
     result.final_distance = (problem.goal - problem.start).norm();
-    result.explanation = "No path found with " + std::to_string(query.samples) + " samples.";
+    result.explanation = "No path found with " + counted(query.samples, "sample") + ".";
     return result;
   }
-  result.explanation = "Joined start and goal with " + std::to_string(query.samples) +
-                       " samples; between the looks at its edges the path is not certified.";
+  result.explanation = "Joined start and goal with " + counted(query.samples, "sample") +
+                       "; between the looks at its edges the path is not certified.";
   result.search_steps = static_cast<int>(path.size()) - 1;
   result.cost = sampled_cost(problem.cost, path, query.weight, AnyAngleOptions().cost_step);
   result.waypoints = std::move(path);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "mapping/system/number_text.hpp"
 #include "planning/path/any_angle.hpp"
 #include "planning/path/path_origins.hpp"
 #include "planning/path/path_pieces.hpp"
@@ -61,12 +62,12 @@ PlanResult result_of(const PlanProblem& problem, const PlanResult& ends, TreePat
   if (!is_proved) {
     result.status = found.out_of_time ? PlanStatus::timed_out : PlanStatus::no_path;
     result.final_distance = (problem.goal - problem.start).norm();
-    result.explanation =
-        path.empty() ? "No path found with " + std::to_string(found.samples) + " samples. " + found.reach
-                     : "The path found could not be certified free.";
+    result.explanation = path.empty()
+                             ? "No path found with " + counted(found.samples, "sample") + ". " + found.reach
+                             : "The path found could not be certified free.";
     return result;
   }
-  result.explanation = "Joined start and goal with " + std::to_string(found.samples) + " samples.";
+  result.explanation = "Joined start and goal with " + counted(found.samples, "sample") + ".";
   result.search_steps = static_cast<int>(path.size()) - 1;
   result.cost = sampled_cost(problem.cost, path, weight, AnyAngleOptions().cost_step);
   result.origins = origins_after(found.waypoints, found.origins, path);

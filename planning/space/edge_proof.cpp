@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "mapping/system/number_text.hpp"
 #include "planning/space/collision_model.hpp"
 
 namespace clearway {
@@ -346,8 +347,8 @@ bool CollisionModel::is_edge_free(const Configuration& from, const Configuration
 double ConfigurationSpace::motion_bound(const Eigen::VectorXd& abs_dq) const {
   const auto dof = static_cast<Eigen::Index>(model_->robot.dof());
   if (abs_dq.size() != dof)
-    throw std::invalid_argument("motion bound: expected " + std::to_string(dof) +
-                                " values, one for each joint of " + model_->robot.name + ", got " +
+    throw std::invalid_argument("motion bound: expected " + counted(dof, "value") +
+                                ", one for each joint of " + model_->robot.name + ", got " +
                                 std::to_string(abs_dq.size()));
   if (!abs_dq.allFinite() || (abs_dq.array() < 0.0).any())
     throw std::invalid_argument("motion bound: expected finite values, none below 0");

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "mapping/system/number_text.hpp"
 #include "planning/space/collision_model.hpp"
 
 namespace clearway {
@@ -88,8 +89,8 @@ std::vector<ProximityConstraint> ConfigurationSpace::proximity_constraints(const
                                                                            double influence_distance) const {
   const CollisionModel& model = *model_;
   if (q.size() != static_cast<Eigen::Index>(model.robot.dof()) || !q.allFinite())
-    throw std::invalid_argument("proximity constraints: got " + std::to_string(q.size()) +
-                                " values, expected " + std::to_string(model.robot.dof()) + " finite ones");
+    throw std::invalid_argument("proximity constraints: got " + counted(q.size(), "value") + ", expected " +
+                                std::to_string(model.robot.dof()) + " finite ones");
   if (std::isnan(influence_distance))
     throw std::invalid_argument("proximity constraints: influence_distance is no number, expected metres");
   const LinkPoses poses = forward_kinematics(model.robot, q);

@@ -68,7 +68,7 @@ void count_voxel(const Snapshot& map, const Eigen::AlignedBox3d& bounds, const E
   }
 }
 
-SweptVoxels counted(const Snapshot& map, const VoxelMarks& marks) {
+SweptVoxels counts_of_marks(const Snapshot& map, const VoxelMarks& marks) {
   const double edge = marks.edge();
   const Eigen::AlignedBox3d bounds = map.bounds();
   SweptVoxels swept;
@@ -112,7 +112,7 @@ std::optional<SweptVoxels> swept_voxels(const Robot& robot, const Snapshot& map,
     });
   }
   if (!is_countable) return std::nullopt;
-  return counted(map, marks);
+  return counts_of_marks(map, marks);
 }
 
 namespace {

@@ -141,7 +141,7 @@ class TeamMotion {
         std::accumulate(members_.begin(), members_.end(), 0,
                         [](int sum, const auto& member) { return sum + member->trace().deadlocks; });
     run_.explanation = "All robots stand at their goals after " + time_text(k) + " and " +
-                       counted_deadlocks(deadlocks) + ".";
+                       counted(deadlocks, "deadlock") + ".";
     return finished(k + 1);
   }
 

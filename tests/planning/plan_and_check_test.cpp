@@ -113,7 +113,7 @@ TEST(PlanAndCheck, RefusesEachFieldThatIsWrongInASentence) {
   EXPECT_EQ(refusal([](PlanQuery& query) { query.start = {}; }),
             "plan query: start has 0 values: expected 2, one for each joint of robot 'point'");
   EXPECT_EQ(refusal([](PlanQuery& query) { query.goals[1] = Eigen::VectorXd::Zero(1); }),
-            "plan query: goal 2 has 1 values: expected 2, one for each joint of robot 'point'");
+            "plan query: goal 2 has 1 value: expected 2, one for each joint of robot 'point'");
   EXPECT_EQ(refusal([](PlanQuery& query) { query.goals.clear(); }),
             "plan query: goals are none: expected at least one");
   EXPECT_EQ(refusal([](PlanQuery& query) { query.time_limit = 0.0; }),

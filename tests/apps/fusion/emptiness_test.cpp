@@ -53,7 +53,7 @@ class Emptiness : public testing::Test {
 TEST_F(Emptiness, ACropThatTakesEveryPointIsReported) {
   write_scan("r.rawlog", {{1.0F, 0.0F, 0.0F}, {1.0F, 0.5F, 0.0F}});
   EXPECT_NE(refusal("r.rawlog", "map: {crop: [5, 5, 5, 6, 6, 6]}\n")
-                .find("nothing of its 1 scans got into the map: 2 points were taken out by min_range, crop"),
+                .find("nothing of its 1 scan got into the map: 2 points were taken out by min_range, crop"),
             std::string::npos);
   EXPECT_EQ(refusal("r.rawlog", "map: {crop: [0, -1, -1, 2, 2, 2]}\n"), "");
 }
@@ -107,12 +107,12 @@ TEST_F(Emptiness, PointsInMillimetresAreToldFromMetres) {
 
 TEST_F(Emptiness, ScansWithoutPointsOrWithoutAPoseAreReported) {
   write_scan("bare.rawlog", {});
-  EXPECT_NE(refusal("bare.rawlog", "{}\n").find("1 scans got into the map: they hold no points"),
+  EXPECT_NE(refusal("bare.rawlog", "{}\n").find("1 scan got into the map: there is no point in it"),
             std::string::npos);
   write_scan("r.rawlog", {{1.0F, 0.0F, 0.0F}});
   folder_.write("walk.txt", "1000 0 0 0 0 0 0 1\n1001 0 0 0 0 0 0 1\n");
   EXPECT_NE(refusal("r.rawlog", "sensors: [{name: laser, poses: walk.txt}]\n")
-                .find("1 scans have no pose at their time"),
+                .find("1 scan has no pose at its time"),
             std::string::npos);
 }
 
@@ -202,11 +202,10 @@ TEST_F(Emptiness, DepthPicturesOfAnotherTimeThanTheirPosesAreReported) {
 TEST_F(Emptiness, JointsWhoseReadingsLieTooFarApartAreReported) {
   write_scan("r.rawlog", {{1.0F, 0.0F, 0.0F}});
   folder_.write("joints.csv", "time,shoulder,elbow\n9.5,0,0\n11.5,0,0\n");
-  EXPECT_NE(
-      refusal("r.rawlog", "robot: {name: planar2, joint_file: joints.csv}\n")
-          .find("1 scans have no joints of the robot at their time (readings of joint 'shoulder' lie 2 s "
-                "apart, expected at most 0.5 s)"),
-      std::string::npos);
+  EXPECT_NE(refusal("r.rawlog", "robot: {name: planar2, joint_file: joints.csv}\n")
+                .find("1 scan has no joints of the robot at its time (readings of joint 'shoulder' lie 2 s "
+                      "apart, expected at most 0.5 s)"),
+            std::string::npos);
 }
 
 TEST_F(Emptiness, ImagesWithoutAProbeAreReported) {

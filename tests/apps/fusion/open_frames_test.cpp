@@ -100,7 +100,7 @@ TEST_F(OpenFrames, AFolderOfNothingOrOfEverythingIsRefused) {
   std::filesystem::create_directory(folder_ / "empty");
   EXPECT_NE(refusal(folder_ / "empty").find("without pictures and clouds"), std::string::npos);
   folder_.write("shots/1.pcd", format_pcd({{1.0F, 0.0F, 0.0F}}));
-  EXPECT_NE(refusal(folder_ / "shots").find("1 clouds; expected a folder of one kind"), std::string::npos);
+  EXPECT_NE(refusal(folder_ / "shots").find("1 cloud; expected a folder of one kind"), std::string::npos);
   EXPECT_NE(refusal(folder_ / "nowhere"), "");
 }
 

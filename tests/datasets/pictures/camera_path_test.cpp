@@ -379,7 +379,7 @@ TEST_F(CameraPaths, WhatIsIncompleteOrAmbiguousIsRefusedInOneSentence) {
       "nerf/trajectory.json",
       "{\"parameters\": [{\"extrinsic\": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1], \"intrinsic\": "
       "{\"width\": 48, \"height\": 36, \"intrinsic_matrix\": [40, 0, 0, 0, 42, 0, 22.5, 19, 1]}}]}");
-  EXPECT_NE(opened().find("it has 1 poses for 6 depth pictures; expected one for each"), std::string::npos)
+  EXPECT_NE(opened().find("it has 1 pose for 6 depth pictures; expected one for each"), std::string::npos)
       << opened();
 }
 

@@ -222,7 +222,7 @@ TEST_F(PosesOfPictures, ThatAreForOthersAreRefused) {
   const std::string line = rows(truth_[0], 3, " "), matrix = rows(truth_[0], 4, "\n");
   for (const auto& [text, expected] :
        {std::pair<std::string, std::string>{line + line, "it has 2 poses, for 12 depth pictures"},
-        {"12 12 13\n" + matrix, "it has 1 poses for 12 depth pictures and numbers that are not those"},
+        {"12 12 13\n" + matrix, "it has 1 pose for 12 depth pictures and numbers that are not those"},
         {line + "1 2 3\n", "line 2: expected 12 numbers"},
         {"2 " + line.substr(line.find(' ')), "line 1: expected 12 numbers"},
         {"0 0 1\n" + line, "line 1: expected four rows"},

@@ -174,7 +174,7 @@ TEST_F(PictureTimes, ATableBesideThemCountsFirstAndWhatItDoesNotNameIsReportedAn
   EXPECT_EQ(times(), (Names{{"2.png", 10.25}, {"1.png", 20.5}}));
   ASSERT_EQ(warnings_.size(), 2U);
   EXPECT_NE(warnings_[0].find("no time for 1 of 3 pictures"), std::string::npos);
-  EXPECT_NE(warnings_[1].find("names 1 pictures that are not there"), std::string::npos);
+  EXPECT_NE(warnings_[1].find("names 1 picture that is not there"), std::string::npos);
   folder_.write("shots/other.csv", "");
   EXPECT_EQ(times(), (Names{{"2.png", 10.25}, {"1.png", 20.5}}));
   ASSERT_EQ(warnings_.size(), 3U);

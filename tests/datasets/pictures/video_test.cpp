@@ -121,7 +121,7 @@ TEST(Video, PicturesOfAFileThatBeginsWithinAGroupHaveTheirOwnTimes) {
   EXPECT_FALSE(source->next());
   EXPECT_FALSE(source->damage()) << *source->damage();
   ASSERT_EQ(source->warnings().size(), 1U);
-  EXPECT_NE(source->warnings()[0].find("its first 1 pictures need ones that are not in it"),
+  EXPECT_NE(source->warnings()[0].find("its first 1 picture needs ones that are not in it"),
             std::string::npos)
       << source->warnings()[0];
 }

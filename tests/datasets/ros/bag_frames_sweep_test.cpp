@@ -398,7 +398,7 @@ TEST_F(BagFramesTest, CloudsOfASensorThatStandsAreOneFrameAndOddTimesAreTold) {
     ASSERT_EQ(reading.frames.size(), 2U) << reading.damage;
     EXPECT_EQ(std::get<CloudFrame>(reading.frames[0].content).points, points);
     const bool is_told = reading.warnings.find(
-                             "holds 1 clouds in topic '/points' whose points' times make no "
+                             "holds 1 cloud in topic '/points' whose points' times make no "
                              "sense in s, ms, us or ns since the stamp or 1970 (of the "
                              "first, 'time' spans 3000)") != std::string::npos;
     EXPECT_EQ(is_told, are_odd) << reading.warnings;

@@ -172,7 +172,7 @@ TEST(CloudVoxels, OfAWideThinSurfaceAreLeftWhereMostIsDense) {
   const std::string file = folder.write("wide.pcd", format_pcd(cloud(150'000)));
   const Snapshot map = load_map(file);
   EXPECT_EQ(map.resolution(), 0.02);
-  EXPECT_NE(cloud_remark(file, map, false).find("10000 voxels of 20 mm stand for points so far apart"),
+  EXPECT_NE(cloud_remark(file, map, false).find("10,000 voxels of 20 mm stand for points so far apart"),
             std::string::npos)
       << cloud_remark(file, map, false);
   const CloudVoxels voxels = voxels_of_cloud("none.pcd", cloud(9'000));

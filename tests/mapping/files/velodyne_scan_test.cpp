@@ -94,7 +94,7 @@ TEST(VelodyneScan, IsAMapAsOtherCloudsAre) {
   for (const Eigen::Vector3f& point : wall) EXPECT_EQ(map.state(point.cast<double>()), VoxelState::occupied);
   EXPECT_EQ(map.tree().getNumLeafNodes(), other.tree().getNumLeafNodes());
   EXPECT_EQ(map.state({0.01, 0.01, 0.01}), VoxelState::unknown) << "no return is no obstacle at the scanner";
-  EXPECT_EQ(cloud_remark(bin, map, false), "1 points are left out: 1 lie at the scanner's own origin");
+  EXPECT_EQ(cloud_remark(bin, map, false), "1 point is left out: 1 lie at the scanner's own origin");
   EXPECT_EQ(cloud_remark(pcd, other, false), "");
 }
 

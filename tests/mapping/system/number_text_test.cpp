@@ -14,5 +14,12 @@ TEST(NumberText, OptionsReadBackToTheSameAndSentencesHaveFewDigits) {
   EXPECT_EQ(short_text(-0.5, 3), "-0.5");
 }
 
+TEST(NumberText, WhatIsCountedIsOneOrMany) {
+  EXPECT_EQ(counted(0, "scan"), "0 scans");
+  EXPECT_EQ(counted(1, "scan"), "1 scan");
+  EXPECT_EQ(counted(1234567, "scan"), "1,234,567 scans");
+  EXPECT_EQ(counted(1, "body", "bodies") + ", " + counted(2, "body", "bodies"), "1 body, 2 bodies");
+}
+
 }  // namespace number_text_test
 }  // namespace clearway
