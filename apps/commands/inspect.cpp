@@ -93,13 +93,14 @@ std::optional<Provenance> provenance_of(const InspectOptions& options, Console& 
   return found;
 }
 
-/// As wide as the terminal; colours where it is one; a legend below.
+/// As wide as the terminal; colours where it is one; axes above, a legend below.
 std::string draw_in_terminal(const MapLeaves& map, const SlicePlane& plane, bool shows_difference) {
   winsize size{};
   const bool is_terminal = ::isatty(STDOUT_FILENO) != 0;
   const bool known = is_terminal && ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
   const bool colours = is_terminal && std::getenv("NO_COLOR") == nullptr;
-  return slice_text(map, plane, known ? size.ws_col : 100, colours, shows_difference) +
+  return slice_caption(map, plane) +
+         slice_text(map, plane, known ? size.ws_col : 100, colours, shows_difference) +
          slice_legend(colours, shows_difference);
 }
 

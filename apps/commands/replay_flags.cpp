@@ -58,7 +58,7 @@ Command add_replay(CLI::App& app, Console& console) {
       ->add_option(
           "--record", options->record,
           "write poses, scans, spheres, voxels and plans as ROS 2 messages, for Foxglove and rosbag2")
-      ->check(file_name)
+      ->check(file_of_kind(".mcap"))
       ->type_name("FILE.mcap");
   command
       ->add_option("--overlay", options->overlay,
@@ -70,7 +70,7 @@ Command add_replay(CLI::App& app, Console& console) {
       ->add_option(
           "--video-out", options->video,
           "write a video of the recording with paint, probe and refusals, then of the robot's motion")
-      ->check(file_name)
+      ->check(file_of_kind(".mp4"))
       ->type_name("FILE.mp4");
   add_seen_within(*command, options->seen_within, "; default: the queries' own");
   command->add_flag_callback(
@@ -108,7 +108,7 @@ Command add_teach(CLI::App& app, Console& console) {
       ->check(file_name);
   command->add_option("--video-out", options->video, "write the session's images as a video")
       ->type_name("FILE.mp4")
-      ->check(file_name);
+      ->check(file_of_kind(".mp4"));
   command
       ->add_option("--out", options->out,
                    "folder for what replay writes, approved/, and session/ for repeating it")

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <filesystem>
 #include <limits>
 #include <memory>
 
@@ -36,6 +37,16 @@ std::string whole_number(const std::string& text) {
 }
 
 std::string file_name(const std::string& text) { return text.empty() ? "expected a file name, got ''" : ""; }
+
+Check file_of_kind(const std::string& ending) {
+  return [=](const std::string& text) {
+    std::string given = std::filesystem::path(text).extension().string();
+    std::transform(given.begin(), given.end(), given.begin(),
+                   [](unsigned char c) { return std::tolower(c); });
+    return given == ending ? std::string()
+                           : "expected a file name that ends in " + ending + ", got " + quote(text);
+  };
+}
 
 namespace {
 

@@ -27,6 +27,7 @@ Check number(const std::string& expected, double low, double high);
 Check positive();                                   ///< at most 1e9
 std::string whole_number(const std::string& text);  ///< at most 2^64 - 1
 std::string file_name(const std::string& text);
+Check file_of_kind(const std::string& ending);  ///< a name that ends in ".mp4", in whatever case
 
 /// A command with the flags that all have: --quiet, --json.
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,

@@ -56,6 +56,9 @@ std::string spoken(std::string_view name);
 /// The state as people say it: "seen free"; of a difference, as difference_label.
 std::string slice_label(VoxelState state, bool shows_difference);
 
+/// What slice_text shows: "z = 0.3 m; to the right x, -0.26 to 0.14 m; upwards y, 0 to 0.6 m".
+std::string slice_caption(const MapLeaves& map, const SlicePlane& plane);
+
 /// Which letter, or colour, of slice_text stands for which state, in one line.
 std::string slice_legend(bool colours, bool shows_difference);
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "apps/console/parse.hpp"
 #include "apps/inspect/slice_states.hpp"
 
 namespace clearway {
@@ -77,6 +78,18 @@ std::string slice_legend(bool colours, bool shows_difference) {
           (state == VoxelState::unknown ? std::string("blank") : std::string(1, letter(state))) + " " + name;
   }
   return text + "\n";
+}
+
+std::string slice_caption(const MapLeaves& map, const SlicePlane& plane) {
+  const SliceFrame frame = slice_frame(map, plane);
+  const Eigen::AlignedBox3d bounds = map.bounds();
+  const auto name = [](int axis) { return std::string(1, static_cast<char>('x' + axis)); };
+  const auto span = [&](int axis) {
+    return name(axis) + ", " + significant(bounds.min()[axis]) + " to " + significant(bounds.max()[axis]) +
+           " m";
+  };
+  return name(plane.axis) + " = " + significant(plane.value) + " m; to the right " + span(frame.right) +
+         "; upwards " + span(frame.up) + "\n";
 }
 
 std::string slice_text(const MapLeaves& map, const SlicePlane& plane, int columns, bool colours,

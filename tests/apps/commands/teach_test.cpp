@@ -117,14 +117,14 @@ TEST(Teach, ARecordedSessionTakesNoOtherSettings) {
 
 TEST(Teach, NothingIsWrittenOverTheRecordingOrIntoIt) {
   const TemporaryFolder folder;
-  folder.write("e.jsonl", "{\"time\": 0, \"action\": \"quit\"}");
   folder.write("s.yaml", "map: {resolution: 0.1}\n");
-  folder.write("r.rawlog", "a recording");
+  folder.write("r.mp4", "a recording");
+  folder.write("e.mp4", "{\"time\": 0, \"action\": \"quit\"}");
   std::filesystem::create_directory(folder / "pictures");
   const auto expect = [&](const std::string& source, const std::string& out, const std::string& video,
                           const std::string& part) {
     const CommandRun run = run_command({"teach", folder.file(source), "--setup", folder.file("s.yaml"),
-                                        "--events", folder.file("e.jsonl"), "--headless", "--out",
+                                        "--events", folder.file("e.mp4"), "--headless", "--out",
                                         folder.file(out), "--video-out", folder.file(video)});
     EXPECT_EQ(run.status, exit_bad_input);
     EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
@@ -132,8 +132,9 @@ TEST(Teach, NothingIsWrittenOverTheRecordingOrIntoIt) {
   };
   expect("pictures", "pictures/taught", "v.mp4", "lies in the recording");
   expect("pictures", "pictures", "v.mp4", "lies in the recording");
-  expect("r.rawlog", "taught", "r.rawlog", "is read by SOURCE");
-  expect("r.rawlog", "taught", "e.jsonl", "is read by --events");
+  expect("r.mp4", "taught", "r.mp4", "is read by SOURCE");
+  expect("r.mp4", "taught", "e.mp4", "is read by --events");
+  expect("r.mp4", "taught", "v.mkv", "--video-out: expected a file name that ends in .mp4, got '");
 }
 
 TEST(Teach, WhatASessionRecordedGoesWithNoOtherCommand) {

@@ -72,6 +72,7 @@ TEST_F(NamedPlaces, NoCommandOverwritesWhatItReads) {
       "worlds: [{name: w, map: own}]\nplanners: [{planner: rrtconnect}]\nexperiments:\n"
       "  - {name: e, robot: point, problems: [{name: p, world: w, start: [0, 0], goals: [[1, 0]]}]}\n");
   const std::string load = folder_.write("rod.yaml", "{name: rod, box: [0.1, 0.1, 0.1], link: base}");
+  const std::string film = folder_.write("film.mp4", "read"), bag = folder_.write("bag.mcap", "read");
   const Arguments plan{"plan", "--map", map_, "--robot", "point", "--start", "0,0", "--goal", "1,0"};
   const auto with = [](Arguments command, const Arguments& more) {
     command.insert(command.end(), more.begin(), more.end());
@@ -92,8 +93,8 @@ TEST_F(NamedPlaces, NoCommandOverwritesWhatItReads) {
                                    {"compare", "merge", map_, "--out", map_},
                                    {"track", file_, "--csv", file_},
                                    {"track", map_, "--draw", map_},
-                                   {"replay", file_, "--out", other, "--video-out", file_},
-                                   {"replay", file_, "--out", other, "--record", file_},
+                                   {"replay", film, "--out", other, "--video-out", film},
+                                   {"replay", bag, "--out", other, "--record", bag},
                                    {"replay", map_, "--out", other, "--overlay", map_}}) {
     const CommandRun run = run_command(command);
     std::string line;

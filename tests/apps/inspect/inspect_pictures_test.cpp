@@ -6,6 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "apps/console/parse.hpp"
 #include "apps/inspect/slice_states.hpp"
 #include "mapping/files/map_file.hpp"
 #include "tests/apps/page_reader.hpp"
@@ -130,6 +131,12 @@ TEST_F(InspectPictures, InTheTerminalAreTheStatesOfThePlane) {
   EXPECT_NE(slice_text(map, plane, 80, true).find("\033[38;2;"), std::string::npos);
   EXPECT_TRUE(run.out.ends_with("X conflict  # occupied  + painted  . seen free  blank unknown\n"))
       << run.out;
+  EXPECT_NE(run.out.find("\nz = 0.125 m; to the right x, "), std::string::npos) << run.out;
+  const Eigen::AlignedBox3d bounds = map.bounds();
+  EXPECT_EQ(slice_caption(map, {0, 0.05}), "x = 0.05 m; to the right y, " + significant(bounds.min().y()) +
+                                               " to " + significant(bounds.max().y()) + " m; upwards z, " +
+                                               significant(bounds.min().z()) + " to " +
+                                               significant(bounds.max().z()) + " m\n");
   const std::string colours = slice_legend(true, false);
   EXPECT_NE(colours.find("\033[38;2;150;138;126m\u2588\u2588\033[0m occupied"), std::string::npos) << colours;
   const std::string changes = slice_legend(false, true);

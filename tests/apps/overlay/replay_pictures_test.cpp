@@ -100,6 +100,8 @@ TEST_F(ReplayPictures, without_images_there_is_one_sentence_and_the_map) {
 TEST_F(ReplayPictures, what_cannot_be_written_or_read_twice_is_refused_before_the_work) {
   for (const auto& [flag, value, words] :
        {std::tuple{"--overlay", folder_->file("map"), "another folder than --out"},
+        {"--video-out", folder_->file("film.mkv"), "--video-out: expected a file name that ends in .mp4"},
+        {"--record", folder_->file("rec.txt"), "--record: expected a file name that ends in .mcap"},
         {"--video-out", folder_->file("no/such/folder/film.mp4"), "no/such/folder"}}) {
     const CommandRun run = replay({flag, value});
     EXPECT_EQ(run.status, exit_bad_input) << flag;
