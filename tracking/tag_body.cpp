@@ -64,6 +64,15 @@ bool all_face_camera(const std::vector<SeenTag>& seen, const Eigen::Isometry3d& 
   });
 }
 
+// Whether a tag would be smaller than a pixel there: refinement that runs away ends so, and shows no pose.
+bool is_out_of_sight(const std::vector<SeenTag>& seen, const Camera& camera,
+                     const Eigen::Isometry3d& camera_from_body) {
+  return std::any_of(seen.begin(), seen.end(), [&](const SeenTag& tag) {
+    const double away = (camera_from_body * tag.mounted->body_from_tag).translation().norm();
+    return away > std::max(camera.fx, camera.fy) * tag.mounted->size;
+  });
+}
+
 // The reprojection error's minima over `corners` that the tags' IPPE solutions lead to, and those solutions
 // themselves: two of them may slide into one minimum, and the valley between them is then an open question.
 struct Answers {
@@ -76,6 +85,7 @@ Answers find_answers(const std::vector<SeenTag>& seen, const std::vector<CornerM
   Answers found;
   const auto add = [&](const std::optional<RefinedPose>& pose, bool is_minimum) {
     if (!pose || !all_face_camera(seen, pose->camera_from_body)) return;
+    if (is_out_of_sight(seen, camera, pose->camera_from_body)) return;
     found.any.emplace_back(pose->squared_error, pose->camera_from_body);
     if (is_minimum) found.minima.push_back(*pose);
   };

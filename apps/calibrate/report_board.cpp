@@ -8,6 +8,15 @@
 
 namespace clearway {
 
+namespace {
+
+/// Places are relative to one of the tags, of which none can be told.
+std::string place_sigma(const TagChange& tag) {
+  return tag.place_sigma > 0.0 ? " +- " + significant(1e3 * tag.place_sigma, 2) : "";
+}
+
+}  // namespace
+
 CalibrationReport report_board(const CalibrateOptions& options, const Setup& setup,
                                const SearchedImages& images) {
   const Camera camera = known_camera(setup, images);
@@ -36,8 +45,7 @@ CalibrationReport report_board(const CalibrateOptions& options, const Setup& set
   for (const TagChange& tag : found.tags) {
     const double size = found.board.tags.at(tag.id).size;
     std::string text = significant(1e3 * size, 5) + " +- " + significant(1e3 * size * tag.size_sigma, 2) +
-                       " mm, moved by " + significant(1e3 * tag.moved, 3) + " +- " +
-                       significant(1e3 * tag.place_sigma, 2) + " mm and " +
+                       " mm, moved by " + significant(1e3 * tag.moved, 3) + place_sigma(tag) + " mm and " +
                        significant(180.0 / M_PI * tag.turned, 2) + " degrees";
     if (found.is_scale_contradicted)
       text += "; its size is " + significant(tag.size_ratio, 4) + " of what is stated by most sizes, " +

@@ -175,6 +175,8 @@ int run_check(const CheckOptions& options, Console& console) {
   for (const std::string& note : robot_notes(robot, robot_request(options.robot).packages))
     console.warn("note: " + note);
   const std::vector<LegLoad> riding = plan.pick ? std::vector<LegLoad>{{plan.pick->object, {}}} : plan.loads;
+  for (const LegLoad& load : riding)
+    if (const std::string note = size_note(load.load); !note.empty()) console.warn("note: " + note);
   for (const std::string& note : volume_notes(robot, riding, map)) console.warn("note: " + note);
   if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
     console.warn("note: " + remark);

@@ -65,9 +65,11 @@ Command add_inspect(CLI::App& app, Console& console) {
       ->type_name("MAP2")
       ->check(file_name);
   command
-      ->add_option("--paint", options->paint,
-                   "paint the spheres of a painted.csv, as replay writes it (after --merge): columns volume, "
-                   "label, critical_parts, x, y, z, radius, time; volumes are united by label")
+      ->add_option(
+          "--paint", options->paint,
+          "paint the spheres of a painted.csv, as replay writes it (after --merge): columns volume, "
+          "label, critical_parts, x, y, z, radius, time, and stroke, stroke_label, source or none of these; "
+          "volumes are united by label")
       ->type_name("FILE.csv")
       ->check(file_name);
   command

@@ -276,7 +276,7 @@ int run_plan(const PlanOptions& options, Console& console) {
   report_turns(robot, start, goals, console);
   for (const auto& notes : {hold_notes(robot, loads), chosen.notes})
     for (const std::string& note : notes) console.warn("note: " + note);
-  for (const std::string& note : robot_notes(robot, robot_request(options.robot).packages))
+  for (const std::string& note : robot_notes(loaded, robot_request(options.robot).packages))
     console.warn("note: " + note);
   for (const std::string& note : volume_notes(robot, riding, map)) console.warn("note: " + note);
   if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())

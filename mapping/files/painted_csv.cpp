@@ -14,8 +14,8 @@ namespace clearway {
 namespace {
 
 constexpr std::string_view old_column_names = "volume,label,critical_parts,x,y,z,radius,time";
-constexpr std::string_view column_names =
-    "volume,label,critical_parts,x,y,z,radius,time,stroke,stroke_label,source";
+constexpr std::string_view stroke_column_names = "stroke,stroke_label,source";
+std::string column_names() { return std::string(old_column_names) + ',' + std::string(stroke_column_names); }
 using Row = std::vector<std::string>;
 
 std::string in_quotes(std::string_view text) {
@@ -81,7 +81,9 @@ class Reader {
     constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
     if (text_.starts_with(byte_order_mark)) text_.remove_prefix(byte_order_mark.size());
     const std::string_view line = take_line();
-    if (line != column_names && line != old_column_names) refuse_columns();
+    if (line != column_names() && line != old_column_names)
+      refuse("the columns " + std::string(old_column_names) + ", and " + std::string(stroke_column_names) +
+             " behind them or none of these");
     columns_ = 1 + static_cast<std::size_t>(std::count(line.begin(), line.end(), ','));
   }
 
@@ -101,7 +103,9 @@ class Reader {
         row.back() += line[i];
       }
     }
-    if (inside_quotes || row.size() != columns_) refuse_columns();
+    if (inside_quotes) refuse("quotes that end on the line where they begin");
+    if (row.size() != columns_)
+      refuse(counted(columns_, "value") + ", one for each column, found " + std::to_string(row.size()));
     row.resize(all_columns);
     return row;
   }
@@ -116,8 +120,6 @@ class Reader {
   }
 
  private:
-  [[noreturn]] void refuse_columns() const { refuse("the columns " + std::string(column_names)); }
-
   static constexpr std::size_t all_columns = 11;
   std::string_view text_;
   const std::filesystem::path& file_;
@@ -187,7 +189,7 @@ std::string stroke_columns(const PaintedVolume& volume, std::size_t sphere, Stro
 }  // namespace
 
 std::string format_painted(const std::vector<PaintedVolume>& volumes) {
-  std::string text(column_names);
+  std::string text(column_names());
   text += '\n';
   for (std::size_t v = 0; v < volumes.size(); ++v) {
     const PaintedVolume& volume = volumes[v];

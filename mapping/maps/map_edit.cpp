@@ -47,6 +47,12 @@ void put_in_order(PaintedVolume& volume) {
   volume = std::move(ordered);
 }
 
+/// "the critical parts hand, tool", for a sentence.
+std::string parts_of(const PaintedVolume& volume) {
+  return volume.critical_parts.empty() ? "no critical parts"
+                                       : "the critical parts " + listed(volume.critical_parts);
+}
+
 /// Adds the volumes of `others` to `volumes`; returns which volume each of them became.
 std::vector<std::size_t> merge_volumes(std::vector<PaintedVolume>& volumes,
                                        const std::vector<PaintedVolume>& others) {
@@ -60,8 +66,8 @@ std::vector<std::size_t> merge_volumes(std::vector<PaintedVolume>& volumes,
       continue;
     }
     require(found->critical_parts == other.critical_parts,
-            "merge: volume " + quote(other.label) +
-                " has other critical parts in the two maps, expected the same");
+            "merge: volume " + quote(other.label) + " has " + parts_of(*found) + " in one map and " +
+                parts_of(other) + " in the other, expected the same");
     const auto strokes = static_cast<int>(found->strokes.size());
     const std::vector<Sphere> known = found->spheres;
     found->strokes.insert(found->strokes.end(), other.strokes.begin(), other.strokes.end());

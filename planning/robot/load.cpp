@@ -150,6 +150,14 @@ bool LegLoad::rides_on(int leg) const {
   return legs.empty() || std::find(legs.begin(), legs.end(), leg) != legs.end();
 }
 
+std::string size_note(const Load& load) {
+  constexpr double largest = 20.0;  // m
+  const double across = 2.0 * load.shape.bounding_radius();
+  if (across <= largest) return {};
+  return "load " + quote(load.name) + " is " + short_text(across, 3) +
+         " m across: is it in millimetres? Loads are in metres, `scale: 0.001` makes a mesh so";
+}
+
 Robot with_load(const Robot& robot, const Load& load) {
   require_sound(robot, load);
   const std::string what = "load " + quote(load.name);

@@ -36,6 +36,9 @@ struct LegLoad {
 ///         the robot does not have (naming the nearest one), a pose or mass that is none.
 Robot with_load(const Robot& robot, const Load& load);
 
+/// What its user should look at: a load of more than 20 m is one in millimetres; else empty.
+std::string size_note(const Load& load);
+
 /// The robot as it is on a leg: with the loads that ride on it. @throws as with_load
 Robot robot_of_leg(const Robot& robot, const std::vector<LegLoad>& loads, int leg);
 

@@ -319,15 +319,20 @@ std::vector<std::string> unit_notes(const Robot& robot) {
                              : "joint " + quote(below.empty() ? above : below) + ", which mimics it, has") +
                     " such limits");
   }
-  const auto larger = [](const Body& a, const Body& b) {
-    return a.shape.bounding_radius() < b.shape.bounding_radius();
-  };
-  const auto largest = std::max_element(robot.bodies.begin(), robot.bodies.end(), larger);
-  const double size =
-      largest == robot.bodies.end() ? 0.0 : 2.0 * largest->shape.bounding_radius() / robot.scale;
+  const Body* largest = nullptr;
+  for (const Body& body : robot.bodies) {
+    const bool is_load = std::any_of(robot.loads.begin(), robot.loads.end(),
+                                     [&](const Load& load) { return load.name == body.part; });
+    const bool is_larger =
+        largest == nullptr || body.shape.bounding_radius() > largest->shape.bounding_radius();
+    if (!is_load && is_larger) largest = &body;
+  }
+  const double size = largest == nullptr ? 0.0 : 2.0 * largest->shape.bounding_radius() / robot.scale;
   if (size > largest_body)
     notes.push_back("part " + quote(largest->part) + " has a body " + short_text(size, 3) +
                     " m across: is its mesh in millimetres? scale=\"0.001 0.001 0.001\" makes it metres");
+  for (const Load& load : robot.loads)
+    if (std::string note = size_note(load); !note.empty()) notes.push_back(std::move(note));
   return notes;
 }
 

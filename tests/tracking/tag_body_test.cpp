@@ -361,5 +361,33 @@ TEST(BodyPose, limits_are_those_of_the_noise_that_the_residuals_show) {
   EXPECT_NEAR(farthest(pose->limits), farthest(limits), 1e-6 * farthest(limits));
 }
 
+/// Corners that contradict each other are explained least badly from infinitely far away.
+TEST(BodyPose, is_never_where_its_tags_would_be_smaller_than_a_pixel) {
+  const TagBody board = scene::board("board", 10, 2, 2, 0.05, 0.08);
+  const Camera camera = scene::plain_camera();
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> across(0.2, 0.8), side(8.0, 60.0), turn(0.0, 2.0 * M_PI);
+  int found = 0;
+  for (int i = 0; i < 300; ++i) {
+    std::vector<TagDetection> tags;
+    for (int id = 10; id < 14; ++id) {
+      TagDetection tag;
+      tag.id = id;
+      const Eigen::Vector2d middle(across(random) * camera.width, across(random) * camera.height);
+      const double half = 0.7 * side(random), angle = turn(random);
+      for (std::size_t k = 0; k < 4; ++k) {
+        const double to_corner = angle - 0.5 * M_PI * static_cast<double>(k);
+        tag.corners[k] = middle + half * Eigen::Vector2d(std::cos(to_corner), std::sin(to_corner));
+      }
+      tags.push_back(tag);
+    }
+    const auto pose = estimate_body_pose(board, tags, camera);
+    if (!pose) continue;
+    ++found;
+    EXPECT_LT(pose->camera_from_body.pose.translation().norm(), 0.05 * camera.fx + 0.2) << i;
+  }
+  EXPECT_GT(found, 30);
+}
+
 }  // namespace tag_body_test
 }  // namespace clearway

@@ -198,6 +198,7 @@ TEST_F(CalibratePictures, BoardWhoseSetupStatesAWrongSizeIsNamedAndMeasured) {
                                       folder_.file("wrong.yaml"), "--out", folder_.file("right.yaml")});
   ASSERT_EQ(run.status, exit_done) << run.log << run.out;
   EXPECT_NE(run.out.find("NOT AS STATED: 21.4 mm"), std::string::npos) << run.out;
+  EXPECT_EQ(run.out.find("+- 0 "), std::string::npos) << run.out;  // of the tag that places are relative to
   const clearway::Setup right = load_setup(folder_.file("right.yaml"));
   for (const TagSetup& one : right.board("calibration")->tags)
     EXPECT_NEAR(one.size, 0.0238, 0.0238 * 0.004) << one.id;

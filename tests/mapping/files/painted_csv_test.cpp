@@ -58,7 +58,7 @@ TEST(PaintedCsv, RefusesATextThatIsCutInALine) {
 }
 
 TEST(PaintedCsv, NamesTheLineAndWhatWasExpected) {
-  const std::string head = "volume,label,critical_parts,x,y,z,radius,time\n";
+  std::string head = "volume,label,critical_parts,x,y,z,radius,time\n";
   const auto refusal = [&](const std::string& lines) -> std::string {
     try {
       parse_painted(head + lines, "p.csv");
@@ -71,12 +71,17 @@ TEST(PaintedCsv, NamesTheLineAndWhatWasExpected) {
   EXPECT_EQ(refusal("0,a,,0,0,0,1,0\n"), "");  // quotes are optional
   EXPECT_NE(refusal("0,a,,0,0,0,0,0\n").find("'p.csv' line 2: expected a radius > 0"), std::string::npos);
   EXPECT_NE(refusal("0,a,,nan,0,0,1,0\n").find("finite number for x"), std::string::npos);
-  EXPECT_NE(refusal("0,a,,0,0,0,1\n").find("the columns"), std::string::npos);
+  EXPECT_EQ(refusal("0,a,,0,0,0,1\n"), "'p.csv' line 2: expected 8 values, one for each column, found 7");
   EXPECT_NE(refusal("0,a,,0,0,,1,0\n").find("finite number for z"), std::string::npos);
   EXPECT_NE(refusal("1,a,,0,0,0,1,0\n").find("in order"), std::string::npos);
   EXPECT_NE(refusal("0,a,,0,0,0,1,0\n0,b,,0,0,0,1,0\n").find("same label"), std::string::npos);
   EXPECT_NE(refusal("0,a,,0,0,0,1,0\n1,a,,0,0,0,1,0\n").find("label of its own"), std::string::npos);
-  EXPECT_NE(refusal("0,\"a,,0,0,0,1,0\n").find("line 2"), std::string::npos);
+  EXPECT_EQ(refusal("0,\"a,,0,0,0,1,0\n"),
+            "'p.csv' line 2: expected quotes that end on the line where they begin");
+  head = "x,y,z\n";
+  EXPECT_EQ(refusal(""),
+            "'p.csv' line 1: expected the columns volume,label,critical_parts,x,y,z,radius,time, and "
+            "stroke,stroke_label,source behind them or none of these");
 }
 
 TEST(PaintedCsv, APartWithoutANameIsNone) {
@@ -112,7 +117,8 @@ TEST(PaintedCsv, RefusesStrokesThatContradictThemselves) {
   EXPECT_NE(refusal("0,a,,0,0,0,1,0,0.5,s,me\n").find("in order"), std::string::npos);
   EXPECT_NE(refusal("0,a,,0,0,0,1,0,-1,s,me\n").find("in order"), std::string::npos);
   EXPECT_NE(refusal("0,a,,0,0,0,1,0,0,s,me\n0,a,,0,0,0,1,0,0,t,me\n").find("same label"), std::string::npos);
-  EXPECT_NE(refusal("0,a,,0,0,0,1,0\n").find("the columns"), std::string::npos);
+  EXPECT_NE(refusal("0,a,,0,0,0,1,0\n").find("expected 11 values, one for each column, found 8"),
+            std::string::npos);
 }
 
 TEST(PaintedCsv, SurvivesRandomDamage) {

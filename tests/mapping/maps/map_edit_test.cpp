@@ -250,7 +250,14 @@ TEST(Merge, RefusesWhatDoesNotFit) {
                std::invalid_argument);
   FreeSpaceMap parts({.resolution = edge}), many({.resolution = edge});
   parts.add_volume("dock", {"another part"});
-  EXPECT_THROW(merge(map, parts.snapshot()), std::invalid_argument);
+  try {
+    merge(map, parts.snapshot());
+    ADD_FAILURE() << "other parts were merged";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(),
+                 "merge: volume 'dock' has the critical parts base in one map and the critical parts another "
+                 "part in the other, expected the same");
+  }
   for (int i = 0; i < 14; ++i) many.add_volume(std::to_string(i), {});
   EXPECT_THROW(merge(map, many.snapshot()), std::invalid_argument);
 }

@@ -314,5 +314,17 @@ TEST(Load, RefusesWhatNoRobotCanCarry) {
   EXPECT_THROW(with_load(with_load(robot, can("hand")), can("hand")), std::invalid_argument);
 }
 
+TEST(Load, OneInMillimetresIsTold) {
+  Load load = can("hand");
+  EXPECT_EQ(size_note(load), "");
+  load.shape = Shape::box({60.0, 60.0, 120.0});
+  EXPECT_EQ(size_note(load),
+            "load 'can' is 147 m across: is it in millimetres? Loads are in metres, `scale: 0.001` makes a "
+            "mesh so");
+  const std::vector<std::string> notes = robot_notes(with_load(load_robot("arm6"), load));
+  ASSERT_FALSE(notes.empty());
+  EXPECT_EQ(notes.back(), size_note(load));
+}
+
 }  // namespace load_test
 }  // namespace clearway
