@@ -38,8 +38,8 @@ Eigen::Matrix3d turn_of(const JsonField& turn, std::string_view key) {
   const Eigen::Vector4d given = turn.numbers(4);
   const bool is_w_first = key == "orientation_quat_wxyz";
   const Eigen::Vector4d xyzw = is_w_first ? Eigen::Vector4d(given[1], given[2], given[3], given[0]) : given;
-  if (xyzw.isZero(0.0) || std::abs(xyzw.norm() - 1.0) > 0.01)
-    turn.refuse(is_w_first ? "a unit quaternion w, x, y, z" : "a unit quaternion x, y, z, w");
+  if (const std::string fault = unit_fault(xyzw, is_w_first ? "w, x, y, z" : "x, y, z, w"); !fault.empty())
+    turn.refuse(fault);
   return pose_of_quaternion(Eigen::Vector3d::Zero(), xyzw).linear();
 }
 

@@ -4,6 +4,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "mapping/system/number_text.hpp"
+
 namespace clearway {
 
 Shape cone_shape(double radius, double height) {
@@ -37,12 +39,19 @@ std::vector<Eigen::Vector3d> plane_triangles(const Eigen::Vector4d& plane, const
   return corners;
 }
 
+std::string unit_fault(const Eigen::Vector4d& quaternion, const std::string& order) {
+  constexpr double rounded = 0.01;  // of files with few digits
+  const double norm = quaternion.norm();
+  if (std::abs(norm - 1.0) <= rounded) return {};
+  return "a unit quaternion " + order + ", got one of norm " + short_text(norm);
+}
+
 Eigen::Isometry3d pose_of_quaternion(const Eigen::Vector3d& position, const Eigen::Vector4d& xyzw) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.translation() = position;
   if (xyzw.isZero(0.0)) return pose;
-  if (std::abs(xyzw.norm() - 1.0) > 0.01)
-    throw std::invalid_argument("expected a unit quaternion x, y, z, w");
+  if (const std::string fault = unit_fault(xyzw, "x, y, z, w"); !fault.empty())
+    throw std::invalid_argument("expected " + fault);
   pose.linear() = Eigen::Quaterniond(xyzw[3], xyzw[0], xyzw[1], xyzw[2]).normalized().toRotationMatrix();
   return pose;
 }

@@ -114,6 +114,10 @@ Shape cone_shape(double radius, double height);
 std::vector<Eigen::Vector3d> plane_triangles(const Eigen::Vector4d& plane, const Eigen::Vector3d& center,
                                              double reach);
 
+/// "a unit quaternion x, y, z, w, got one of norm 1.4", unless its length is within 1 % of 1: then empty.
+/// @param order as the file has its numbers
+std::string unit_fault(const Eigen::Vector4d& quaternion, const std::string& order);
+
 /// The pose of a position and a quaternion x, y, z, w. @throws std::invalid_argument "expected a unit
 /// quaternion …" unless its length is within 1 % of 1; all zeros mean no turn, as MoveIt has it.
 Eigen::Isometry3d pose_of_quaternion(const Eigen::Vector3d& position, const Eigen::Vector4d& xyzw);

@@ -28,7 +28,8 @@ Eigen::Isometry3d pose_of(const YamlFields& fields, const std::string& position_
   const Eigen::Vector3d at(position[0], position[1], position[2]);
   const Eigen::Vector4d xyzw(wxyz[1], wxyz[2], wxyz[3], wxyz[0]);
   if (!(at.cwiseAbs().maxCoeff() <= 1e3)) fields.fail(position_key, "expected a place within 1000 metres");
-  if (std::abs(xyzw.norm() - 1.0) > 0.01) fields.fail(turn_key, "expected a unit quaternion w, x, y, z");
+  if (const std::string fault = unit_fault(xyzw, "w, x, y, z"); !fault.empty())
+    fields.fail(turn_key, "expected " + fault);
   return pose_of_quaternion(at, xyzw);
 }
 

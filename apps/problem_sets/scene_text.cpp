@@ -78,12 +78,10 @@ Eigen::Vector3d read_point(SceneWords& words) {
 Eigen::Isometry3d read_pose(SceneWords& words) {
   const Eigen::Vector3d at = read_point(words);
   Eigen::Vector4d turn;
-  for (double& value : turn) value = words.number("a quaternion x y z w", -1.01, 1.01);
-  try {
-    return pose_of_quaternion(at, turn);
-  } catch (const std::invalid_argument&) {
-    words.refuse("a unit quaternion x y z w");
-  }
+  for (double& value : turn) value = words.number("a quaternion x y z w", -1e3, 1e3);
+  if (const std::string fault = unit_fault(turn, "x y z w"); !fault.empty() && !turn.isZero(0.0))
+    words.refuse(fault);
+  return pose_of_quaternion(at, turn);
 }
 
 std::vector<Eigen::Vector3d> read_mesh(SceneWords& words) {

@@ -39,9 +39,11 @@ Eigen::Isometry3d read_look_at(const YamlFields& fields, int forward_axis) {
   return pose;
 }
 
-Eigen::Isometry3d read_view(const YamlFields& fields, const std::string& key, int forward_axis) {
+/// @param or_else what else would do
+Eigen::Isometry3d read_view(const YamlFields& fields, const std::string& key, int forward_axis,
+                            const std::string& or_else = "") {
   if (fields.has("look_at") == fields.has_angles(key))
-    fields.fail("look_at", "expected either '" + key + "' or 'look_at: {eye, target}'");
+    fields.fail("look_at", "expected either '" + key + "' or 'look_at: {eye, target}'" + or_else);
   return fields.has("look_at") ? read_look_at(fields.map("look_at"), forward_axis) : fields.pose(key);
 }
 
@@ -60,8 +62,11 @@ std::vector<SceneCamera::Waypoint> read_walk(const YamlFields& fields) {
 SceneCamera read_scene_camera(const YamlFields& fields, uint64_t seed) {
   SceneCamera camera;
   camera.path = read_walk(fields);
+  if (!camera.path.empty() && (fields.has("look_at") || fields.has_angles("map_from_camera")))
+    fields.fail("path", "expected neither 'map_from_camera' nor 'look_at' beside it");
   if (camera.path.empty())
-    camera.map_from_camera = read_view(fields, "map_from_camera", 2);
+    camera.map_from_camera =
+        read_view(fields, "map_from_camera", 2, ", or 'path' with one of them at each of its times");
   else
     camera.map_from_camera = camera.path.front().map_from_camera;
   camera.sway = read_shake(fields, "sway", camera.sway);

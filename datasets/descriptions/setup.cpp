@@ -275,7 +275,7 @@ GoalPoseSetup read_goal_pose(const YamlFields& fields) {
   goal.map_from_tip = fields.pose("pose");
   goal.position_tolerance = fields.number("position_tolerance", {0.0, 10.0}, 0.0);
   goal.turn_tolerance = fields.angle("turn_tolerance", 0.0);
-  if (!(goal.turn_tolerance >= 0.0 && goal.turn_tolerance <= half_turn))
+  if (!(goal.turn_tolerance <= half_turn))
     fields.fail("turn_tolerance", "expected an angle from 0 to a half turn");
   if (fields.has("free_axis")) {
     const std::string axis = fields.text("free_axis");

@@ -24,10 +24,7 @@ BoardErrorsSetup read_board_errors(const YamlFields& fields, const BoardErrorsSe
   read("scale", share, errors.scale);
   read("size", share, errors.size);
   read("place", not_negative, errors.place);
-  if (fields.has_angles("turn")) {
-    errors.turn = fields.angle("turn", 0.0);
-    if (!(*errors.turn >= 0.0)) fields.fail("turn", "expected an angle of 0 or more");
-  }
+  if (fields.has_angles("turn")) errors.turn = fields.angle("turn", 0.0);
   fields.finish();
   return errors;
 }

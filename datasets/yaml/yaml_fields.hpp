@@ -87,7 +87,7 @@ class YamlFields {
   /// each, else an empty one.
   std::vector<std::string> words_among(const std::string& key) const;
   std::vector<std::vector<double>> lists_among(const std::string& key) const;
-  double angle(const std::string& key, double otherwise) const;
+  double angle(const std::string& key, double otherwise) const;  ///< how far something turns: 0 or more
   bool has_angles(const std::string& key) const;
   /// [x, y, z, roll, pitch, yaw]: metres and Rz(yaw) Ry(pitch) Rx(roll); angles as in `angles`.
   Eigen::Isometry3d pose(const std::string& key) const;

@@ -63,7 +63,10 @@ std::vector<std::vector<double>> YamlFields::lists_among(const std::string& key)
 
 double YamlFields::angle(const std::string& key, double otherwise) const {
   const std::string given = degrees_key(key);
-  return has(given) ? number(given, within_reach) * (given != key ? degree : 1) : otherwise;
+  if (!has(given)) return otherwise;
+  const double value = number(given, within_reach);
+  if (value < 0.0) fail(given, "expected an angle of 0 or more, got " + short_text(value));
+  return value * (given != key ? degree : 1);
 }
 
 /// What was given in radians and is more than a turn was meant in degrees.

@@ -65,7 +65,7 @@ TEST_F(Import, WhatIsWrongIsReportedInOneSentence) {
       "mbm", "a.yaml",
       object +
           "primitives: [{type: sphere, dimensions: [1]}], primitive_poses: [{orientation: [1, 1, 1, 1]}]}]}",
-      "expected a unit quaternion");
+      "expected a unit quaternion x, y, z, w, got one of norm 2");
   expect_refused("mbm", "a.yaml", object + "meshes: [{resource: no.stl}]}]}", "no.stl");
   const std::string triangle = object + "meshes: [{vertices: [[0, 0, 0], [1, 0, 0], {x: 0, y: 1, z: 0}], ";
   for (const auto& [triangles, expected] :
@@ -99,7 +99,7 @@ TEST_F(Import, WhatIsWrongIsReportedInOneSentence) {
   for (const char* key : {"rotation", "Quat", "pose", "size", "yaw", "height", "half_extents_m", "radius"})
     expect_refused("json", "a.json", box_with("\"" + std::string(key) + "\": 1"), "expected no such key");
   expect_refused("json", "a.json", box_with("\"orientation_quat_wxyz\": [1, 1, 0, 0]"),
-                 "expected a unit quaternion w, x, y, z");
+                 "expected a unit quaternion w, x, y, z, got one of norm 1.414");
   expect_refused("json", "a.json", box_with("\"rpy\": [0, 0, 1], \"quaternion_xyzw\": [0, 0, 0, 1]"),
                  "expected the same turn as 'quaternion_xyzw'");
   for (const char* key : {"rpy", "orientation_euler_xyz"})

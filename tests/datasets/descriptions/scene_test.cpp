@@ -56,7 +56,17 @@ TEST(Scene, MistakesAreNamed) {
       {"setup: setup.yaml\nshapes: [{name: a, box: [1, 1, 0]}]", "positive"},
       {"setup: setup.yaml\nshapes: [{name: a, sphere: 1}, {name: a, sphere: 1}]", "'a' is given twice"},
       {"setup: setup.yaml\ncamera: {look_at: {eye: [0, 0, 1], target: [0, 0, 0]}}", "along 'up'"},
-      {"setup: setup.yaml\ncamera: {rate_hz: 15}", "look_at"},
+      {"setup: setup.yaml\ncamera: {rate_hz: 15}",
+       "expected either 'map_from_camera' or 'look_at: {eye, target}', or 'path' with one of them at each of "
+       "its times"},
+      {"setup: setup.yaml\ncamera: {look_at: {eye: [1, 0, 1], target: [0, 0, 0]}, path: [{time: 0, look_at: "
+       "{eye: [1, 0, 1], target: [0, 0, 0]}}]}",
+       "camera.path: expected neither 'map_from_camera' nor 'look_at' beside it"},
+      {"setup: setup.yaml\nstroke: {tremor: {turn_deg: -2}, speed: 1, waypoints: [{ball: [0, 0, 0]}, {ball: "
+       "[1, 0, 0]}]}",
+       "turn_deg: expected an angle of 0 or more, got -2"},
+      {"setup: setup.yaml\ncamera: {errors: {tag_turn: -0.1}, look_at: {eye: [1, 0, 1], target: [0, 0, 0]}}",
+       "camera.errors.tag_turn: expected an angle of 0 or more, got -0.1"},
       {"setup: setup.yaml\ncamera: {look_at: {eye: [1, 0, 1], target: [0, 0, 0]}}", "camera and stroke"},
       {"setup: setup.yaml\nstroke: {speed: 1, duration: 1, waypoints: [{ball: [0, 0, 0]}, {ball: [1, 0, "
        "0]}]}",
