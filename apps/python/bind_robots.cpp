@@ -56,8 +56,8 @@ NamedRobot load_named(const std::filesystem::path& file, const std::optional<std
       }),
       name, packages};
   if (scale) {
-    if (!std::isfinite(*scale) || *scale <= 0.0)
-      throw std::invalid_argument("scale: expected a finite number above 0");
+    if (!(*scale >= least_scale && *scale <= most_scale))
+      throw std::invalid_argument("scale: expected a factor from 0.000001 to 1000");
     loaded.robot = scaled(loaded.robot, *scale / loaded.robot.scale);
   }
   if (!map_from_base.is_none()) loaded.robot.map_from_base = pose_from(map_from_base, "map_from_base");

@@ -241,7 +241,7 @@ RobotSetup read_robot(const YamlFields& fields, const std::filesystem::path& fol
   RobotSetup robot;
   robot.name = fields.robot("name", folder);
   robot.map_from_base = fields.pose("base", robot.map_from_base);
-  robot.scale = fields.optional_number("scale", {1e-3, 1e3});
+  robot.scale = fields.optional_number("scale", robot_scales);
   if (fields.has_angles("joints")) robot.joints = fields.angles("joints");
   robot.payload = fields.number("payload", not_negative, robot.payload);
   if (fields.has("gravity")) robot.gravity = fields.vector("gravity");

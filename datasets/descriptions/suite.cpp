@@ -270,7 +270,7 @@ SuiteExperiment read_experiment(const YamlFields& fields, const Suite& suite,
   experiment.title = fields.prose("title", experiment.name);
   experiment.paper = fields.prose("paper", "");
   experiment.notes = fields.prose("notes", "");
-  experiment.scale = fields.optional_number("scale", {1e-3, 1e3});
+  experiment.scale = fields.optional_number("scale", robot_scales);
   experiment.payload = fields.number("payload", not_negative, experiment.payload);
   if (fields.has("gravity")) experiment.gravity = fields.vector("gravity");
   read_tasks(fields, suite, folder, experiment);

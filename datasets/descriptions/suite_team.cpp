@@ -16,7 +16,7 @@ SuiteTeamRobot read_team_robot(const YamlFields& fields, const std::filesystem::
   SuiteTeamRobot robot;
   robot.name = fields.text("name");
   robot.robot = fields.robot("robot", folder);
-  robot.scale = fields.optional_number("scale", {1e-3, 1e3});
+  robot.scale = fields.optional_number("scale", robot_scales);
   robot.payload = fields.number("payload", not_negative, robot.payload);
   if (fields.has_angles("base")) robot.map_from_base = fields.pose("base");
   robot.start = fields.angles("start");

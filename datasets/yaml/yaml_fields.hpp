@@ -27,7 +27,8 @@ constexpr double tiny = 1e-9;  ///< the smallest length that counts as positive
 constexpr Bounds above_zero{tiny, 1e6};
 constexpr Bounds not_negative{0, 1e6};
 constexpr Bounds within_reach{-1e6, 1e6};
-constexpr Bounds paddings{0, 100};  ///< metres
+constexpr Bounds paddings{0, 100};         ///< metres
+constexpr Bounds robot_scales{1e-6, 1e3};  ///< least_scale and most_scale of planning/robot/robot.hpp
 
 /// A YAML map that is being read. Each function asks for one key; whatever is wrong with its value becomes a
 /// std::invalid_argument in one sentence naming file, line and key. `finish` then refuses the keys that

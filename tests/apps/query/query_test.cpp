@@ -8,6 +8,8 @@
 #include <memory>
 #include <stdexcept>
 
+#include "datasets/descriptions/setup.hpp"
+#include "datasets/yaml/yaml_fields.hpp"
 #include "mapping/free_space_map.hpp"
 #include "planning/beam/beam.hpp"
 #include "planning/plan_and_check.hpp"
@@ -42,6 +44,21 @@ TEST(Query, AWrongPolicyIsRefusedWithItsFlagItsPartAndThoseThatThereAre) {
             "--policy base=free: unknown policy 'free': expected painted, known_free or not_occupied");
   EXPECT_EQ(complaint([&] { choose_policies({"free"}, robot); }),
             "--policy free: unknown policy 'free': expected painted, known_free or not_occupied");
+}
+
+TEST(Query, ScalesHaveTheSameLimitsInFlagsSettingsSetupsAndSuites) {
+  EXPECT_EQ(robot_scales.low, least_scale);
+  EXPECT_EQ(robot_scales.high, most_scale);
+  const auto load = [](double scale) {
+    RobotChoice choice;
+    choice.robot = "planar2";
+    choice.scale = scale;
+    return choose_robot(choice).scale;
+  };
+  EXPECT_EQ(load(least_scale), parse_setup("robot: {name: planar2, scale: 1e-6}", "s.yaml").robot->scale);
+  EXPECT_EQ(complaint([&] { load(0.5 * least_scale); }),
+            "--scale: expected a factor from 0.000001 to 1000, got 5e-07");
+  EXPECT_NE(complaint([&] { parse_setup("robot: {name: planar2, scale: 5e-7}", "s.yaml"); }), "accepted");
 }
 
 TEST(Query, AVolumeForPartsThatTheRobotHasNotIsTold) {
