@@ -4,6 +4,10 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "apps/query/query.hpp"
+#include "mapping/system/number_text.hpp"
+#include "mapping/system/plain_text.hpp"
+
 namespace clearway {
 
 Configuration draw_configuration(const Robot& robot, SuiteDice& dice) {
@@ -24,16 +28,37 @@ SceneShape box_between(const std::string& name, const Eigen::Isometry3d& map_fro
   return shape;
 }
 
+std::string drawn_for(const ConfigurationSpace& space) {
+  return "for robot " + quote(space.robot().name) + " under " + describe_policies(space.policies(), 0.0);
+}
+
+namespace {
+
+/// Why no configuration can be free, however many are drawn; else empty.
+std::string hopeless(const ConfigurationSpace& space) {
+  const VoxelCounts counts = space.map().counts();
+  const std::size_t painted = counts.painted + counts.conflict;
+  for (const auto& [part, policy] : space.policies()) {
+    const bool needs_paint = policy == Policy::painted, needs_known = policy == Policy::known_free;
+    if ((needs_paint && painted == 0) || (needs_known && painted + counts.seen_free == 0))
+      return "part " + quote(part) + " must lie in " + (needs_paint ? "paint" : "what is known to be free") +
+             ", of which its map has none; expected other `policies`, such as {default: not_occupied}";
+  }
+  return {};
+}
+
+}  // namespace
+
 std::vector<StageProblem> draw_problems(const SuiteGenerator& generator, std::size_t index, std::size_t each,
-                                        int most_draws, const std::string& scene, const Robot& robot,
+                                        int most_draws, const std::string& scene,
+                                        const ConfigurationSpace& space,
                                         const std::function<std::optional<StageProblem>()>& draw) {
+  const std::string none = generator.kind + ": no problem found " + drawn_for(space) + " in " + quote(scene);
+  if (const std::string why = hopeless(space); !why.empty()) throw std::runtime_error(none + ": " + why);
   std::vector<StageProblem> problems;
   const std::size_t count = std::min(static_cast<std::size_t>(generator.count) - index * each, each);
   for (int draws = 0; problems.size() < count; ++draws) {
-    if (draws == most_draws) {
-      throw std::runtime_error(generator.kind + ": no problem found for robot '" + robot.name + "' in " +
-                               std::to_string(most_draws) + " draws");
-    }
+    if (draws == most_draws) throw std::runtime_error(none + ", in " + grouped(most_draws) + " draws");
     auto problem = draw();
     if (!problem) continue;
     problem->name = scene + "." + std::to_string(problems.size() + 1);

@@ -18,12 +18,18 @@ Configuration draw_configuration(const Robot& robot, SuiteDice& dice);
 SceneShape box_between(const std::string& name, const Eigen::Isometry3d& map_from_frame,
                        const Eigen::Vector3d& low, const Eigen::Vector3d& high);
 
+/// "for robot 'arm6' under tool painted, other parts not_occupied", for a sentence about draws in vain.
+std::string drawn_for(const ConfigurationSpace& space);
+
 /// The problems of scene number `index` of a generator that draws `each` a scene, the last one with what is
 /// left of its count. They are called SCENE.1, SCENE.2 and so on.
+/// @param space the robot in the scene's map
 /// @param draw a problem without a name, or nothing when this draw gave none
-/// @throws std::runtime_error when `most_draws` in a row gave none, naming generator and robot
+/// @throws std::runtime_error when `most_draws` in a row gave none, naming generator, scene, robot and
+/// policies; at once where a part must lie in what the map has none of
 std::vector<StageProblem> draw_problems(const SuiteGenerator& generator, std::size_t index, std::size_t each,
-                                        int most_draws, const std::string& scene, const Robot& robot,
+                                        int most_draws, const std::string& scene,
+                                        const ConfigurationSpace& space,
                                         const std::function<std::optional<StageProblem>()>& draw);
 
 }  // namespace clearway

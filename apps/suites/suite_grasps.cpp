@@ -101,7 +101,7 @@ FurnitureScene draw_cells(const SuiteGenerator& generator, std::size_t index, co
     GraspDrawer drawer(space, scene.places, arm_reach(robot).length, SuiteDice(generator.seed, stream));
     try {
       scene.problems = draw_problems(generator, index, problems_of_furniture, most_grasp_draws, scene.name,
-                                     robot, [&] { return drawer.draw(); });
+                                     space, [&] { return drawer.draw(); });
       return scene;
     } catch (const std::runtime_error&) {
       if (attempt + 1 == most_scenes) throw;

@@ -7,8 +7,11 @@
 #include <utility>
 
 #include "apps/suites/suite_dice.hpp"
+#include "apps/suites/suite_draws.hpp"
 #include "apps/suites/suite_hand.hpp"
 #include "apps/suites/suite_world.hpp"
+#include "mapping/system/number_text.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
@@ -84,6 +87,7 @@ class HoleDrawer {
 Hole draw_hole(const SuiteGenerator& generator, std::size_t index, const Robot& robot,
                const Policies& policies, double padding) {
   HoleDrawer drawer(generator, index, robot);
+  std::string drawn = "for robot " + quote(robot.name);  // with its policies once a map is made
   for (int draw = 0, maps = 0; draw < most_hole_draws && maps < most_hole_maps; ++draw) {
     const auto ends = drawer.ends();
     if (!ends) continue;
@@ -97,15 +101,16 @@ Hole draw_hole(const SuiteGenerator& generator, std::size_t index, const Robot& 
     const auto space_of = [&](const Snapshot& map) {
       return ConfigurationSpace(robot, map, policies, {.padding = padding});
     };
-    if (!space_of(make_map(hole.world, robot.critical_parts)).is_edge_free(start, goal)) continue;
+    const ConfigurationSpace painted = space_of(make_map(hole.world, robot.critical_parts));
+    drawn = drawn_for(painted);
+    if (!painted.is_edge_free(start, goal)) continue;
     hole.world.pockets = {pocket};
     hole.map = make_map(hole.world, robot.critical_parts);
     const ConfigurationSpace space = space_of(hole.map);
     if (space.is_free(start) && space.is_free(goal) && !space.is_edge_free(start, goal)) return hole;
   }
-  throw std::runtime_error(generator.kind + ": no volume found for robot '" + robot.name + "' in " +
-                           std::to_string(most_hole_draws) + " draws of ends and " +
-                           std::to_string(most_hole_maps) + " of paint");
+  throw std::runtime_error(generator.kind + ": no volume found " + drawn + " in " + grouped(most_hole_draws) +
+                           " draws of ends and " + grouped(most_hole_maps) + " of paint");
 }
 
 }  // namespace clearway

@@ -92,7 +92,7 @@ ReachingScene draw_reaching(const SuiteGenerator& generator, std::size_t index, 
   const ConfigurationSpace space(robot, scene.map, policies, {.padding = padding});
   ProblemDrawer drawer(space, scene.regions, SuiteDice(generator.seed, 2 * index + 1));
   scene.problems = draw_problems(generator, index, problems_of_a_scene, most_reach_draws, scene.world.name,
-                                 robot, [&] { return drawer.draw(); });
+                                 space, [&] { return drawer.draw(); });
   return scene;
 }
 

@@ -120,7 +120,7 @@ Shelf draw_shelf(const SuiteGenerator& generator, std::size_t index, const Robot
   shelf.map = make_map(shelf.world, robot.critical_parts);
   const ConfigurationSpace space(robot, shelf.map, policies, {.padding = padding});
   shelf.problems = draw_problems(generator, index, problems_of_a_shelf, most_shelf_draws, shelf.world.name,
-                                 robot, [&] { return draw_problem(space, plan, dice); });
+                                 space, [&] { return draw_problem(space, plan, dice); });
   return shelf;
 }
 

@@ -7,8 +7,11 @@
 #include <stdexcept>
 
 #include "apps/suites/suite_dice.hpp"
+#include "apps/suites/suite_draws.hpp"
 #include "apps/suites/suite_hand.hpp"
 #include "apps/suites/suite_world.hpp"
+#include "mapping/system/number_text.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
@@ -120,6 +123,7 @@ bool is_free_all_along(const ConfigurationSpace& space, const std::vector<Config
 Tunnel draw_tunnel(const SuiteGenerator& generator, std::size_t index, const Robot& robot,
                    const Policies& policies, double padding) {
   TunnelDrawer drawer(generator, index, robot, padding);
+  std::string drawn = "for robot " + quote(robot.name);  // with its policies once a map is made
   for (int draw = 0; draw < most_tunnel_draws; ++draw) {
     Tunnel tunnel;
     tunnel.way = drawer.way();
@@ -129,12 +133,13 @@ Tunnel draw_tunnel(const SuiteGenerator& generator, std::size_t index, const Rob
     tunnel.world.volumes.push_back({"tube", {}, drawer.strokes(tunnel.way)});
     tunnel.map = make_map(tunnel.world, robot.critical_parts);
     const ConfigurationSpace space(robot, tunnel.map, policies, {.padding = padding});
+    drawn = drawn_for(space);
     const Configuration &start = tunnel.way.front(), &goal = tunnel.way.back();
     if (!space.is_free(start) || !space.is_free(goal) || space.is_edge_free(start, goal)) continue;
     if (is_free_all_along(space, tunnel.way)) return tunnel;
   }
-  throw std::runtime_error("tunnels: no tunnel found for robot '" + robot.name + "' in " +
-                           std::to_string(most_tunnel_draws) + " draws");
+  throw std::runtime_error("tunnels: no tunnel found " + drawn + " in " + grouped(most_tunnel_draws) +
+                           " draws");
 }
 
 }  // namespace clearway

@@ -85,6 +85,21 @@ TEST(SuiteReachingScenes, ASceneGrowsWithTheArm) {
   EXPECT_TRUE(half.regions[0].high.isApprox(0.5 * scene.regions[0].high, 1e-9));
 }
 
+TEST(SuiteReachingScenes, APolicyThatNothingInTheMapKeepsIsRefusedBeforeTheDraws) {
+  const Robot robot = load_robot("puma560");
+  const Policies painted{.parts = {{"tool", Policy::painted}}, .other = Policy::not_occupied};
+  try {
+    draw_reaching(coarse("boxes", 1), 0, robot, painted, 0.0);
+    ADD_FAILURE() << "problems were drawn";
+  } catch (const std::runtime_error& error) {
+    EXPECT_STREQ(
+        error.what(),
+        "boxes: no problem found for robot 'puma560' under tool painted, other parts not_occupied in "
+        "'boxes 1': part 'tool' must lie in paint, of which its map has none; expected other "
+        "`policies`, such as {default: not_occupied}");
+  }
+}
+
 TEST(SuiteReachingScenes, AnUnknownKindIsRefused) {
   const Robot robot = load_robot("arm5");
   EXPECT_THROW(draw_obstacles("maze", robot, arm_reach(robot), 1, 0), std::invalid_argument);
