@@ -39,7 +39,7 @@ MapSetup read_map(const YamlFields& fields) {
     if (map.integration != "safe" && map.integration != "compatible")
       fields.fail("integration", "expected safe or compatible");
   }
-  map.safe_band = fields.optional_number("safe_band", above_zero);
+  map.safe_band = fields.optional_number("safe_band", {0, 100});
   if (fields.has("crop")) {
     const auto values = fields.numbers("crop", within_reach, 6);
     map.crop.emplace(Eigen::Vector3d(values.data()), Eigen::Vector3d(values.data() + 3));

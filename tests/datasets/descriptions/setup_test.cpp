@@ -220,7 +220,7 @@ TEST(Setup, EveryMistakeIsOneSentenceNamingFileLineKeyAndExpectation) {
       {"map: {crop: [0, 0, 0, 1, 1]}", "line 1", "map.crop", "expected 6 numbers, got 5"},
       {"map: {crop: [0, 0, 0, 1, -1, 1]}", "line 1", "map.crop", "min below its max"},
       {"map: {discretize: yes please}", "line 1", "map.discretize", "true or false"},
-      {"map: {safe_band: 0}", "line 1", "map.safe_band", "expected a positive number"},
+      {"map: {safe_band: -0.01}", "line 1", "map.safe_band", "expected a number from 0 to 100"},
       {"map: {integration: careful}", "line 1", "integration", "safe or compatible"},
       {"map: 3", "line 1", "map", "expected a map"},
       {"boards: 7", "line 1", "boards", "expected a list"},
@@ -280,6 +280,10 @@ TEST(Setup, EveryMistakeIsOneSentenceNamingFileLineKeyAndExpectation) {
     EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 0);
     EXPECT_TRUE(message.ends_with(message.find("did you mean") == std::string::npos ? "." : "?")) << message;
   }
+}
+
+TEST(Setup, TheBandOfSafeIntegrationMayBeTurnedOff) {
+  EXPECT_EQ(parse_setup("map: {safe_band: 0}", "s.yaml").map.safe_band, 0.0);
 }
 
 TEST(Setup, GoalsMayBePosesOfALinkWithWhatMayDiffer) {
