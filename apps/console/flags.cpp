@@ -243,7 +243,9 @@ void add_pick(CLI::App& command, std::filesystem::path& file, std::string& place
       .add_option(
           "--pick", file,
           "pick and place an object of the map, in the legs approach, reach, lift, carry, lower and retreat: "
-          "a YAML file with its shape, pose, link, touch links, grasp, place, approach and lift" +
+          "a YAML file with its shape, pose, link, touch links, grasp, place, approach (default: 0.1 m "
+          "down), "
+          "lift (0.1 m) and contact (two voxels and twice the padding)" +
               note)
       ->check(file_name)
       ->type_name("PICK.yaml");
