@@ -196,7 +196,8 @@ ForeignProblem read_motion_request(const std::string& text, const std::filesyste
                                    const SceneContext& context, const ForeignWorld& scene,
                                    std::vector<std::string>& left_out) {
   const YamlFields request(text, "request " + quote_path(file.string()));
-  require_no_lost_keys(request, RosMessage::plan_request);
+  for (const std::string& key : require_no_lost_keys(request, RosMessage::plan_request))
+    left_out.push_back(file.filename().string() + ": key " + quote(key));
   ForeignProblem problem;
   problem.name = file.stem().string();
   problem.group = ros_word(request, "group_name");

@@ -62,7 +62,7 @@ class SceneReader {
 
   ForeignWorld read() {
     world_.name = file_.stem().string();
-    require_no_lost_keys(scene_, RosMessage::planning_scene);
+    leave_keys(require_no_lost_keys(scene_, RosMessage::planning_scene));
     if (scene_.has("robot_state")) {
       base_ = ros_base(scene_.map("robot_state"));
       world_.joints = ros_joints(scene_.map("robot_state"));
@@ -87,8 +87,12 @@ class SceneReader {
  private:
   void leave(const std::string& what) { left_out_.push_back(file_.filename().string() + ": " + what); }
 
+  void leave_keys(const std::vector<std::string>& unknown, const std::string& whose = "") {
+    for (const std::string& key : unknown) leave("key " + quote(key) + whose);
+  }
+
   void read_world(const YamlFields& world) {
-    require_no_lost_keys(world, RosMessage::scene_world);
+    leave_keys(require_no_lost_keys(world, RosMessage::scene_world), " of its world");
     if (world.has("octomap")) add_octomap(world.map("octomap"));
     const auto objects = world.list_of_maps("collision_objects");
     if (objects.size() > most_objects) world.fail("collision_objects", "expected at most 100000 of them");
@@ -284,7 +288,8 @@ class SceneReader {
   }
 
   void add_object(const YamlFields& object) {
-    require_no_lost_keys(object, RosMessage::collision_object);
+    leave_keys(require_no_lost_keys(object, RosMessage::collision_object),
+               " of object " + quote(object.text("id", "")));
     const std::string operation = ros_operation(object);
     if (operation == "remove") return remove_object(object);
     const std::string name = object.text("id");

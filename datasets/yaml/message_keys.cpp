@@ -101,8 +101,9 @@ bool has_keys_of(const YamlFields& message, RosMessage kind) {
                                       [&](const std::string& key) { return keys_of(kind).contains(key); });
 }
 
-void require_no_lost_keys(const YamlFields& message, RosMessage kind) {
+std::vector<std::string> require_no_lost_keys(const YamlFields& message, RosMessage kind) {
   const Names& known = keys_of(kind);
+  std::vector<std::string> passed;
   for (const std::string& key : message.keys()) {
     if (known.contains(key) || !message.has(key)) continue;
     const bool is_composed = message.is_map(key) || message.is_list(key);
@@ -110,7 +111,9 @@ void require_no_lost_keys(const YamlFields& message, RosMessage kind) {
     if (tells_of_space(key) || tells_of_tolerance(key) || (is_composed && tells_of_things(key)))
       message.fail(key, "expected no such key, as what it says would be lost; known are " +
                             listed({known.begin(), known.end()}));
+    passed.push_back(key);
   }
+  return passed;
 }
 
 }  // namespace clearway

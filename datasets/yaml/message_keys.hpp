@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "datasets/yaml/yaml_fields.hpp"
 
@@ -38,8 +39,9 @@ enum class RosMessage {
 bool has_keys_of(const YamlFields& message, RosMessage kind);
 
 /// Refuses keys that the message does not have and whose loss would move, turn, resize or free something:
-/// misspelt ones, and those of other formats. Other unknown keys pass: notes, names, colours.
+/// misspelt ones, and those of other formats. Returns the other unknown keys, which pass: notes, names,
+/// colours.
 /// @throws std::invalid_argument naming the key and those that are known
-void require_no_lost_keys(const YamlFields& message, RosMessage kind);
+std::vector<std::string> require_no_lost_keys(const YamlFields& message, RosMessage kind);
 
 }  // namespace clearway

@@ -355,6 +355,7 @@ TEST_F(Import, WhatASceneSaysOfContactsPaddingsAndTheRobotIsSaidToBeLeftOut) {
   EXPECT_EQ(left_out_of("link_padding: [{link_name: upper, padding: 0}, {link_name: lower, padding: 0.01}]\n"
                         "link_scale: [{link_name: upper, scale: 1.1}, {link_name: lower, scale: 1}]"),
             (Json{"s.yaml: its link_padding of lower", "s.yaml: its link_scale of upper"}));
+  EXPECT_EQ(left_out_of("author: me"), (Json{"s.yaml: key 'author'"}));
   EXPECT_EQ(left_out_of("robot_model_name: leg"),
             (Json{"s.yaml: its robot_model_name, 'leg', which is not the robot's name"}));
   EXPECT_EQ(left_out_of("robot_model_name: arm\nallowed_collision_matrix: {entry_names: [upper, lower], "
