@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "apps/console/failure.hpp"
 #include "apps/console/stopwatch.hpp"
 #include "apps/pages/map_page.hpp"
 #include "apps/query/loads.hpp"
@@ -15,6 +16,7 @@
 #include "mapping/files/map_file.hpp"
 #include "mapping/maps/map_damage.hpp"
 #include "mapping/maps/map_integration.hpp"
+#include "mapping/system/damaged_file.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/thread_time.hpp"
 #include "planning/path/any_angle.hpp"
@@ -296,12 +298,19 @@ class RobotServer : public ProblemServer {
 
   template <typename Work>
   void reported(const StageProblem& problem, std::size_t planner, const Work& work) const {
+    const std::string where = "experiment '" + experiment_.setup.name + "', problem '" + problem.name +
+                              "', planner '" + experiment_.planners[planner].label + "': ";
     try {
       work();
     } catch (const std::invalid_argument& error) {
-      throw std::invalid_argument("experiment '" + experiment_.setup.name + "', problem '" + problem.name +
-                                  "', planner '" + experiment_.planners[planner].label +
-                                  "': " + error.what());
+      throw std::invalid_argument(where + error.what());
+    } catch (const DamagedFile&) {
+      throw;
+    } catch (...) {
+      if (choice_.isolation.is_on) throw;  // it is the outcome of its run
+      throw std::runtime_error(
+          where + "the run ended with an error: " + failure_of(std::current_exception()).sentence +
+          "; --isolate yes makes it an outcome of the run");
     }
   }
 

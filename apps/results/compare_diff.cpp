@@ -33,14 +33,15 @@ using StoredRuns = std::map<RunKey, StoredRun>;
 
 struct StoredResults {
   fs::path file;
-  std::string host, processor, jobs;
+  std::string host, processor, jobs, seed;
   std::map<std::pair<std::string, std::string>, std::string> maps;  ///< SHA-256, by experiment and problem
   std::map<std::string, std::string> robots;                        ///< SHA-256, by experiment; may lack all
   /// Of each experiment what it asked, by what sentences call it, as its database has it; the same of
   /// problems.
   std::map<std::string, std::map<std::string, std::string>> settings;
-  std::map<std::pair<std::string, std::string>, std::string> ends;  ///< start and goals
-  std::map<std::pair<std::string, std::string>, StoredRuns> runs;   ///< by experiment and label
+  std::map<std::pair<std::string, std::string>, std::string> ends;     ///< start and goals
+  std::map<std::pair<std::string, std::string>, StoredRuns> runs;      ///< by experiment and label
+  std::map<std::pair<std::string, std::string>, std::string> options;  ///< in force, JSON; the same
 };
 
 // A database is a program: of views, triggers and generated columns. These bound what it may take.
@@ -103,11 +104,12 @@ class StoredQuery {
 StoredResults load_results(const fs::path& given) {
   StoredResults results;
   results.file = fs::is_directory(given) ? given / "results.sqlite" : given;
-  StoredQuery suites(results.file, "SELECT host, processor, jobs FROM suites");
+  StoredQuery suites(results.file, "SELECT host, processor, jobs, seed FROM suites");
   while (suites.next()) {
     results.host = suites.text(0);
     results.processor = suites.text(1);
     results.jobs = suites.text(2);
+    results.seed = suites.text(3);
   }
   StoredQuery maps(results.file,
                    "SELECT experiments.name, problems.name, map_sha256, start, goals FROM problems JOIN "
@@ -132,12 +134,16 @@ StoredResults load_results(const fs::path& given) {
   StoredQuery runs(
       results.file,
       "SELECT experiments.name, label, problems.name, run, runs.seed, valid, cpu_s, cost_joules, "
-      "length_rad, status FROM runs JOIN problems ON problem = problems.id JOIN experiments ON experiment "
+      "length_rad, status, options FROM runs JOIN problems ON problem = problems.id JOIN experiments ON "
+      "experiment "
       "= experiments.id ORDER BY runs.id");
-  while (runs.next())
-    results.runs[{runs.text(0), runs.text(1)}][{runs.text(2), runs.whole(3), runs.text(4)}] = {
+  while (runs.next()) {
+    const std::pair name(runs.text(0), runs.text(1));
+    results.options[name] = runs.text(10);
+    results.runs[name][{runs.text(2), runs.whole(3), runs.text(4)}] = {
         runs.whole(5) != 0, runs.text(9) == "timed_out" || runs.text(9) == "hung", runs.number(6),
         runs.number_or_nan(7), runs.number(8)};
+  }
   return results;
 }
 
@@ -258,6 +264,42 @@ std::string other_of_problems(const std::string& what, const OfProblems& before,
          ": what changed may be theirs.";
 }
 
+/// "padding (0.0, then 0.01)"
+std::string other_value(const std::string& name, const std::string& before, const std::string& after) {
+  return name + " (" + shortened(before.empty() ? "none" : before) + ", then " +
+         shortened(after.empty() ? "none" : after) + ")";
+}
+
+/// "width (10, then 20), step (none, then 0.1)": of options in JSON those that differ.
+std::string other_options(const std::string& before, const std::string& after) {
+  using Json = nlohmann::ordered_json;
+  const Json old_options = Json::parse(before, nullptr, false),
+             new_options = Json::parse(after, nullptr, false);
+  if (!old_options.is_object() || !new_options.is_object()) return "options";
+  std::map<std::string, std::pair<std::string, std::string>> values;
+  const auto text = [](const Json& value) {
+    return value.is_string() ? value.get<std::string>() : std::string(value.type_name());
+  };
+  for (const auto& [name, value] : old_options.items()) values[name].first = text(value);
+  for (const auto& [name, value] : new_options.items()) values[name].second = text(value);
+  std::string differing;
+  for (const auto& [name, value] : values)
+    if (value.first != value.second)
+      differing += (differing.empty() ? "" : ", ") + other_value(shortened(name), value.first, value.second);
+  return differing;
+}
+
+void add_other_options(const StoredResults& before, const StoredResults& after,
+                       std::vector<std::string>& notes) {
+  for (const auto& [name, options] : before.options) {
+    const auto found = after.options.find(name);
+    if (found == after.options.end() || found->second == options) continue;
+    if (const std::string differing = other_options(options, found->second); !differing.empty())
+      notes.push_back("'" + plain(name.second) + "' in experiment '" + plain(name.first) +
+                      "' was asked with another " + differing + ": what changed may be theirs.");
+  }
+}
+
 void add_other_settings(const StoredResults& before, const StoredResults& after,
                         std::vector<std::string>& notes) {
   for (const auto& [experiment, settings] : before.settings) {
@@ -267,8 +309,7 @@ void add_other_settings(const StoredResults& before, const StoredResults& after,
     for (const auto& [name, value] : settings) {
       const std::string& now = found->second.at(name);
       if (now == value) continue;
-      differing += (differing.empty() ? "" : ", ") + name + " (" + shortened(value.empty() ? "none" : value) +
-                   ", then " + shortened(now.empty() ? "none" : now) + ")";
+      differing += (differing.empty() ? "" : ", ") + other_value(name, value, now);
     }
     if (!differing.empty())
       notes.push_back("Experiment '" + plain(experiment) + "' was asked with another " + differing +
@@ -293,6 +334,7 @@ std::vector<std::string> notes_on(const StoredResults& before, const StoredResul
                                    other_of_problems("starts or goals", before.ends, after.ends)})
     if (!other.empty()) notes.push_back(other);
   add_other_settings(before, after, notes);
+  add_other_options(before, after, notes);
   const auto report_missing = [&](const StoredResults& from, const StoredResults& in) {
     for (const auto& [name, runs] : from.runs) {
       const std::string who = "'" + plain(name.second) + "' in experiment '" + plain(name.first) + "'";
@@ -344,7 +386,10 @@ CompareDiff compare_diff(const fs::path& before_file, const fs::path& after_file
   }
   if (diff.rows.empty())
     throw std::invalid_argument("'" + plain(before.file.string()) + "' and '" + plain(after.file.string()) +
-                                "' have no run in common: expected results of the same suite and seed");
+                                "' have no run in common: expected results of the same suite and seed" +
+                                (before.seed == after.seed ? std::string()
+                                                           : ", got seeds " + shortened(before.seed) +
+                                                                 " and " + shortened(after.seed)));
   correct_rows(diff.rows, [](DiffRow& row) -> double& { return row.success_p; });
   correct_rows(diff.rows, [](DiffRow& row) -> double& { return row.cpu.p; });
   correct_rows(diff.rows, [](DiffRow& row) -> double& { return row.cost.p; });

@@ -160,6 +160,23 @@ TEST(IsolatedRuns, TablesDatabaseAndLogReportThem) {
       << sentences[0];
 }
 
+TEST(IsolatedRuns, WithoutIsolationAnErrorNamesProblemAndPlanner) {
+  const BadCompany company(Deed::throws);
+  CompareChoice choice = company.choice();
+  choice.isolation.is_on = false;
+  try {
+    run_experiment(company.suite, company.prepared, choice);
+    ADD_FAILURE() << "a planner that throws was not heard";
+  } catch (const std::runtime_error& error) {
+    EXPECT_TRUE(std::string(error.what()).starts_with("experiment 'round', problem '")) << error.what();
+    const std::string label = company.prepared.planners[1].label;
+    EXPECT_NE(
+        std::string(error.what()).find("planner '" + label + "': the run ended with an error: a library"),
+        std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(IsolatedRuns, WithoutIsolationFindTheSame) {
   const Suite suite = parse_suite(small_suite, "small.yaml");
   const PreparedExperiment prepared = prepare(suite, suite.experiments[0], {});

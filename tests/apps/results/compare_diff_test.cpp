@@ -161,6 +161,31 @@ TEST(CompareDiff, NamesWhatWasAskedOtherwise) {
   EXPECT_TRUE(compare_diff(new_file, new_file).notes.empty());
 }
 
+TEST(CompareDiff, NamesOptionsOfPlannersAndSeedsThatDiffer) {
+  const TemporaryFolder folder;
+  const auto old_file = folder.path() / "old.sqlite", new_file = folder.path() / "new.sqlite";
+  CompareResults results = results_with([](std::size_t, CompareRun&) {});
+  CompareExperiment& experiment = results.experiments[0];
+  experiment.planners[0].options = {{"width", "10"}, {"depth", "3"}};
+  save_database(results, old_file);
+  experiment.planners[0].options = {{"width", "20"}, {"depth", "3"}, {"turns", "yes"}};
+  save_database(results, new_file);
+  EXPECT_EQ(compare_diff(old_file, new_file).notes,
+            (std::vector<std::string>{
+                "'one' in experiment 'e' was asked with another turns (none, then yes), width "
+                "(10, then 20): what changed may be theirs."}));
+  results.seed = 9;
+  for (CompareProblem& problem : experiment.problems) problem.runs[0].seed = 9;
+  save_database(results, new_file);
+  try {
+    compare_diff(old_file, new_file);
+    ADD_FAILURE() << "runs of other seeds were compared";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_TRUE(std::string(error.what()).ends_with("the same suite and seed, got seeds 1 and 9"))
+        << error.what();
+  }
+}
+
 TEST(CompareDiff, ManyRunsThatAClockTookAreWorse) {
   const auto lost = [](std::size_t count) {
     return diff_with([count](std::size_t i, CompareRun& run) {
