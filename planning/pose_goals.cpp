@@ -123,10 +123,10 @@ PoseGoals::Choices PoseGoals::choices_of(std::size_t goal) const {
   std::stable_sort(blocked.begin(), blocked.end(), is_nearer);
   if (choices.free == 0) choices.configurations = std::move(blocked);
   if (choices.configurations.empty())
-    throw std::invalid_argument(poses_[goal].name + ": no configuration of robot " + quote(robot_.name) +
-                                " within its limits was found that puts link " +
-                                quote(robot_.links[static_cast<std::size_t>(robot_.tip_link)].name) +
-                                " there, expected a pose within reach" + hint_of(wanted));
+    throw UnreachablePose(poses_[goal].name + ": no configuration of robot " + quote(robot_.name) +
+                          " within its limits was found that puts link " +
+                          quote(robot_.links[static_cast<std::size_t>(robot_.tip_link)].name) +
+                          " there, expected a pose within reach" + hint_of(wanted));
   return choices;
 }
 
@@ -208,6 +208,17 @@ Plan plan_to_choices(PlanQuery query, PoseGoals& goals) {
 Plan plan_to_poses(PlanQuery query, PoseGoals goals) {
   Plan plan = plan_to_choices(std::move(query), goals);
   plan.tip = tip_name(goals.robot());
+  return plan;
+}
+
+Plan plan_out_of_reach(PlanQuery query, std::size_t goals, const UnreachablePose& why) {
+  query.goals.assign(goals, query.start);  // of which loads count their legs
+  Plan plan = empty_plan(query, *query.planner);
+  plan.goals.clear();
+  PlanResult refused;
+  refused.status = PlanStatus::goal_invalid;
+  refused.explanation = std::string("The goal is out of reach: ") + why.what() + ".";
+  plan.legs.push_back(std::move(refused));
   return plan;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,12 @@ struct NamedGoalPose {
   std::string name;
 };
 
+/// No configuration was found at a pose, which the sentence names.
+class UnreachablePose : public std::invalid_argument {
+ public:
+  using std::invalid_argument::invalid_argument;
+};
+
 /// Goals that are poses of a link, as configurations. Of each pose those count that inverse kinematics finds,
 /// exactly there or within what the pose leaves open (poses_of). Free ones come before others, those nearest
 /// to the goal before (the first: to the start) come first, and what is exact, or turned about its free axis,
@@ -22,8 +29,8 @@ class PoseGoals {
  public:
   /// @param space must live as long
   /// @param tip link, or end effector of the SRDF, that the poses are of; empty: the robot's own tip
-  /// @throws std::invalid_argument naming the pose when no configuration is there, or when it is not rigid or
-  /// one of its tolerances is out of range; or naming the tip
+  /// @throws UnreachablePose when no configuration is at one; std::invalid_argument naming the pose when it
+  /// is not rigid or one of its tolerances is out of range, or naming the tip
   PoseGoals(const ConfigurationSpace& space, const std::string& tip, std::vector<NamedGoalPose> poses,
             Configuration start);
 
@@ -64,5 +71,8 @@ class PoseGoals {
 /// is theirs.
 /// @throws std::invalid_argument as plan_and_check
 Plan plan_to_poses(PlanQuery query, PoseGoals goals);
+
+/// The answer where a goal is out of reach: goal_invalid, and why. @param goals how many were asked for
+Plan plan_out_of_reach(PlanQuery query, std::size_t goals, const UnreachablePose& why);
 
 }  // namespace clearway

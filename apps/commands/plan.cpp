@@ -289,9 +289,12 @@ int run_plan(const PlanOptions& options, Console& console) {
       padded_space(robot, map, policies, padding, options.robot.seen_within.value_or(0.0));
   if (pick || !goal_poses.empty()) report_tip(options, robot, console);
   std::optional<PoseGoals> at_poses;
-  if (!goal_poses.empty()) {
-    at_poses.emplace(space, options.goal_poses.tip, goal_poses, start);
-    goals = at_poses->goals();
+  std::optional<UnreachablePose> unreachable;
+  try {
+    if (!goal_poses.empty()) at_poses.emplace(space, options.goal_poses.tip, goal_poses, start);
+    if (at_poses) goals = at_poses->goals();
+  } catch (const UnreachablePose& error) {
+    unreachable = error;
   }
   PlanQuery query{.space = space,
                   .start = start,
@@ -307,9 +310,10 @@ int run_plan(const PlanOptions& options, Console& console) {
                   .map_file = options.map,
                   .map_digest = map_sha256(options.map)};
   if (!options.dynamics.gravity.empty()) query.gravity = Eigen::Vector3d(options.dynamics.gravity.data());
-  Plan plan = pick       ? plan_pick(query, *pick)
-              : at_poses ? plan_to_poses(query, *at_poses)
-                         : plan_and_check(query);
+  Plan plan = pick          ? plan_pick(query, *pick)
+              : unreachable ? plan_out_of_reach(query, goal_poses.size(), *unreachable)
+              : at_poses    ? plan_to_poses(query, *at_poses)
+                            : plan_and_check(query);
   plan.map_caveat = joined(plan.map_caveat, cloud);
   if (pick)
     for (const std::string& note : pick_notes(pick_of(plan, *pick, robot, map), padding))

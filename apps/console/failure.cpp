@@ -8,6 +8,7 @@
 
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "planning/pose_goals.hpp"
 
 namespace clearway {
 namespace {
@@ -46,7 +47,8 @@ Failure failure_of(const std::exception_ptr& error) {
   } catch (const std::filesystem::filesystem_error& refused) {
     return {one_line("'" + refused.path1().string() + "' cannot be used: " + refused.code().message())};
   } catch (const std::exception& other) {
-    if (is_exactly<std::invalid_argument>(other) || is_exactly<std::runtime_error>(other))
+    if (is_exactly<std::invalid_argument>(other) || is_exactly<std::runtime_error>(other) ||
+        is_exactly<UnreachablePose>(other))
       return {one_line(other.what())};
     return {"a library that the program uses could not handle its input"};
   } catch (...) {

@@ -83,8 +83,7 @@ TEST_F(GoalPoses, FlagsThatDoNotGoTogetherAreRefusedInOneSentence) {
         Arguments{"--goal", start, "--goal-pose=0.4,0,0.4"},
         Arguments{"--goal-pose=0.4,0,0.4", "--free-axis", "w"},
         Arguments{"--goal-pose=0.4,0,0.4", "--base=0,0,0,0,0,-90"},
-        Arguments{"--goal-pose=0.4,0,0.4", "--turn-tolerance", "4"},
-        Arguments{"--goal-pose=9,0,0.4", "--position-tolerance", "0.1"}}) {
+        Arguments{"--goal-pose=0.4,0,0.4", "--turn-tolerance", "4"}}) {
     const CommandRun run = plan(more);
     EXPECT_EQ(run.status, exit_bad_input) << more[1];
     EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
@@ -100,6 +99,23 @@ TEST_F(GoalPoses, AnglesInDegreesAreRefusedAndWhoMayHaveMeantThemIsTold) {
       << wide.log;
   const CommandRun small = plan({"--goal-pose=0.4,0.35,0.3,3.141592653589793,0,0", "--degrees"});
   EXPECT_NE(small.log.find("--degrees is of joint values"), std::string::npos) << small.log;
+}
+
+TEST_F(GoalPoses, OutOfReachAreAnInvalidGoalAndNoMistakeOfUsage) {
+  const CommandRun far = plan({"--goal-pose=9,0,0", "--json", "--view", folder_.file("far.html")});
+  EXPECT_EQ(far.status, exit_no) << far.log;
+  const auto json = nlohmann::json::parse(far.out);
+  EXPECT_EQ(json["status"], "goal_invalid");
+  EXPECT_TRUE(json["explanation"].get<std::string>().starts_with(
+      "The goal is out of reach: --goal-pose 9,0,0: no configuration of robot 'panda' within its limits "
+      "was "))
+      << json["explanation"];
+  EXPECT_EQ(load_plan(folder_.file("plan.json")).status(), PlanStatus::goal_invalid);
+  EXPECT_EQ(plan({"--goal-pose=9,0,0.4", "--position-tolerance", "0.1"}).status, exit_no);
+  EXPECT_EQ(
+      run_command({"check", folder_.file("plan.json"), "--map", folder_.file("map"), "--robot", "panda"})
+          .status,
+      exit_no);
 }
 
 TEST_F(GoalPoses, OfASetupsQueryAreTheSameForItsPlannersAndCheckedUnderItsRecord) {
