@@ -17,7 +17,7 @@ Command add_calibrate(CLI::App& app, Console& console) {
                    "the ball, by pivoting the probe about it; base: pose of the robot's base, from a board "
                    "on its tip; hand-eye: the same and the camera's pose, from a camera on its tip")
       ->required()
-      ->check(CLI::IsMember({"camera", "board", "probe", "base", "hand-eye"}))
+      ->check(one_of({"camera", "board", "probe", "base", "hand-eye"}))
       ->type_name("camera|board|probe|base|hand-eye");
   add_source(*command, options->source, options->camera_seconds, "source",
              "a recording with images; see replay");
@@ -34,7 +34,7 @@ Command add_calibrate(CLI::App& app, Console& console) {
           "--lens", options->lens,
           "camera: plumb_bob (k1, k2, p1, p2, k3; the default), rational (k4, k5, k6 too, of a wide lens; "
           "refused where a simpler one does as well) or fisheye (k1 to k4 of cv::fisheye)")
-      ->check(CLI::IsMember({"plumb_bob", "rational", "fisheye"}))
+      ->check(one_of({"plumb_bob", "rational", "fisheye"}))
       ->type_name("plumb_bob|rational|fisheye");
   command
       ->add_option("--sensor", options->sensor,

@@ -41,7 +41,7 @@ Command add_tags(CLI::App& app, Console& console) {
       app, "tags", "print tag boards, probes and a calibration board, with the matching setup", console);
   command->add_option("what", "print: sheets as SVG and PDF, and setup.yaml")
       ->required()
-      ->check(CLI::IsMember({"print"}))
+      ->check(one_of({"print"}))
       ->type_name("print");
   command->add_option("--out", options->out, "folder for the sheets and setup.yaml")
       ->required()
@@ -125,7 +125,7 @@ int run_command_line(const std::vector<std::string>& arguments, Console& console
   app.add_option_function<std::string>(
          "--completion", [&app](const std::string& shell) { throw Text{completion(app, shell)}; },
          "print the completion script for bash or zsh")
-      ->check(CLI::IsMember({"bash", "zsh"}))
+      ->check(one_of({"bash", "zsh"}))
       ->type_name("SHELL");
   std::vector<std::pair<std::string, Command>> commands = {
       {"replay", add_replay(app, console)},     {"teach", add_teach(app, console)},

@@ -89,9 +89,7 @@ void add_run_flags(CLI::App& command, const std::shared_ptr<CompareOptions>& opt
           "--isolate", [options](const std::string& text) { options->isolate = text == "yes"; },
           "yes: one process per run, so that crashes, hangs and memory overuse become its outcome; no: all "
           "runs in one process, for debuggers (default: yes)")
-      ->check([](const std::string& text) {
-        return text == "yes" || text == "no" ? std::string{} : "expected yes or no, got '" + text + "'";
-      })
+      ->check(one_of({"yes", "no"}))
       ->type_name("YES|NO");
   command
       .add_option(

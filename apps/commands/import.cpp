@@ -159,10 +159,7 @@ Command add_import(CLI::App& app, Console& console) {
       "robometrics  NAME[] with obstacles (cuboid, cylinder, ...), start, goal_ik, goal_pose; cuRobo worlds");
   command->add_option("kind", options->kind, "mbm, scene, json or robometrics")
       ->required()
-      ->check([](const std::string& text) {
-        const bool is_known = text == "mbm" || text == "scene" || text == "json" || text == "robometrics";
-        return is_known ? std::string() : "expected mbm, scene, json or robometrics, got '" + text + "'";
-      })
+      ->check(one_of({"mbm", "scene", "json", "robometrics"}))
       ->type_name("KIND");
   command->add_option("files", options->files, "files of that kind")->required()->type_name("FILE…");
   command->add_option("--out", options->out, "new folder for suite.yaml, problems, maps and import.json")

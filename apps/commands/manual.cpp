@@ -1,9 +1,14 @@
 #include "apps/commands/manual.hpp"
 
 #include <CLI/CLI.hpp>
-#include <functional>
-#include <utility>
+#include <map>
 #include <vector>
+
+#include "apps/console/flags.hpp"
+#include "apps/console/shipped_file.hpp"
+#include "planning/files/trajectory_file.hpp"
+#include "planning/planner_table.hpp"
+#include "planning/robot_files/load_robot.hpp"
 
 namespace clearway {
 namespace {
@@ -15,7 +20,7 @@ std::string spelling(const CLI::Option& option) {
   std::string names;
   for (const std::string& name : option.get_snames()) names += (names.empty() ? "-" : ",-") + name;
   for (const std::string& name : option.get_lnames()) names += (names.empty() ? "--" : ",--") + name;
-  const std::string type = option.get_items_expected_max() > 0 ? option.get_type_name() : "";
+  const std::string type = option.get_items_expected_max() > 0 ? type_of(option) : "";
   return names + (names.empty() || type.empty() ? "" : " ") + type;
 }
 
@@ -73,28 +78,119 @@ std::string quoted(const std::string& text) {
   return result;
 }
 
+/// What may follow an option, or be a positional.
+struct Offer {
+  std::vector<std::string> values;
+  bool has_files = true;  ///< files may, too
+};
+
+std::vector<std::string> planner_names() {
+  std::vector<std::string> names;
+  for (const PlannerEntry& planner : planner_table()) names.emplace_back(planner.name);
+  return names;
+}
+
+std::vector<std::string> robot_names() {
+  std::vector<std::string> names;
+  for (const auto& [name, description] : available_robots()) names.push_back(name);
+  return names;
+}
+
+std::vector<std::string> format_names() {
+  std::vector<std::string> names;
+  for (const TrajectoryFormat& format : trajectory_formats()) names.emplace_back(format.name);
+  return names;
+}
+
+Offer offer_of(const CLI::Option& option) {
+  if (std::vector<std::string> closed = values_of(option); !closed.empty()) return {closed, false};
+  static const std::vector<std::string> policies{"painted", "known_free", "not_occupied"};
+  static const std::map<std::string, Offer> known{{"robot", {robot_names(), true}},
+                                                  {"planner", {planner_names(), false}},
+                                                  {"policy", {policies, false}},
+                                                  {"clearance", {policies, false}},
+                                                  {"padding", {{"auto"}, false}},
+                                                  {"trajectory", {format_names(), false}},
+                                                  {"planners", {planner_names(), false}},
+                                                  {"setup", {shipped_names("setups"), true}},
+                                                  {"scene", {shipped_names("scenes"), true}},
+                                                  {"suite", {shipped_names("suites"), true}}};
+  const auto found =
+      known.find(option.get_lnames().empty() ? option.get_single_name() : option.get_lnames().front());
+  return found == known.end() ? Offer() : found->second;
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
+  return text;
+}
+
+/// The first that has no name of its own; null: there is none.
+const CLI::Option* first_positional(const CLI::App& command) {
+  for (const CLI::Option* option : command.get_options())
+    if (option->get_positional()) return option;
+  return nullptr;
+}
+
+/// A branch of bash's `case`, for a flag or `first`: what may come then.
+std::string bash_branch(const std::string& pattern, const CLI::Option& option) {
+  const Offer offer = offer_of(option);
+  if (offer.values.empty()) return {};
+  return "        " + pattern + ") values='" + joined(offer.values) + "'" +
+         (offer.has_files ? "" : " closed=yes") + " ;;\n";
+}
+
+std::string bash_branches(const CLI::App& command) {
+  std::string text;
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->get_group().empty() || option->get_lnames().empty()) continue;
+    std::string pattern;
+    for (const std::string& name : option->get_lnames()) pattern += (pattern.empty() ? "--" : "|--") + name;
+    text += bash_branch(pattern, *option);
+  }
+  if (const CLI::Option* first = first_positional(command)) text += bash_branch("first", *first);
+  return text;
+}
+
 std::string bash_completion(const CLI::App& app) {
   std::string text =
       "# bash completion for clearway, written by `clearway --completion bash`\n"
       "_clearway() {\n"
-      "  local word=${COMP_WORDS[COMP_CWORD]} flags=\n"
+      "  local word=${COMP_WORDS[COMP_CWORD]} flag=${COMP_WORDS[COMP_CWORD-1]} flags= values= closed=\n"
       "  if [ \"$COMP_CWORD\" -eq 1 ]; then\n"
       "    COMPREPLY=($(compgen -W '" +
       names_of(app) + " " + flags_of(app) +
       "' -- \"$word\"))\n"
       "    return\n"
       "  fi\n"
+      "  [ \"$flag\" != = ] || flag=${COMP_WORDS[COMP_CWORD-2]}\n"
+      "  [ \"$word\" != = ] || word=\n"
+      "  [ \"$COMP_CWORD\" -ne 2 ] || flag=first\n"
       "  case ${COMP_WORDS[1]} in\n";
-  for (const CLI::App* command : commands_of(app))
-    text += "    " + command->get_name() + ") flags='" + flags_of(*command) + "' ;;\n";
+  for (const CLI::App* command : commands_of(app)) {
+    text += "    " + command->get_name() + ") flags='" + flags_of(*command) + "'\n";
+    if (const std::string branches = bash_branches(*command); !branches.empty())
+      text += "      case $flag in\n" + branches + "      esac\n";
+    text += "      ;;\n";
+  }
   return text +
          "  esac\n"
          "  case $word in\n"
          "    -*) COMPREPLY=($(compgen -W \"$flags\" -- \"$word\")) ;;\n"
-         "    *) COMPREPLY=($(compgen -f -- \"$word\")) ;;\n"
+         "    *) COMPREPLY=($(compgen -W \"$values\" -- \"$word\"))\n"
+         "      [ -n \"$closed\" ] || COMPREPLY+=($(compgen -f -- \"$word\")) ;;\n"
          "  esac\n"
          "}\n"
          "complete -o filenames -F _clearway clearway\n";
+}
+
+/// What zsh is to do for a value.
+std::string zsh_action(const CLI::Option& option) {
+  const Offer offer = offer_of(option);
+  if (offer.values.empty()) return "_files";
+  const std::string values = joined(offer.values);
+  return offer.has_files ? "{compadd " + values + "; _files}" : "(" + values + ")";
 }
 
 std::string zsh_completion(const CLI::App& app) {
@@ -118,9 +214,12 @@ std::string zsh_completion(const CLI::App& app) {
       for (const std::string& name : option->get_lnames())
         text +=
             " \\\n        '*--" + name + "[" + quoted(option->get_description()) + "]" +
-            (option->get_items_expected_max() > 0 ? ":" + quoted(option->get_type_name()) + ":_files" : "") +
+            (option->get_items_expected_max() > 0 ? ":" + quoted(type_of(*option)) + ":" + zsh_action(*option)
+                                                  : "") +
             "'";
     }
+    if (const CLI::Option* first = first_positional(*command))
+      text += " \\\n        '2:" + quoted(type_of(*first)) + ":" + zsh_action(*first) + "'";
     text += " \\\n        '*:file:_files' ;;\n";
   }
   return text + "  esac\n}\n_clearway \"$@\"\n";

@@ -16,10 +16,7 @@ void add_map_flags(CLI::App& command, double& resolution, std::string& integrati
       .add_option("--integration", integration,
                   "how scans free space: safe (no voxel next to a surface), or compatible (with OctoMap); "
                   "default: the setup's, else safe")
-      ->check([](const std::string& text) {
-        return text == "safe" || text == "compatible" ? std::string{}
-                                                      : "expected safe or compatible, got '" + text + "'";
-      })
+      ->check(one_of({"safe", "compatible"}))
       ->type_name("MODE");
   command
       .add_option(

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <sstream>
 
 #include "apps/console/parse.hpp"
 #include "datasets/pictures/video.hpp"
@@ -38,6 +39,41 @@ std::string whole_number(const std::string& text) {
 
 std::string file_name(const std::string& text) { return text.empty() ? "expected a file name, got ''" : ""; }
 
+CLI::Validator one_of(const std::vector<std::string>& values) {
+  std::string expected, set;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    expected += (i == 0 ? "" : i + 1 < values.size() ? ", " : " or ") + values[i];
+    set += (i == 0 ? "{" : ",") + values[i];
+  }
+  return {[=](const std::string& text) {
+            const bool is_known = std::find(values.begin(), values.end(), text) != values.end();
+            return is_known ? std::string() : "expected " + expected + ", got " + quote(text);
+          },
+          set + "}"};
+}
+
+namespace {
+
+/// Where the closed set begins in the name of a type, as CLI11 has it: "AXIS:{x,y,z}".
+std::size_t set_begin(const std::string& type) { return std::min(type.find(":{"), type.size()); }
+
+}  // namespace
+
+std::vector<std::string> values_of(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  const std::size_t begin = set_begin(type);
+  std::vector<std::string> values;
+  if (begin == type.size()) return values;
+  std::istringstream set(type.substr(begin + 2, type.find('}', begin) - begin - 2));
+  for (std::string value; std::getline(set, value, ',');) values.push_back(value);
+  return values;
+}
+
+std::string type_of(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  return type.substr(0, set_begin(type));
+}
+
 Check file_of_kind(const std::string& ending) {
   return [=](const std::string& text) {
     std::string given = std::filesystem::path(text).extension().string();
@@ -50,7 +86,8 @@ Check file_of_kind(const std::string& ending) {
 
 namespace {
 
-/// Help in which only an option that takes several values after its name has "..." behind them.
+/// Help in which only an option that takes several values after its name has "..." behind them, and in which
+/// closed sets stand in descriptions alone.
 class OptionHelp : public CLI::Formatter {
  public:
   std::string make_option_opts(const CLI::Option* option) const override {
@@ -58,6 +95,7 @@ class OptionHelp : public CLI::Formatter {
     const std::string more = " ...";
     if (const auto at = text.find(more); at != std::string::npos && !option->get_allow_extra_args())
       text.erase(at, more.size());
+    if (const auto at = text.find(":{"); at != std::string::npos) text.erase(at, text.find('}', at) + 1 - at);
     return text;
   }
 };
@@ -307,7 +345,7 @@ void add_goal_poses(CLI::App& command, GoalPoseChoice& choice, const std::string
   command
       .add_option("--free-axis", choice.free_axis,
                   "axis of the tip about which it may turn as it likes at a goal pose: x, y or z")
-      ->check(CLI::IsMember({"x", "y", "z"}))
+      ->check(one_of({"x", "y", "z"}))
       ->type_name("AXIS");
 }
 

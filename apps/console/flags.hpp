@@ -3,12 +3,14 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "apps/console/commands.hpp"
 
 namespace CLI {
 class App;
 class Option;
+class Validator;
 }  // namespace CLI
 
 namespace clearway {
@@ -27,6 +29,11 @@ Check number(const std::string& expected, double low, double high);
 Check positive();                                   ///< at most 1e9
 std::string whole_number(const std::string& text);  ///< at most 2^64 - 1
 std::string file_name(const std::string& text);
+/// One of these, which completion offers, too.
+CLI::Validator one_of(const std::vector<std::string>& values);
+/// Those of an option, empty where it takes others; and its type as help has it, without them.
+std::vector<std::string> values_of(const CLI::Option& option);
+std::string type_of(const CLI::Option& option);
 Check file_of_kind(const std::string& ending);  ///< a name that ends in ".mp4", in whatever case
 
 /// A command with the flags that all have: --quiet, --json.

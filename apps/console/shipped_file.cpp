@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <stdexcept>
-#include <vector>
 
 #include "mapping/system/nearest_name.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -12,17 +11,22 @@ namespace clearway {
 
 namespace fs = std::filesystem;
 
+std::vector<std::string> shipped_names(const std::string& folder) {
+  std::error_code failed;
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(datasets_folder() / folder, failed))
+    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
 fs::path shipped_file(const std::string& folder, const fs::path& given) {
   std::error_code failed;
   if (given.filename() != given || given.has_extension() || fs::is_regular_file(given, failed)) return given;
-  std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(datasets_folder() / folder, failed)) {
-    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
-  }
+  const std::vector<std::string> names = shipped_names(folder);
   if (std::find(names.begin(), names.end(), given) != names.end())
     return datasets_folder() / folder / (given.string() + ".yaml");
   if (fs::exists(given, failed)) return given;  // refused by its reader, in a sentence
-  std::sort(names.begin(), names.end());
   const std::string start = "no file and none of the " + folder + " is called " + quote(given.string());
   if (names.empty()) {
     throw std::invalid_argument(start + ": there are none at " +

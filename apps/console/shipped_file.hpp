@@ -2,8 +2,12 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace clearway {
+
+/// Names of those that come with the program, sorted. @param folder below datasets: "setups"
+std::vector<std::string> shipped_names(const std::string& folder);
 
 /// The file that a user's word means: a path as it is, or the name of a description that comes with the
 /// program, as "quick" for datasets/suites/quick.yaml. A file of that name in the working folder goes first.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <regex>
 #include <set>
 
@@ -35,6 +36,41 @@ TEST(Manual, NamesEveryVariableOfTheEnvironment) {
   EXPECT_GE(variables.size(), 2U);
   for (const std::string& variable : variables)
     EXPECT_NE(page.find(".B " + variable + "\n"), std::string::npos) << variable;
+}
+
+/// What bash offers for the last of these words.
+std::string offered(const std::string& words) {
+  const TemporaryFolder folder;
+  folder.write("own.urdf", "");
+  folder.write("completion", run_command({"--completion", "bash"}).out);
+  folder.write("ask",
+               "cd '" + folder.path().string() + "'; source completion\nCOMP_WORDS=(" + words +
+                   ")\nCOMP_CWORD=$((${#COMP_WORDS[@]} - 1))\n_clearway\necho ${COMPREPLY[*]} > said\n");
+  EXPECT_EQ(std::system(("bash " + folder.file("ask")).c_str()), 0) << words;
+  const std::string said = read_file(folder / "said");
+  return said.substr(0, said.find('\n'));
+}
+
+TEST(Completion, OffersWhatAnOptionTakes) {
+  EXPECT_EQ(offered("clearway pl"), "plan planners");
+  EXPECT_EQ(offered("clearway plan --planner bou"), "boundary boundary_plus boundary_sides");
+  EXPECT_EQ(offered("clearway plan --planner = bea"), "beam beam_guided beam_reference");
+  EXPECT_EQ(offered("clearway check --policy ''"), "painted known_free not_occupied");
+  EXPECT_EQ(offered("clearway plan --free-axis ''"), "x y z");
+  EXPECT_EQ(offered("clearway plan --export ros"), "ros ros-json");
+  EXPECT_EQ(offered("clearway compare quick --isolate ''"), "yes no");
+  EXPECT_EQ(offered("clearway plan --robot p"), "panda planar2 point puma560 puma560_miniature");
+  EXPECT_EQ(offered("clearway plan --robot o"), "own.urdf");
+  EXPECT_EQ(offered("clearway calibrate ''"), "camera board probe base hand-eye");
+  EXPECT_EQ(offered("clearway replay o"), "own.urdf");
+  EXPECT_EQ(offered("clearway replay r --integration com"), "compatible");
+}
+
+TEST(Completion, HelpAndManualNameATypeWithoutItsValues) {
+  EXPECT_NE(run_command({"plan", "--help"}).out.find("--free-axis AXIS "), std::string::npos);
+  EXPECT_NE(run_command({"--manual"}).out.find("\\-\\-free\\-axis AXIS\n"), std::string::npos);
+  const CommandRun run = run_command({"plan", "--map", "m", "--free-axis", "w"});
+  EXPECT_NE(run.log.find("--free-axis: expected x, y or z, got 'w'"), std::string::npos) << run.log;
 }
 
 /// "..." stands in a command's help where several values may follow one flag, and nowhere else.
