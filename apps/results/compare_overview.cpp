@@ -108,7 +108,10 @@ CompareOverview overview(const CompareResults& results) {
       continue;
     }
     ++(experiment.problems.empty() ? all.without_runs : all.experiments);
-    if (!experiment.problems.empty()) add(experiment, e, labels);
+    if (experiment.problems.empty()) continue;
+    add(experiment, e, labels);
+    const std::string unit = length_unit(experiment);
+    all.length_unit = all.length_unit.empty() || all.length_unit == unit ? unit : "rad or m";
   }
   std::set<SeededProblem> keys;
   for (const LabelRuns& label : labels)
@@ -131,7 +134,7 @@ std::vector<std::vector<std::string>> overview_table(const CompareOverview& all)
   if (!all.adds_up()) return {};
   std::vector<std::vector<std::string>> rows{{"planner", "experiments", "solved / valid / total",
                                               "valid % (95 %)", "median s", "p95 s", "CPU s", "shared: s",
-                                              "cost J", "length rad", "unsolved"}};
+                                              "cost J", "length " + all.length_unit, "unsolved"}};
   for (const OverviewRow& row : all.planners)
     rows.push_back({row.who.label + (row.is_comparable ? "" : " *"),
                     std::to_string(row.experiments) + " of " + std::to_string(all.experiments),
@@ -174,13 +177,10 @@ Json overview_json(const CompareOverview& all) {
     json["shared"] = summary_json(row.who, row.shared);
     planners.push_back(json);
   }
-  return {{"experiments", all.experiments},
-          {"experiments_without_runs", all.without_runs},
-          {"experiments_of_teams", all.teams},
-          {"runs", all.runs},
-          {"shared_runs", all.shared},
-          {"notes", overview_notes(all)},
-          {"planners", planners}};
+  return {{"experiments", all.experiments},    {"experiments_without_runs", all.without_runs},
+          {"experiments_of_teams", all.teams}, {"runs", all.runs},
+          {"shared_runs", all.shared},         {"length_unit", all.length_unit},
+          {"notes", overview_notes(all)},      {"planners", planners}};
 }
 
 }  // namespace clearway

@@ -27,6 +27,7 @@ struct CompareOverview {
   std::size_t teams = 0;              ///< experiments of teams, which are not in it
   std::size_t runs = 0;               ///< problems and seeds that any planner ran
   std::size_t shared = 0;             ///< of these, that all comparable planners solved with a valid path
+  std::string length_unit{};          ///< of all their paths: as of an experiment, else "rad or m"
   std::vector<OverviewRow> planners;  ///< comparable ones first, each in the order of the suite
 
   /// Whether a planner has runs in two experiments or more; else there is nothing to add up.

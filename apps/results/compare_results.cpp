@@ -1,5 +1,6 @@
 #include "apps/results/compare_results.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -99,11 +100,17 @@ std::vector<std::vector<std::string>> team_table(const CompareExperiment& experi
 
 }  // namespace
 
+std::string length_unit(const CompareExperiment& experiment) {
+  const auto& slides = experiment.is_prismatic;
+  if (std::find(slides.begin(), slides.end(), true) == slides.end()) return "rad";
+  return std::find(slides.begin(), slides.end(), false) == slides.end() ? "m" : "rad and m";
+}
+
 std::vector<std::vector<std::string>> summary_table(const CompareExperiment& experiment) {
   if (experiment.setup.teams) return team_table(experiment);
   std::vector<std::vector<std::string>> rows{{"planner", "solved / valid / total", "median s", "p95 s",
-                                              "CPU s", "check s", "cost J", "length rad", "steps",
-                                              "unsolved"}};
+                                              "CPU s", "check s", "cost J",
+                                              "length " + length_unit(experiment), "steps", "unsolved"}};
   for (std::size_t i = 0; i < experiment.planners.size(); ++i) {
     const CompareSummary sum = summary(experiment, i);
     rows.push_back({experiment.planners[i].label, counts_text(sum), cell_text(sum.time_median),

@@ -103,6 +103,9 @@ struct CompareExperiment {
   std::vector<CompareProfile> profiles;  ///< first problem, first run of each planner that found a path
 };
 
+/// Of the length of a path in joint space: "rad", "m", or "rad and m", which count alike.
+std::string length_unit(const CompareExperiment& experiment);
+
 /// What `clearway compare` found, and where and when.
 struct CompareResults {
   std::string suite, title, file;

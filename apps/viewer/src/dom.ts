@@ -11,6 +11,18 @@ export function el<K extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
+/// What a reader of the screen says of a plot, which is a picture to it.
+export function nameCanvas(plot: { ctx: CanvasRenderingContext2D }, name: string): void {
+  plot.ctx.canvas.setAttribute("role", "img");
+  plot.ctx.canvas.setAttribute("aria-label", name);
+}
+
+/// With the digits that are known: so many that the last one is not much finer than `step`.
+export const toStep = (value: number, step: number) => Number(value.toFixed(Math.min(9, Math.max(0, Math.round(-Math.log10(step)))))).toString();
+
+/// Of a place that is exact: no digits that say nothing.
+export const exactMetres = (value: number) => `${Number(value.toFixed(6))} m`;
+
 export const grouped = (count: number) => count.toLocaleString("en-US");
 
 /// Three digits at most.

@@ -1,7 +1,7 @@
 // Slices of the map as pictures, for browsers that cannot draw it in 3D.
 
 import type { Arrays, Page } from "./data";
-import { byId, el } from "./dom";
+import { byId, el, exactMetres } from "./dom";
 import { sliceMask, type Faces } from "./faces";
 import { labelOf, sliceColor, sliceOrder, unpackAll } from "./map_layers";
 
@@ -9,7 +9,7 @@ export class FlatSlices {
   private readonly sets: Faces[];
   private readonly low: number[];
   private readonly high: number[];
-  private readonly canvas = el("canvas", { class: "flat-slice" });
+  private readonly canvas = el("canvas", { class: "flat-slice", role: "img" });
   private readonly axis = el("select", { "aria-label": "Slice across" });
   private readonly slider = el("input", { type: "range", step: "1", "aria-label": "Slice position" });
   private readonly value = el("output", {});
@@ -49,7 +49,7 @@ export class FlatSlices {
   }
 
   private metres(cell: number): string {
-    return `${((cell - this.page.origin) * this.page.resolution).toFixed(2)} m`;
+    return exactMetres((cell - this.page.origin) * this.page.resolution);
   }
 
   /// Right and up are the map's axes that `inspect --slice` takes.
@@ -84,7 +84,8 @@ export class FlatSlices {
     const [across, upwards] = turned ? [v, u] : [u, v];
     this.caption.textContent = `${"xyz"[across]} from ${this.metres(this.low[across])} at the left to ${this.metres(this.high[across])}, `
       + `${"xyz"[upwards]} from ${this.metres(this.low[upwards])} at the bottom to ${this.metres(this.high[upwards])}`;
-    this.value.textContent = `${"xyz"[a]} = ${((layer + 0.5 - this.page.origin) * this.page.resolution).toFixed(3)} m`;
+    this.value.textContent = `${"xyz"[a]} = ${this.metres(layer + 0.5)}`;
+    this.canvas.setAttribute("aria-label", `Slice of the map at ${this.value.textContent}: ${this.caption.textContent}`);
     document.body.dataset.slice = String(voxels);
   }
 }

@@ -46,7 +46,7 @@ async function show(): Promise<void> {
   if (innerWidth < 760) byId<HTMLDetailsElement>("layers").open = false;
   document.body.classList.toggle("map-only", page.plans.length === 0);
   showNames(page);
-  showWarnings(page.warnings);
+  showWarnings(options.strange === "" ? page.warnings : [options.strange, ...page.warnings]);
   showFigures(page.figures);
   showTables(page.tables);
   const playback = new Playback();

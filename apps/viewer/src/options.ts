@@ -1,6 +1,10 @@
 // What the address after '#' asks for, so that a script can choose what a picture shows:
 //   #plan=1&t=0.5&dark=1&view=iso&cut=z:0.3&layers=painted,occupied,robot&opacity=0.4&picture
 
+import { strangeWords } from "./address";
+
+const kKnown = ["plan", "t", "dark", "view", "cut", "layers", "opacity", "fit", "picture", "color", "path", "recording", "nowebgl"];
+
 export interface Cut { axis: 0 | 1 | 2; at: number; flipped: boolean }
 
 export interface Options {
@@ -18,6 +22,7 @@ export interface Options {
   color: string;             // of voxels: state, height, age, volume
   path: string;              // of the tip's path: plain, clearance, phase, step
   recording: number | null;  // where in the recording, 0 to 1; null: not shown
+  strange: string;           // a sentence about words that mean nothing here; else empty
 }
 
 function parseCuts(text: string | null): Cut[] {
@@ -52,6 +57,7 @@ export function readOptions(usual: string): Options {
     color: hash.get("color") ?? "state",
     path: hash.get("path") ?? "plain",
     recording: hash.has("recording") ? Math.min(1, Math.max(0, numberOr(hash.get("recording"), 0))) : null,
+    strange: strangeWords(kKnown, ["nowebgl"]),
     webgl: !(query.has("nowebgl") || hash.has("nowebgl")),
   };
 }

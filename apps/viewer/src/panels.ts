@@ -73,7 +73,8 @@ const isNumber = (text: string) => /^[-+−]?[\d.,]+(e[-+]?\d+)?\s*(%|[a-zµ°²
 
 function tableOf(table: Table): HTMLElement {
   const numeric = table.header.map((_, c) => table.rows.length > 0 && table.rows.every((row) => isNumber(row[c] ?? "")));
-  const cell = (tag: "td" | "th", text: string, c: number) => el(tag, numeric[c] ? { class: "number" } : {}, text);
+  const cell = (tag: "td" | "th", text: string, c: number) =>
+    el(tag, { ...(numeric[c] ? { class: "number" } : {}), ...(tag === "th" ? { scope: "col" } : {}) }, text);
   return el("div", { class: "table-box", tabindex: "0", role: "region", "aria-label": table.name },
     el("table", {},
        el("thead", {}, el("tr", {}, ...table.header.map((name, c) => cell("th", name, c)))),

@@ -66,6 +66,7 @@ export class Stage {
     this.renderer = new WebGLRenderer({ antialias: exact || !software });
     this.renderer.localClippingEnabled = true;
     const canvas = this.renderer.domElement;
+    canvas.setAttribute("aria-label", "The map in 3D");
     box.prepend(canvas);
     canvas.addEventListener("webglcontextlost", onLost);
     this.camera.up.set(0, 0, 1);

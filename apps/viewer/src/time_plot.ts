@@ -2,7 +2,7 @@
 
 import uPlot from "uplot";
 import type { Plan } from "./data";
-import { el } from "./dom";
+import { el, nameCanvas } from "./dom";
 import { palette } from "./palette";
 
 const kFont = "11px system-ui, sans-serif";
@@ -47,6 +47,7 @@ export class TimePlot {
       cursor: { drag: { x: false, y: false }, sync: { key: "plan" }, points: { size: 6 }, y: false },
       ...options,
     }, data, box);
+    nameCanvas(this.plot, `${box.closest("section")?.querySelector("h2")?.textContent ?? "Plot"} against ${scale.label === "s" ? "time" : "waypoints"}: ${options.series.slice(1).map(({ label }) => label).join(", ")}`);
     this.head.style.background = ink;
     box.style.setProperty("--cursor", muted);
     this.plot.over.append(this.head);

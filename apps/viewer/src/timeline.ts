@@ -22,7 +22,7 @@ export class RecordingTimeline {
   onTime: (time: number | null) => void = () => {};
   private readonly box = byId<HTMLDetailsElement>("recording");
   private readonly slider = el("input", { type: "range", min: "0", step: "any", "aria-label": "Time in the recording" });
-  private readonly canvas = el("canvas", { class: "lanes" });
+  private readonly canvas = el("canvas", { class: "lanes", role: "img", "aria-label": `The recording in time: ${kLanes.join(", ")}` });
   private readonly picture = el("img", { alt: "" });
   private readonly text = el("p", { class: "recording-text", "aria-live": "polite" });
   private readonly images: Float32Array;

@@ -1,12 +1,12 @@
 // What the page knows of a voxel that was clicked, and the command that prints the rest.
 
 import type { Arrays, Page } from "./data";
-import { byId, el, grouped, millimetres } from "./dom";
+import { byId, el, grouped, millimetres, toStep } from "./dom";
 import type { EvidenceGrid } from "./evidence";
 import type { Hit } from "./pick";
 
 const three = (value: number) => Number(value.toPrecision(3)).toString();
-const probability = (odds: number) => three(1 - 1 / (1 + Math.exp(odds)));
+const probability = (odds: number) => (1 - 1 / (1 + Math.exp(odds))).toFixed(2);
 
 /// For a shell.
 const quoted = (text: string) => /^[\w@%+=:,./-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`;
@@ -24,12 +24,13 @@ export class VoxelAnswer {
   show(hit: Hit | null): void {
     this.box.hidden = hit === null;
     if (!hit) return;
-    const digits = Math.max(3, Math.ceil(1 - Math.log10(this.page.resolution)));  // well inside the voxel
-    const center = hit.voxel.map((c) => (c + 0.5 - this.page.origin) * this.page.resolution);
-    const place = center.map((c) => c.toFixed(digits));
+    const inMap = (c: number) => (c - this.page.origin) * this.page.resolution;
+    const center = hit.voxel.map((c) => inMap(c + 0.5));
+    const place = center.map((c) => Number(c.toFixed(6)).toString());
     const cell = this.page.voxels.find((set) => set.state === hit.state)!.cell;
+    const about = cell > 1 ? hit.voxel.map((c) => toStep(inMap((Math.floor(c / cell) + 0.5) * cell), 0.5 * cell * this.page.resolution)) : place;
     const rows: [string, string][] = [
-      [cell > 1 ? "drawn cube" : "voxel", `${place.join(", ")} m (${millimetres(cell * this.page.resolution)})`],
+      [cell > 1 ? "drawn cube" : "voxel", `${about.join(", ")} m (${millimetres(cell * this.page.resolution)})`],
       ["state", this.labelOf(hit.state)],
       ["inside exact balls of", this.ballsAround(center)], ...this.paintedInto(center), ...this.conflict(hit)];
     const list = (entries: [string, string][]) => el("dl", {}, ...entries.filter(([, text]) => text !== "")
@@ -45,14 +46,15 @@ export class VoxelAnswer {
 
   private evidence(hit: Hit): [string, string][] {
     if (this.grid.cells === 0) return [];
-    const { times } = this.grid.about, known = this.grid.at(hit.voxel, this.page.origin);
+    const { times, odds } = this.grid.about, known = this.grid.at(hit.voxel, this.page.origin);
+    const step = (range: number[]) => (range[1] - range[0]) / 254 || 1;  // a byte says no more
     const rows: [string, string][] = [];
     if (known.odds) {
-      const [low, high] = known.odds, both = three(low) !== three(high);
-      rows.push(["sensors", both ? `log-odds ${three(low)} … ${three(high)}` : `log-odds ≈ ${three(high)}, probability ${probability(high)}`]);
+      const [low, high] = known.odds.map((value) => toStep(value, step(odds)));
+      rows.push(["sensors", low !== high ? `log-odds ${low} … ${high}` : `log-odds ≈ ${high}, probability ${probability(known.odds[1])}`]);
     } else rows.push(["sensors", `never observed`]);
     if (known.look !== null)
-      rows.push(["last seen", `≈ ${three(times[1] - known.look)} s before the newest look`]);
+      rows.push(["last seen", `≈ ${toStep(times[1] - known.look, step(times))} s before the newest look`]);
     else if (known.odds) rows.push(["last seen", "at a time that the map does not know"]);
     if (known.volume !== null)
       rows.push(["painted by", known.volume === "several" ? "several volumes" : this.page.volumes[known.volume]]);

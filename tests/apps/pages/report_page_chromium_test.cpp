@@ -209,9 +209,32 @@ TEST_F(ReportPageInChromium, CutsAlongAllAxesAtOnce) {
 TEST_F(ReportPageInChromium, ShowsSlicesAsPicturesWhereThereIsNoWebGl) {
   const std::string dom = open(render_report_page(SamplePage::make()), "#nowebgl");
   EXPECT_EQ(attribute(dom, "errors"), "0") << errors(dom);
-  EXPECT_NE(dom.find("<canvas class=\"flat-slice\""), std::string::npos);
+  EXPECT_NE(dom.find("<canvas class=\"flat-slice\" role=\"img\""), std::string::npos);
+  EXPECT_NE(dom.find("aria-label=\"Slice of the map at z = "), std::string::npos);
   ASSERT_NE(attribute(dom, "slice"), "");
   EXPECT_GT(std::stoi(attribute(dom, "slice")), 100);
+}
+
+TEST_F(ReportPageInChromium, TellsOfWordsOfItsAddressThatItDoesNotKnow) {
+  const std::string html = render_report_page(SamplePage::make());
+  const std::string dom = open(html, "?opne=1#nowebgl&plna=1&tables");
+  EXPECT_EQ(attribute(dom, "errors"), "0") << errors(dom);
+  EXPECT_NE(
+      dom.find(
+          "The address asks for #plna, ?opne, which this page does not know. Expected behind '#': plan, t, "),
+      std::string::npos);
+  EXPECT_EQ(open(html, "#nowebgl&plan=1").find("The address asks for"), std::string::npos);
+}
+
+TEST_F(ReportPageInChromium, NamesItsPicturesAndTheColumnsOfItsTables) {
+  const std::string dom = open(render_report_page(SamplePage::make()), "#nowebgl&plan=1");
+  EXPECT_NE(dom.find("role=\"img\" aria-label=\"Joint profiles against waypoints: "), std::string::npos);
+  EXPECT_NE(dom.find("<th scope=\"col\""), std::string::npos);
+  for (std::size_t at = 0; (at = dom.find("<th", at)) != std::string::npos; ++at)
+    if (dom[at + 3] == ' ' || dom[at + 3] == '>') {
+      const std::string tag = dom.substr(at, dom.find('>', at) - at);
+      EXPECT_NE(tag.find("scope=\"col\""), std::string::npos) << tag;
+    }
 }
 
 /// 64 x 64 columns of voxels, each of its own: more surface than a slow browser can turn.
@@ -317,7 +340,7 @@ TEST_F(ReportPageInChromium, AnswersAClickOnAVoxelAsInspectDoes) {
   ASSERT_NE(at, std::string::npos);
   const std::string answer = dom.substr(at, dom.find("recording", at) - at);
   for (const char* part :
-       {"<dd>occupied</dd>", "In the cube of 160 mm that holds it:", "log-odds ≈ 1.5, probability 0.818",
+       {"<dd>occupied</dd>", "In the cube of 160 mm that holds it:", "log-odds ≈ 1.5, probability 0.82",
         "s before the newest look", "clearway inspect 'a map'\\''s folder' --at="})
     EXPECT_NE(answer.find(part), std::string::npos) << part << "\n" << answer;
 }

@@ -104,6 +104,18 @@ TEST(CompareOverview, SumsEveryRunOfALabelWhateverTheExperiment) {
   for (const OverviewRow& row : all.planners) expect_row(row, flat(results));
 }
 
+TEST(CompareOverview, PathsHaveTheUnitOfTheirJoints) {
+  CompareResults results = drawn({7, 13});
+  results.experiments[0].is_prismatic = {false, false};
+  results.experiments[1].is_prismatic = {false, false};
+  EXPECT_EQ(overview(results).length_unit, "rad");
+  results.experiments[0].is_prismatic = {false, true};
+  EXPECT_EQ(length_unit(results.experiments[0]), "rad and m");
+  EXPECT_EQ(overview(results).length_unit, "rad or m");
+  results.experiments[0].is_prismatic = results.experiments[1].is_prismatic = {true};
+  EXPECT_EQ(overview_table(overview(results))[0][9], "length m");
+}
+
 TEST(CompareOverview, OnlyPlannersThatRanAllOfItAreComparable) {
   const CompareOverview all = overview(drawn({7, 13, 20}));
   EXPECT_TRUE(all.planners[0].is_comparable);

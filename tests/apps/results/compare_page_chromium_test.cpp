@@ -41,6 +41,12 @@ TEST_F(ComparePageInChromium, DrawsEveryPlotAndTableWithoutAnError) {
     std::size_t canvases = 0;
     for (std::size_t at = 0; (at = dom.find("<canvas", at)) != std::string::npos; ++at) ++canvases;
     EXPECT_EQ(canvases, 9U);
+    EXPECT_NE(
+        dom.find("role=\"img\" aria-label=\"Share solved against beam width: runs, % against beam width k\""),
+        std::string::npos);
+    for (const char* head : {">length, m<", ">length, rad<", ">shared: length, rad or m<"})
+      EXPECT_NE(dom.find(head), std::string::npos) << head;
+    EXPECT_EQ(dom.find("The address asks for"), std::string::npos);
   }
 }
 
@@ -54,6 +60,8 @@ TEST_F(ComparePageInChromium, DrawsNothingAgainstAWidthThatNoPlannerHas) {
   EXPECT_EQ(attribute(dom, "ready"), "1");
   EXPECT_EQ(attribute(dom, "errors"), "0") << errors(dom);
   EXPECT_NE(dom.find("rrtconnect"), std::string::npos);
+  const std::string strange = open(read_file(folder.file("out/report.html")), "#drak=1", kNoWebGl);
+  EXPECT_NE(strange.find("The address asks for #drak, which this page does not know."), std::string::npos);
   EXPECT_EQ(dom.find("against beam width<"), std::string::npos);
 }
 

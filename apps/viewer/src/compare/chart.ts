@@ -1,7 +1,7 @@
 // One plot of uPlot with labelled axes and a legend of its own; drawn anew when the theme or the width changes.
 
 import uPlot from "uplot";
-import { el } from "../dom";
+import { el, nameCanvas } from "../dom";
 import { palette } from "../palette";
 
 const kFont = "12px system-ui, sans-serif";
@@ -161,6 +161,7 @@ export class Chart {
       hooks: { draw: [(u) => { if (diagonal) drawDiagonal(u); drawBounds(u, lines); drawDots(u, lines); }] },
     }, aligned(lines), this.box);
     this.box.style.color = ink;
+    nameCanvas(this.plot, `${this.options.title}: ${this.options.y} against ${this.options.x}`);
     this.keys.replaceChildren(...lines.map((line) => el("span", { class: "key" },
       el("i", { style: `background:${colorOf(line.color)}`, class: dashOf(line.color) ? "dashed" : "" }), line.name)));
   }

@@ -19,7 +19,7 @@ export interface OverviewRow extends Planner {
   comparable: boolean;                      // it has all the runs that any planner has
   shared: Planner;                          // of the runs that all comparable planners solved
 }
-export interface Overview { experiments: number; runs: number; shared_runs: number; notes: string[]; planners: OverviewRow[] }
+export interface Overview { experiments: number; runs: number; shared_runs: number; length_unit: string; notes: string[]; planners: OverviewRow[] }
 
 /// As sweeps_json (apps/results/compare_resolutions.cpp) writes it: experiments that differ in resolution alone.
 export interface Sweep {

@@ -1,5 +1,6 @@
 // The page of `clearway compare`: reads what the program wrote into it, and shows it.
 
+import { strangeWords } from "../address";
 import "../errors";
 import { byId, el } from "../dom";
 import { isDark } from "../palette";
@@ -38,6 +39,8 @@ page.experiments.forEach((experiment, i) => {
   charts.push(...made.charts);
   byId("contents").append(el("a", { href: `#e${i}` }, experiment.title || experiment.name));
 });
+const strange = strangeWords(["dark"], []);
+if (strange !== "") byId("subtitle").after(el("p", { class: "bad", role: "status" }, strange));
 byId("contents").hidden = page.experiments.length < 2;
 setTheme(asked === null ? systemDark.matches : asked === "1");
 byId("theme").addEventListener("click", () => setTheme(!isDark()));

@@ -59,8 +59,11 @@ function successCells(planner: Planner): HTMLElement[] {
 
 const timeCells = (planner: Planner) => [planner.time_median_s, planner.cpu_median_s, planner.time_p95_s].map((value) => cell(seconds(value), value));
 
+/// Of the length of a path in joint space, in which turns and slides count alike.
+const lengthUnit = ({ prismatic }: Experiment) => !prismatic.includes(true) ? "rad" : !prismatic.includes(false) ? "m" : "rad and m";
+
 function table(experiment: Experiment): HTMLElement {
-  const head = ["planner", "runs", "solved / valid / total", "success, % (95\u00a0%)", "time, median", "CPU, median", "time, p95", "cost, J", "length, rad", "steps", "not solved"];
+  const head = ["planner", "runs", "solved / valid / total", "success, % (95\u00a0%)", "time, median", "CPU, median", "time, p95", "cost, J", `length, ${lengthUnit(experiment)}`, "steps", "not solved"];
   const rows = experiment.planners.map((planner, p) => el("tr", {}, nameCell(planner, p), ...successCells(planner), ...timeCells(planner),
     cell(figure(planner.cost_median_joules), planner.cost_median_joules), cell(figure(planner.length_median_rad), planner.length_median_rad),
     cell(figure(planner.steps_median, 6), planner.steps_median), el("td", {}, unsolved(planner))));
@@ -70,7 +73,7 @@ function table(experiment: Experiment): HTMLElement {
 /// All experiments of single robots: only planners with the same runs are told apart by it, and the others say so.
 export function overviewSection(overview: Overview): HTMLElement {
   const head = ["planner", "experiments", "runs", "solved / valid / total", "success, % (95\u00a0%)", "time, median", "CPU, median", "time, p95",
-                "shared: time", "shared: cost, J", "shared: length, rad", "not solved"];
+                "shared: time", "shared: cost, J", `shared: length, ${overview.length_unit}`, "not solved"];
   const rows = overview.planners.map((row, p) => {
     const part = row.comparable ? [] : [el("small", { class: "mark", title: `It has ${row.total} of the ${overview.runs} runs` }, "* only some runs")];
     const mixed = row.same_options ? [] : [el("small", { class: "mark", title: "Planner or options differ between experiments; shown are the first one's" }, "options differ")];
@@ -170,7 +173,7 @@ function teamTable(experiment: Experiment, [head, ...rows]: string[][]): HTMLEle
     return cell;
   };
   return el("div", { class: "table-box", tabindex: "0", role: "region", "aria-label": experiment.name },
-    el("table", {}, el("thead", {}, el("tr", {}, ...head.map((name, i) => el("th", i === 0 || i === head.length - 1 ? {} : { class: "number" }, name)))),
+    el("table", {}, el("thead", {}, el("tr", {}, ...head.map((name, i) => el("th", i === 0 || i === head.length - 1 ? { scope: "col" } : { class: "number", scope: "col" }, name)))),
        el("tbody", {}, ...rows.map((row, p) => { const [name, ...rest] = cells(row); return el("tr", {}, first(name, p), ...rest); }))));
 }
 
