@@ -102,8 +102,9 @@ bool FreeSpaceMap::remove_last_volume() {
 PaintCounts FreeSpaceMap::paint(int volume, const Sphere& sphere, double time) {
   state().check_sphere(volume, sphere, time);
   require_paintable(sphere, time, state().options.resolution);
+  state().paint.paint(volume, sphere,
+                      time);  // first: where memory ends, no voxel is painted without its ball
   const PaintTally tally = state().tree.paint(volume, sphere);
-  state().paint.paint(volume, sphere, time);
   state().conflicts.painted(sphere, state().options.resolution, tally.new_conflicts, time,
                             state().paint.open_stroke(), volume);
   return {tally.painted, tally.newly, tally.conflicts};
@@ -127,7 +128,9 @@ void FreeSpaceMap::end_stroke() { state().paint.end_stroke(); }
 
 int FreeSpaceMap::undo_stroke() {
   const int last = state().paint.last_stroke();
-  return last < 0 ? -1 : undo_stroke(last);
+  if (last >= 0) return undo_stroke(last);
+  end_stroke();
+  return -1;
 }
 
 int FreeSpaceMap::undo_stroke(int stroke) {

@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "mapping/system/number_text.hpp"
+#include "mapping/system/plain_text.hpp"
+#include "planning/robot/joint_names.hpp"
 
 namespace clearway {
 
@@ -59,9 +61,14 @@ void LiveControl::TakeApart::operator()(Map* map) const { delete map; }
 
 LiveControl::ReadyMap LiveControl::prepare(ConfigurationSpace space, Time taken) {
   collect();
+  std::vector<std::string> joints = joint_names(space.robot());
+  if (!joints_.empty() && joints != joints_)
+    throw std::invalid_argument("live control: robot " + quote(space.robot().name) +
+                                " has other joints than that of the maps before");
   space.renew();
   ReadyMap map(new Map(std::move(space), damper_, taken));
   run_once(map->control, expected_);
+  joints_ = std::move(joints);
   return map;
 }
 

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "planning/constraint/control_step.hpp"
 
@@ -52,7 +54,8 @@ class LiveControl {
   /// Makes `space` the one that the loop gets next, in place of one that it has not fetched. What the loop
   /// has given back until then is taken apart. Returns the map's number, 1, 2, ...
   /// @param taken when the newest frame in it was taken.
-  /// @throws std::invalid_argument, and changes nothing, when the damper does not fit the space's robot.
+  /// @throws std::invalid_argument, and changes nothing, when the damper does not fit the space's robot, or
+  /// its joints are not named as those of the maps before.
   std::uint64_t publish(ConfigurationSpace space, Time taken);
 
   /// The two halves of it: what takes its time, and the hand-over.
@@ -99,7 +102,8 @@ class LiveControl {
 
   DamperOptions damper_;
   LiveOptions options_;
-  Configuration expected_;  ///< the mapping thread's: where the loop last said that the robot is
+  std::vector<std::string> joints_;  ///< the mapping thread's: names of those of all its maps
+  Configuration expected_;           ///< the mapping thread's: where the loop last said that the robot is
   std::uint64_t published_ = 0;
   std::atomic<Map*> newest_ = nullptr;    ///< published and not fetched
   std::atomic<Map*> returned_ = nullptr;  ///< a list

@@ -51,6 +51,9 @@ VectorXd step_to_goal(const DamperOptions& options, const Configuration& q, cons
                                 std::to_string(options.weight.size()));
   const VectorXd way = options.weight.cwiseProduct(goal - q);
   const double length = way.norm();  // Lahouar 2006, eq. 1, else 2
+  if (!std::isfinite(length))
+    throw std::invalid_argument(
+        "step to the goal: expected finite values of q and goal, no astronomical ones");
   return length > options.max_step ? VectorXd(way * (options.max_step / length)) : way;
 }
 

@@ -26,7 +26,8 @@ struct DamperOptions {
 double damper_bound(const DamperOptions& options, double distance);
 
 /// Lahouar 2006, eq. 1-2: straight at the goal, at most max_step long. Weighted units.
-/// @throws std::invalid_argument when q, goal and the options' weight differ in size
+/// @throws std::invalid_argument when q, goal and the options' weight differ in size, and where their
+/// difference is not finite
 Eigen::VectorXd step_to_goal(const DamperOptions& options, const Configuration& q, const Configuration& goal);
 
 /// Everything that limits the next step from q, in weighted units: Lahouar 2006, eq. 6-7 for each near pair,

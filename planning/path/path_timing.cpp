@@ -5,6 +5,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "mapping/system/number_text.hpp"
+
 namespace clearway {
 namespace {
 
@@ -12,7 +14,7 @@ constexpr double no_bound = std::numeric_limits<double>::infinity();
 constexpr double least_nodes = 200.0;    ///< of a path
 constexpr double longest_step = 0.02;    ///< between nodes, rad or m
 constexpr double fewest_in_blend = 6.0;  ///< intervals
-constexpr double most_samples_of_leg = 1e6;
+constexpr double most_samples_of_leg = 1e6, most_nodes_of_leg = 1e6;
 constexpr double longest_level = 4.0;      ///< times what it should be
 constexpr double safe_side = 1.0 - 1e-12;  ///< keeps what is computed on the safe side
 
@@ -64,6 +66,9 @@ class Timing {
  private:
   void place_nodes() {
     const double step = std::min(longest_step, path_.length() / least_nodes);
+    if (path_.length() > most_nodes_of_leg * step)
+      throw std::invalid_argument("motion: a leg is longer than " + short_text(most_nodes_of_leg * step) +
+                                  " rad or m, expected a shorter path");
     for (std::size_t i = 0; i < path_.pieces.size(); ++i) {
       const PathPiece& piece = path_.pieces[i];
       const double fewest = piece.is_straight() ? 1.0 : fewest_in_blend;

@@ -63,6 +63,16 @@ TEST(FreeSpaceMap, RefusesABallOfMoreThanAThousandVoxelsAndStaysAsItWas) {
   EXPECT_EQ(map.erase(0, {{0, 0, 0}, 40.0}).removed, 1U);  // an eraser may be as large as it likes
 }
 
+TEST(FreeSpaceMap, UndoEndsAnOpenStrokeAlsoWhereNothingIsUndone) {
+  FreeSpaceMap map({.resolution = 0.05});
+  map.add_volume("a", {});
+  map.begin_stroke("empty");
+  EXPECT_EQ(map.undo_stroke(), -1);
+  map.paint(0, {{0, 0, 0}, 0.2});  // of no stroke: no undo takes it away
+  EXPECT_EQ(map.undo_stroke(), -1);
+  EXPECT_EQ(map.volumes()[0].spheres.size(), 1U);
+}
+
 TEST(FreeSpaceMap, PaintsNothingWhereItHasNoVoxels) {
   FreeSpaceMap map({.resolution = 0.05});
   map.add_volume("a", {});

@@ -124,6 +124,8 @@ TEST(ControlStep, AnotherNumberOfValuesThanJointsIsRefused) {
   const Eigen::Vector2d here(0.0, 0.0);
   EXPECT_THROW(step_to_goal(lost, here, here), std::invalid_argument);
   EXPECT_THROW(step_to_goal(damper(2), here, Eigen::Vector3d::Zero()), std::invalid_argument);
+  for (const double odd : {std::nan(""), 1e200, HUGE_VAL})
+    EXPECT_THROW(step_to_goal(damper(2), here, Eigen::Vector2d(0.0, odd)), std::invalid_argument);
 }
 
 TEST(ControlStep, KeepsTheDamperOfTheNearestVoxelAndTheLimits) {

@@ -102,6 +102,17 @@ TEST(LiveControl, StepsAsOneMadeInTheLoopFromTheSameMapBitForBit) {
   EXPECT_GT(constraints, 1000.0);
 }
 
+TEST(LiveControl, RefusesAMapOfARobotWithOtherJoints) {
+  Robot robot = load_robot("puma560");
+  FreeSpaceMap map({.resolution = edge});
+  LiveControl live(damper(robot), {});
+  live.publish(space_of(robot, map.snapshot()), Time());
+  robot.joints[2].name = "elbow";
+  EXPECT_THROW(live.publish(space_of(robot, map.snapshot()), Time()), std::invalid_argument);
+  ASSERT_TRUE(live.fetch(Configuration::Zero(6)));
+  EXPECT_EQ(live.number(), 1U);
+}
+
 TEST(LiveControl, StandsStillWhereNobodyHasLookedSinceTheLastFetch) {
   const Robot robot = load_robot("puma560");
   FreeSpaceMap map({.resolution = edge});

@@ -259,6 +259,7 @@ TEST(SmoothMotion, RefusesWhatIsNoPath) {
   const std::vector<std::vector<Path>> refused{{},
                                                {{}},
                                                {{at(0, 0), at(1e300, 0)}},
+                                               {{at(0, 0), at(9e5, 0)}},
                                                {{at(0, 0), at(0, -1e7)}},
                                                {{at(0, 0), bad}},
                                                {{three}},
