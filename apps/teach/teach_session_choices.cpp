@@ -54,8 +54,8 @@ std::string TeachSession::unknown_parts(const PaintedVolume& volume) const {
   for (const std::string& part : volume.critical_parts)
     if (!known.contains(part) && !holds(choice_.held, part)) unknown.push_back(part);
   if (unknown.empty()) return {};
-  return "volume " + quote(volume.label) + " is for " + listed(unknown) + ", and robot " +
-         quote(robot_->robot().name) + " has no such part, only " + listed({known.begin(), known.end()});
+  return "robot " + quote(robot_->robot().name) + " has no part " + listed(unknown) + ", which volume " +
+         quote(volume.label) + " is for; it has " + listed({known.begin(), known.end()});
 }
 
 /// One that is new follows the probe from where it was seen last, and does not wait for the next image.

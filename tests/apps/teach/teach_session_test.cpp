@@ -161,7 +161,7 @@ TEST_F(TeachSessionOf, PartsThatTheRobotHasNotAreNamedAsTheVolumeOrTheRobotIsCho
   due_ = {volume};
   session_.before(time_);
   const std::string note =
-      "volume 'hold' is for griper, and robot 'planar2' has no such part, only forearm, upper_arm";
+      "robot 'planar2' has no part griper, which volume 'hold' is for; it has forearm, upper_arm";
   EXPECT_EQ(remark(), note);
   EXPECT_EQ(act(TeachAction::robot, "planar2"), "");
   EXPECT_EQ(remark(), note);
