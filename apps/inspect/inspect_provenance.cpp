@@ -123,7 +123,8 @@ void print_conflicts(const Json& json, std::ostream& out) {
     const Json& entry = records[i];
     const bool scan = entry["second"] == "scan";
     table.push_back(
-        {point_text(entry["voxel_center"]), significant(entry["time"].get<double>(), 6),
+        {point_text(entry["voxel_center"]),
+         significant(entry["time"].get<double>(), 12) + (scan ? "" : " after the first frame"),
          scan ? "scan " + std::to_string(entry["scan"].get<int>()) + " " + entry.value("sensor", "")
               : "paint of '" + entry["volume"].get<std::string>() + "' " +
                     entry["stroke"].get<std::string>()});

@@ -335,7 +335,7 @@ std::vector<std::pair<std::string, std::string>> plan_figures(const Plan& plan) 
     rows.emplace_back("steps", grouped(steps));
     rows.emplace_back(
         "cost", plan.cost_caveat.empty() ? significant(joules, 5) + " J" : "not known: " + plan.cost_caveat);
-    rows.emplace_back("final distance", significant(rest, 3) + " (joint space)");
+    rows.emplace_back("final distance", significant(rest, 3) + " rad or m from the goal, in joint space");
     report_missed_goals(plan, rows);
     rows.emplace_back("check", check_of(plan.validation));
     if (plan.validation.valid)

@@ -172,7 +172,7 @@ std::string team_note(const CompareResults& results) {
       std::any_of(results.experiments.begin(), results.experiments.end(),
                   [](const CompareExperiment& experiment) { return experiment.setup.teams.has_value(); });
   return is_of_teams
-             ? " Separation, below d_s and top acceleration of teams are of the runs that were not outrun."
+             ? " Least separation, below d_s and top acceleration of teams are of the runs that were not outrun."
              : "";
 }
 

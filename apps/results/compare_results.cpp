@@ -85,8 +85,8 @@ namespace {
 
 std::vector<std::vector<std::string>> team_table(const CompareExperiment& experiment) {
   std::vector<std::vector<std::string>> rows{
-      {"planner", "arrived / valid / total", "safe", "outrun", "refused", "motion s", "separation mm",
-       "below d_s mm", "allowed mm", "top accel. % of limit", "computed in s", "not arrived"}};
+      {"planner", "arrived / valid / total", "safe", "outrun", "refused", "motion s", "least separation mm",
+       "below d_s mm", "allowed below mm", "top accel. % of limit", "computed in s", "not arrived"}};
   for (std::size_t i = 0; i < experiment.planners.size(); ++i) {
     const CompareSummary sum = summary(experiment, i);
     rows.push_back({experiment.planners[i].label, counts_text(sum), std::to_string(sum.safe),
@@ -109,7 +109,7 @@ std::string length_unit(const CompareExperiment& experiment) {
 std::vector<std::vector<std::string>> summary_table(const CompareExperiment& experiment) {
   if (experiment.setup.teams) return team_table(experiment);
   std::vector<std::vector<std::string>> rows{{"planner", "solved / valid / total", "median s", "p95 s",
-                                              "CPU s", "check s", "cost J",
+                                              "CPU s", "check CPU s", "cost J",
                                               "length " + length_unit(experiment), "steps", "unsolved"}};
   for (std::size_t i = 0; i < experiment.planners.size(); ++i) {
     const CompareSummary sum = summary(experiment, i);

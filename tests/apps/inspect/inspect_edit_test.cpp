@@ -103,8 +103,26 @@ TEST_F(Inspect, lists_conflicts_with_what_came_second) {
   EXPECT_EQ(conflicts["records"][0]["second"], "paint");
   EXPECT_EQ(conflicts["records"][0]["stroke"], "stroke 1");
   EXPECT_EQ(conflicts["records"][0]["time"], 5.0);
-  EXPECT_EQ(run_command({"inspect", map_, "--conflicts"}).status, exit_done);
+  const CommandRun text = run_command({"inspect", map_, "--conflicts"});
+  EXPECT_EQ(text.status, exit_done);
+  EXPECT_NE(text.out.find("5 after the first frame"), std::string::npos) << text.out;
   expect_refused({other_, "--conflicts"}, "provenance.bin");
+}
+
+TEST_F(Inspect, shows_when_a_scan_met_paint_by_its_own_clock) {
+  FreeSpaceMap map({.resolution = 0.1});
+  map.keep_scans();
+  map.paint(map.add_volume("tunnel", {}), {{0.55, 0.05, 0.05}, 0.25}, 5.0);
+  Scan scan;
+  scan.time = 1577836812.25;  // s since 1970
+  scan.map_from_sensor.translation() = Eigen::Vector3d(-0.95, 0.05, 0.05);
+  scan.points.emplace_back(1.5F, 0.0F, 0.0F);
+  map.insert(scan);
+  save_map(map.snapshot(), other_);
+  save_provenance(map.provenance(), other_);
+  EXPECT_EQ(json({other_, "--conflicts"})["conflicts"]["records"][0]["time"], scan.time);
+  const CommandRun text = run_command({"inspect", other_, "--conflicts"});
+  EXPECT_NE(text.out.find("1577836812.25 "), std::string::npos) << text.out;
 }
 
 TEST_F(Inspect, does_not_use_the_provenance_of_another_map) {

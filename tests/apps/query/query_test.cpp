@@ -113,7 +113,9 @@ TEST(Query, LegsWithoutAPathAreNotCountedAsSolvedAndACheckThatWasNotRunIsNoRefus
   plan.legs = {solved, failed};
   plan.goals = {q, q};
   plan.validation.valid = true;
+  plan.legs.back().final_distance = 0.25;
   EXPECT_EQ(rows(plan)["legs"], "1 of 2");
+  EXPECT_EQ(rows(plan)["final distance"], "0.25 rad or m from the goal, in joint space");
   EXPECT_EQ(rows(plan)["check"], "valid");
   plan.goals.push_back(q);
   EXPECT_EQ(rows(plan)["legs"], "1 of 3");
