@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apps/commands/command_line.hpp"
+#include "tests/apps/outputs_page.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
@@ -21,6 +22,7 @@ struct CommandRun {
   }
 };
 
+/// Whatever JSON it prints has to be described on apps/OUTPUTS.md. @throws std::logic_error when it is not
 inline CommandRun run_command(const std::vector<std::string>& arguments) {
   std::ostringstream out, log;
   Console console(out, log);
@@ -28,6 +30,10 @@ inline CommandRun run_command(const std::vector<std::string>& arguments) {
   run.status = run_command_line(arguments, console);
   run.out = out.str();
   run.log = log.str();
+  if (console.json && !run.out.empty()) {
+    const nlohmann::json printed = nlohmann::json::parse(run.out);
+    require_described(printed, section_of(arguments, printed));
+  }
   return run;
 }
 
