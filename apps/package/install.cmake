@@ -11,9 +11,35 @@ install(FILES ${PROJECT_BINARY_DIR}/clearway-config.cmake ${PROJECT_BINARY_DIR}/
 
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/datasets/robots ${PROJECT_SOURCE_DIR}/datasets/scenes
   ${PROJECT_SOURCE_DIR}/datasets/setups ${PROJECT_SOURCE_DIR}/datasets/suites
-  DESTINATION ${CMAKE_INSTALL_DATADIR}/clearway)
-install(FILES LICENSE CHANGELOG.md TRUST.md SECURITY.md apps/compare/SWEEPS.md apps/compare/YOUR_PLANNER.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(FILES apps/examples/planner/rrt_connect.py DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/clearway PATTERN "*.md" EXCLUDE)
+
+# Pages, and what they link to, lie as in the sources, so that their links lead there.
+include(${CMAKE_CURRENT_LIST_DIR}/page_links.cmake)
+file(GLOB documents CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/*.md)
+foreach(floor apps datasets mapping planning tracking)
+  file(GLOB pages CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/${floor}/*.md
+    ${PROJECT_SOURCE_DIR}/${floor}/*/*.md)
+  list(APPEND documents ${pages})
+endforeach()
+foreach(page ${documents})
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${page})
+  page_links(${PROJECT_SOURCE_DIR}/${page} links)
+  cmake_path(GET page PARENT_PATH folder)
+  foreach(link ${links})
+    cmake_path(APPEND folder ${link} OUTPUT_VARIABLE target)
+    cmake_path(NORMAL_PATH target)
+    list(APPEND documents ${target})
+  endforeach()
+endforeach()
+list(REMOVE_DUPLICATES documents)
+foreach(document LICENSE ${documents})
+  cmake_path(GET document PARENT_PATH folder)
+  if(IS_DIRECTORY ${PROJECT_SOURCE_DIR}/${document})
+    install(DIRECTORY ${document} DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder} PATTERN __pycache__ EXCLUDE)
+  else()
+    install(FILES ${document} DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder})
+  endif()
+endforeach()
 
 if(CLEARWAY_APPS)
   install(TARGETS clearway)
