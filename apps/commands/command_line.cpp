@@ -140,6 +140,8 @@ int run_command_line(const std::vector<std::string>& arguments, Console& console
   commands.emplace_back("planners", run_planners);
   app.footer(
       "Each command explains its flags: clearway COMMAND --help\n"
+      "Reference of what it reads and writes: datasets/FORMATS.md and apps/OUTPUTS.md, below\n"
+      "share/doc/clearway where it is installed.\n"
       "Exit status: 0 done, 1 the answer is no, 2 usage or bad input, 3 damaged input.");
   try {
     std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());

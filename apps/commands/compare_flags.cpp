@@ -34,7 +34,7 @@ void add_choice_flags(CLI::App& command, CompareOptions& options) {
   command
       .add_option("--external", options.externals,
                   "add a planner in another program, which COMMAND starts: problems in, paths out, as JSON "
-                  "lines (YOUR_PLANNER.md, in apps/compare or share/doc/clearway); repeatable")
+                  "lines (see apps/compare/YOUR_PLANNER.md); repeatable")
       ->allow_extra_args(false)
       ->take_all()
       ->check([](const std::string& text) {

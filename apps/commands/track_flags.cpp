@@ -28,7 +28,7 @@ Command add_track(CLI::App& app, Console& console) {
             options->json = name;
             console.json = name.empty();
           },
-          "write one JSON object, to standard output if no FILE is given")
+          "write one JSON object, to standard output if no FILE is given; apps/OUTPUTS.md has its keys")
       ->expected(0, 1)
       ->trigger_on_parse()
       ->type_name("[FILE]");

@@ -107,7 +107,8 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
   CLI::App* command = app.add_subcommand(name, description);
   command->formatter(std::make_shared<OptionHelp>());
   command->add_flag("--quiet", console.quiet, "no log, no progress; results and warnings still appear");
-  command->add_flag("--json", console.json, "print one JSON object on stdout and nothing else there");
+  command->add_flag("--json", console.json,
+                    "print one JSON object on stdout and nothing else there; apps/OUTPUTS.md has its keys");
   command->get_formatter()->column_width(36);
   return command;
 }

@@ -73,6 +73,22 @@ TEST(Completion, HelpAndManualNameATypeWithoutItsValues) {
   EXPECT_NE(run.log.find("--free-axis: expected x, y or z, got 'w'"), std::string::npos) << run.log;
 }
 
+/// Help and manual say where files and JSON are described, and the pages are there.
+TEST(Manual, NamesThePagesOfTheReference) {
+  const std::string help = run_command({"--help"}).out, manual = run_command({"--manual"}).out;
+  for (const char* page : {"datasets/FORMATS.md", "apps/OUTPUTS.md"}) {
+    EXPECT_NE(help.find(page), std::string::npos) << page;
+    EXPECT_NE(manual.find(std::string(".B ") + page + "\n"), std::string::npos) << page;
+    EXPECT_TRUE(fs::exists(fs::path(CLEARWAY_SOURCE_DIR) / page)) << page;
+  }
+  for (const char* command : {"replay", "teach", "plan", "check", "gate", "inspect", "compare", "import",
+                              "simulate", "track", "tags", "calibrate", "robots", "planners"}) {
+    std::string text = run_command({command, "--help"}).out;
+    text = std::regex_replace(text, std::regex("\\s+"), " ");
+    EXPECT_NE(text.find("apps/OUTPUTS.md has its keys"), std::string::npos) << command;
+  }
+}
+
 /// "..." stands in a command's help where several values may follow one flag, and nowhere else.
 TEST(Manual, HelpShowsHowManyValuesAFlagTakes) {
   for (const char* command : {"plan", "check", "gate", "import"}) {
