@@ -153,11 +153,33 @@ class SuiteWriter {
     return ready;
   }
 
+  /// Objects that links may touch are bodies of a suite's problems, and in no map. Where there is no problem
+  /// they are voxels, as all others, and block those links, too.
+  ForeignWorld blocking_world(std::size_t index) {
+    ForeignWorld world = set_.worlds[index];
+    if (world.touched.empty()) return world;
+    std::vector<std::string> objects;
+    for (const auto& [object, links] : world.touched) objects.push_back(object);
+    const bool has_problem = std::any_of(set_.problems.begin(), set_.problems.end(),
+                                         [&](const auto& problem) { return problem.world == index; });
+    if (has_problem) {
+      outcome_.notes.push_back(
+          "map " + quote(suite_.world_words.back()) + " lacks " + listed(objects) +
+          ", which may be touched and so are bodies of the suite's problems: who plans in the "
+          "map alone does not see them");
+      return world;
+    }
+    world.touched.clear();
+    outcome_.left_out.push_back(world.name + ": which links may touch " + listed(objects) +
+                                " (allowed_collision_matrix): without a request they block all");
+    return world;
+  }
+
   void write_maps() {
     for (std::size_t i = 0; i < set_.worlds.size(); ++i) {
       suite_.world_words.push_back(words_.of(set_.worlds[i].name));
       suite_.cells.emplace_back();
-      const Snapshot map = map_of_foreign_world(set_.worlds[i], import_.resolution, suite_.cells.back());
+      const Snapshot map = map_of_foreign_world(blocking_world(i), import_.resolution, suite_.cells.back());
       save_map(map, import_.out / "maps" / suite_.world_words.back());
       std::erase_if(ready_, [&](ReadyProblem& problem) {
         return set_.problems[problem.index].world == i && !is_goal_chosen(problem, map);

@@ -31,7 +31,7 @@ struct AllowedPairs {
     for (const std::string& name : names) is_object.push_back(objects.contains(name));
     for (std::size_t i = 0; i < names.size(); ++i)
       for (std::size_t k = 0; k < i; ++k) {
-        if (!(allows(i, k) || allows(k, i))) continue;
+        if (!(allows(i, k) && allows(k, i))) continue;  // MoveIt reads one side; where they differ, none is
         with[names[i]].push_back(names[k]);
         with[names[k]].push_back(names[i]);
         if (is_object[i] != is_object[k])

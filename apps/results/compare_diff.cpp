@@ -42,6 +42,7 @@ struct StoredResults {
   std::map<std::pair<std::string, std::string>, std::string> ends;     ///< start and goals
   std::map<std::pair<std::string, std::string>, StoredRuns> runs;      ///< by experiment and label
   std::map<std::pair<std::string, std::string>, std::string> options;  ///< in force, JSON; the same
+  std::set<std::string> externals;  ///< labels of programs of others, which need not follow a seed
 };
 
 // A database is a program: of views, triggers and generated columns. These bound what it may take.
@@ -134,12 +135,14 @@ StoredResults load_results(const fs::path& given) {
   StoredQuery runs(
       results.file,
       "SELECT experiments.name, label, problems.name, run, runs.seed, valid, cpu_s, cost_joules, "
-      "length_rad, status, options FROM runs JOIN problems ON problem = problems.id JOIN experiments ON "
+      "length_rad, status, options, planner FROM runs JOIN problems ON problem = problems.id JOIN "
+      "experiments ON "
       "experiment "
       "= experiments.id ORDER BY runs.id");
   while (runs.next()) {
     const std::pair name(runs.text(0), runs.text(1));
     results.options[name] = runs.text(10);
+    if (runs.text(11) == "external") results.externals.insert(name.second);
     results.runs[name][{runs.text(2), runs.whole(3), runs.text(4)}] = {
         runs.whole(5) != 0, runs.text(9) == "timed_out" || runs.text(9) == "hung", runs.number(6),
         runs.number_or_nan(7), runs.number(8)};
@@ -225,7 +228,7 @@ void judge(DiffRow& row) {
   constexpr double drift = 0.05;
   constexpr std::size_t many_lost = 6, few_problems = 3;
   const bool loses_alone =  // the same seeds: no chance in it, or little where a clock ended them
-      row.won == 0 && (row.lost > row.lost_to_clock || row.lost >= many_lost);
+      !row.is_external && row.won == 0 && (row.lost > row.lost_to_clock || row.lost >= many_lost);
   if (row.success_p < beyond_chance || loses_alone) {
     auto& words = row.lost > row.won ? row.worse : row.better;
     words.push_back("solves " + std::string(row.lost > row.won ? "fewer" : "more") + ": lost " +
@@ -394,6 +397,7 @@ CompareDiff compare_diff(const fs::path& before_file, const fs::path& after_file
   correct_rows(diff.rows, [](DiffRow& row) -> double& { return row.cpu.p; });
   correct_rows(diff.rows, [](DiffRow& row) -> double& { return row.cost.p; });
   for (DiffRow& row : diff.rows) {
+    row.is_external = before.externals.contains(row.planner) || after.externals.contains(row.planner);
     row.is_too_small = least_p(row.cpu.problems, diff.rows.size()) >= beyond_chance;
     judge(row);
   }

@@ -52,6 +52,10 @@ TEST_F(ImportTouched, ALinkThatMayTouchAnObjectDoesAndOthersDoNot) {
   EXPECT_EQ(problem.loads[0].link, "base");
   EXPECT_EQ(problem.loads[0].touches, std::vector<std::string>{"finger"});
   EXPECT_TRUE(problem.loads[0].link_from_load.translation().isApprox(Eigen::Vector3d(0.93, 0.0, 0.0), 1e-9));
+  // One side of the matrix alone permits nothing: MoveIt reads one of them.
+  EXPECT_EQ(valid("[finger, mug]", "[[false, true], [false, false]]", sphere), 0);
+  EXPECT_EQ(valid("[finger, mug]", "[[false, false], [true, false]]", sphere), 0);
+  EXPECT_EQ(map("scene").state({0.93, 0.0, 0.0}), VoxelState::occupied);
   // The arm beside it may touch it, the finger may not.
   EXPECT_EQ(valid("[upper, mug]", both, sphere), 0);
   EXPECT_EQ(left_out_, "[]");
@@ -75,6 +79,19 @@ TEST_F(ImportTouched, WhatIsNoLinkAndPlanesAreListed) {
       << left_out_;
   EXPECT_EQ(valid("[finger, mug]", both, "planes: [{coef: [0, 0, 1, 0.01]}], plane_poses: [{}]"), 0);
   EXPECT_NE(left_out_.find("'mug' with 'finger'"), std::string::npos) << left_out_;
+}
+
+/// The links that may touch it are those of a suite's problems, of which there are none.
+TEST_F(ImportTouched, WithoutARequestAnObjectThatMayBeTouchedIsInTheMap) {
+  resolution_ = "0.02";
+  const std::string scene = folder_.write(
+      "scene.yaml", "allowed_collision_matrix: {entry_names: [finger, mug], entry_values: " + both +
+                        "}\nworld: {collision_objects: [{id: mug, " + sphere + "}]}\n");
+  const CommandRun run = import("mbm", {scene}, {"--json"});
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  EXPECT_EQ(map("scene").state({0.93, 0.0, 0.0}), VoxelState::occupied);
+  EXPECT_NE(Json::parse(run.out)["left_out"].dump().find("which links may touch mug"), std::string::npos)
+      << run.out;
 }
 
 }  // namespace import_test

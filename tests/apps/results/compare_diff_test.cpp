@@ -219,6 +219,25 @@ TEST(CompareDiff, RunsLostToNoClockAreWorseAloneAndAShuffleIsNot) {
   EXPECT_FALSE(shuffled.is_worse());
 }
 
+/// It need not do the same with the same seed.
+TEST(CompareDiff, OfAnExternalProgramTheTestAloneDecides) {
+  const auto is_worse = [](std::size_t lost) {
+    const TemporaryFolder folder;
+    CompareResults before = results_with([](std::size_t, CompareRun&) {}),
+                   after = results_with([&](std::size_t i, CompareRun&run) {
+                     if (i < lost) fail(run, PlanStatus::no_path);
+                   });
+    for (CompareResults* results : {&before, &after})
+      results->experiments[0].planners = {{"one", "external", {}, true}};
+    save_database(before, folder.path() / "old.sqlite");
+    save_database(after, folder.path() / "new.sqlite");
+    return compare_diff(folder.path() / "old.sqlite", folder.path() / "new.sqlite").is_worse();
+  };
+  EXPECT_FALSE(is_worse(1));
+  EXPECT_FALSE(is_worse(4));
+  EXPECT_TRUE(is_worse(12));
+}
+
 TEST(CompareDiff, CountsOtherPathsAndNamesWhatCannotBeCompared) {
   const TemporaryFolder folder;
   CompareResults before = results_with([](std::size_t, CompareRun&) {}), after = before;
