@@ -31,13 +31,6 @@ std::string time_text(double time) {
   return text.str();
 }
 
-/// Frames of the world that something drives in: REP 105's, and that of programs that register clouds (LOAM
-/// and its heirs).
-bool is_start_name(const std::string& frame) { return frame == "odom" || frame == "camera_init"; }
-bool is_world_name(const std::string& frame) {
-  return frame == "map" || frame == "world" || frame == "earth";
-}
-
 constexpr std::size_t most_held_bytes = std::size_t{64} << 20U;  ///< of messages that wait for their turn
 
 /// "… jumps by 0.9 m in ": a frame may also turn at once, or stand still where it drives before and after.
@@ -113,7 +106,7 @@ std::vector<Frame> BagFrames::frames_of_cloud(const BagMessage& message) {
   Frame frame{time_of(cloud.header, message.time), topic.name, points_cloud(cloud)};
   auto& points = std::get<CloudFrame>(frame.content);
   if (options_.bag.fixed_frame.empty()) {
-    note_origin(points, topic.name, cloud.header.frame);
+    note_origin(points, topic.name, cloud.header, message.time);
     return {frame};
   }
   points.world_from_sensor = pose_of(cloud.header.frame, frame.time, message.time);
@@ -208,18 +201,32 @@ void BagFrames::place(CloudFrame& cloud, const std::string& topic, const RosHead
       point = (sensor_from_cloud * point.cast<double>()).cast<float>();
     return;
   }
-  note_origin(cloud, topic, header.frame);
+  note_origin(cloud, topic, header, recorded);
 }
 
-void BagFrames::note_origin(CloudFrame& cloud, const std::string& topic, const std::string& frame) {
-  if (options_.bag.sensor_frame == frame && !frame.empty()) return;
+void BagFrames::note_origin(CloudFrame& cloud, const std::string& topic, const RosHeader& header,
+                            double recorded) {
+  const std::string& frame = header.frame;
+  if ((options_.bag.sensor_frame == frame && !frame.empty()) || is_placed(topic, "points")) return;
   const auto [known, is_new] = no_sensors_.try_emplace(frame, false);
   if (is_new) known->second = is_no_sensors(frame);
-  cloud.is_origin_known = !known->second || is_placed(topic, "points");
-  if (!cloud.is_origin_known)
+  cloud.is_origin_known = !known->second;
+  if (known->second)
     account_.note_unseen(topic, frame);
-  else if (is_world_name(frame) && !is_placed(topic, "points"))
+  else if (is_world_name(frame))
     account_.note_standing(topic, frame);
+  else
+    cloud.is_origin_known = !is_bodys(topic, header, recorded);
+}
+
+bool BagFrames::is_bodys(const std::string& topic, const RosHeader& header, double recorded) {
+  const auto [known, is_new] = mounted_.try_emplace(header.frame);
+  if (is_new) known->second = mounted_on(transforms_, header.frame, time_of(header, recorded), recorded);
+  const MountedFrames& mounted = known->second;
+  const bool is_body = is_body_name(header.frame) && !mounted.names.empty();
+  if (is_body || (mounted.are_sensors && !is_sensor_name(header.frame)))
+    account_.note_mounted(topic, header.frame, mounted, is_body);
+  return is_body;
 }
 
 bool BagFrames::is_no_sensors(const std::string& frame) const {
@@ -236,11 +243,13 @@ bool BagFrames::is_placed(const std::string& topic, const char* kind) const {
 bool BagFrames::takes_sensors_to_stand() const {
   const BagTopics& bag = options_.bag;
   if (!bag.fixed_frame.empty()) return false;
-  return (!bag.depth.empty() && !is_placed(bag.depth, "depth")) ||
-         !std::all_of(bag.clouds.begin(), bag.clouds.end(),
-                      [&](const std::string& topic) { return is_placed(topic, "points"); }) ||
-         !std::all_of(bag.scans.begin(), bag.scans.end(),
-                      [&](const std::string& topic) { return is_placed(topic, "laser2d"); });
+  return !std::all_of(bag.depth.begin(), bag.depth.end(), [&](const DepthTopic& topic) {
+    return is_placed(topic.name, "depth");
+  }) || !std::all_of(bag.clouds.begin(), bag.clouds.end(), [&](const std::string& topic) {
+    return is_placed(topic, "points");
+  }) || !std::all_of(bag.scans.begin(), bag.scans.end(), [&](const std::string& topic) {
+    return is_placed(topic, "laser2d");
+  });
 }
 
 std::string BagFrames::why_unknown(const std::string& frame) const {

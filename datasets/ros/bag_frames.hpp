@@ -11,6 +11,7 @@
 #include "datasets/ros/left_out.hpp"
 #include "datasets/ros/message_bag.hpp"
 #include "datasets/ros/ros_camera.hpp"
+#include "datasets/ros/transform_faults.hpp"
 #include "datasets/ros/transform_tree.hpp"
 #include "datasets/sources/frame_source.hpp"
 
@@ -58,7 +59,10 @@ class BagFrames {
   void place(CloudFrame& cloud, const std::string& topic, const RosHeader& header,
              Eigen::Isometry3d world_from_cloud, double recorded);
   /// Says of a cloud that nobody knows where its rays began, where that is so.
-  void note_origin(CloudFrame& cloud, const std::string& topic, const std::string& frame);
+  void note_origin(CloudFrame& cloud, const std::string& topic, const RosHeader& header, double recorded);
+  /// Whether a cloud is in the frame of a body, on which sensors are mounted elsewhere; a note tells that,
+  /// and where another frame has such sensors.
+  bool is_bodys(const std::string& topic, const RosHeader& header, double recorded);
   /// Whether a frame of clouds is none of a sensor, so that their rays began elsewhere.
   bool is_no_sensors(const std::string& frame) const;
   /// Whether the setup says where a sensor is. @param kind of its clouds
@@ -83,6 +87,7 @@ class BagFrames {
   std::optional<double> depth_step_;                ///< m, where the setup or the bag states it
   std::string depth_units_;                         ///< the topic that does
   std::map<std::string, bool> no_sensors_;          ///< of a cloud's frame: is_no_sensors
+  std::map<std::string, MountedFrames> mounted_;    ///< of a cloud's frame: mounted_on
   std::set<std::string> odometry_frames_;           ///< in which odometry says where something is
   LeftOut account_;
 };

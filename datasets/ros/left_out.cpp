@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "datasets/ros/transform_faults.hpp"
 #include "datasets/ros/wire_reader.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -51,6 +50,20 @@ void LeftOut::note_unseen(const std::string& topic, const std::string& frame) { 
 
 void LeftOut::note_standing(const std::string& topic, const std::string& frame) {
   note(standing_, topic, frame);
+}
+
+void LeftOut::note_mounted(const std::string& topic, const std::string& frame, const MountedFrames& mounted,
+                           bool is_body) {
+  const std::string of = mounted.are_sensors ? "sensors" : "frames";
+  note(mounted_, topic,
+       quote(frame) + ", below which " + of + " are mounted up to " + short_text(mounted.farthest, 3) +
+           " m from its origin (" + list_of_frames(mounted.names) + "): " +
+           (is_body ? "they mark what is occupied and free nothing, as nothing says where the sensor was"
+                    : "their rays are taken to begin at that origin") +
+           "; `source: {bag: {fixed_frame: …, sensor_frame: " +
+           (mounted.are_sensors ? mounted.names.front() : "…") +
+           "}}` of the setup lets them begin where one sensor is that measured them all, `sensor_frame: " +
+           frame + "` at that origin");
 }
 
 void LeftOut::note_motion(const std::string& topic, const std::string& field, double farthest) {
@@ -108,6 +121,9 @@ std::vector<std::string> LeftOut::clauses(const std::vector<std::string>& frames
         quote(standing.first) +
         ", and nothing that says where a sensor was: it is taken to stand at that frame's origin; "
         "`sensors` of the setup places it elsewhere");
+  for (const auto& [topic, mounted] : mounted_)
+    clauses.push_back("holds " + std::to_string(mounted.count) + " clouds in topic " + quote(topic) +
+                      " in frame " + mounted.first);
   for (const auto& [topic, motion] : moved_)
     clauses.push_back(
         "holds " + counted(motion.count, "cloud") + " in topic " + quote(topic) +

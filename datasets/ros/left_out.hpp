@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "datasets/ros/transform_faults.hpp"
+
 namespace clearway {
 
 /// There is no pose, as one on the way jumps.
@@ -28,6 +30,9 @@ class LeftOut {
   void note_unseen(const std::string& topic, const std::string& frame);
   /// Of a cloud in a frame of the world, of a bag without poses.
   void note_standing(const std::string& topic, const std::string& frame);
+  /// Of a cloud in a frame on which sensors are mounted elsewhere. @param is_body it frees nothing, then
+  void note_mounted(const std::string& topic, const std::string& frame, const MountedFrames& mounted,
+                    bool is_body);
   /// A cloud during which the sensor moved. @param field of its points' times @param farthest m, of a point
   void note_motion(const std::string& topic, const std::string& field, double farthest);
   /// A cloud whose bytes have the other order than it states.
@@ -62,7 +67,7 @@ class LeftOut {
 
   // Of the topic.
   std::map<std::string, Missing> unusable_, cut_, jumped_, odd_times_, unseen_, other_order_,
-      opposite_angles_, standing_;
+      opposite_angles_, standing_, mounted_;
   std::map<std::string, Stamps> stamps_;
   std::map<std::string, Motion> moved_;
 };

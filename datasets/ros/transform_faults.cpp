@@ -1,8 +1,11 @@
 #include "datasets/ros/transform_faults.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <utility>
 
+#include "datasets/cameras/lower_case.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -84,6 +87,51 @@ bool is_driven_in(const TransformTree& tree, const std::string& root, const std:
     if (is_below && below.name != frame && tree.way_of(below.name) > own) return true;
   }
   return false;
+}
+
+bool is_start_name(const std::string& frame) { return frame == "odom" || frame == "camera_init"; }
+
+bool is_world_name(const std::string& frame) {
+  return frame == "map" || frame == "world" || frame == "earth";
+}
+
+bool is_body_name(const std::string& frame) {
+  constexpr std::array names{
+      "base",        "base_link", "baselink", "base_footprint", "base_stabilized", "base_frame",
+      "body",        "body_link", "chassis",  "chassis_link",   "vehicle",         "ego",
+      "ego_vehicle", "hero",      "car",      "robot",          "platform",        "torso",
+      "torso_link",  "trunk",     "pelvis",   "drone",          "vehicle_link",    "uav"};
+  const std::string whole = lower_case(frame), last = whole.substr(whole.rfind('/') + 1);
+  return std::any_of(names.begin(), names.end(), [&](const char* name) {
+    return last == name || last.ends_with("_" + std::string(name));
+  });
+}
+
+bool is_sensor_name(const std::string& frame) {
+  constexpr std::array parts{"lidar", "laser", "velo",   "vlp",  "ouster", "livox", "hesai", "pandar",
+                             "robos", "rslid", "sick",   "lms",  "hokuyo", "scan",  "radar", "cam",
+                             "depth", "optic", "kinect", "real", "zed",    "sensor"};
+  const std::string name = lower_case(frame);
+  return !is_body_name(frame) && std::any_of(parts.begin(), parts.end(), [&](const char* part) {
+    return name.find(part) != std::string::npos;
+  });
+}
+
+MountedFrames mounted_on(const TransformTree& tree, const std::string& frame, double time, double recorded) {
+  constexpr double beside = 0.1;  // m: what is nearer is as good as there
+  MountedFrames mounted;
+  for (const BagFrame& below : tree.edges()) {
+    const std::vector<std::string> chain = tree.chain_of(below.name);
+    if (below.name == frame || std::find(chain.begin(), chain.end(), frame) == chain.end()) continue;
+    const auto pose = tree.root_from_frame(frame, below.name, time, recorded);
+    if (!pose || !(pose->translation().norm() > beside)) continue;
+    const bool is_sensor = is_sensor_name(below.name);
+    if (mounted.are_sensors && !is_sensor) continue;
+    if (is_sensor && !mounted.are_sensors) mounted = {{}, 0.0, true};
+    if (mounted.names.empty() || mounted.names.back() != below.name) mounted.names.push_back(below.name);
+    mounted.farthest = std::max(mounted.farthest, pose->translation().norm());
+  }
+  return mounted;
 }
 
 void refuse_contradictions(const TransformTree& tree, const std::string& root,

@@ -275,7 +275,7 @@ TEST_F(BagFramesTest, CloudsInAFrameOfTheWorldHaveNoOriginWithoutTransformsEithe
 
 TEST_F(BagFramesTest, CloudsOfASensorThatStandsOrIsDrivenHaveTheOriginOfTheirFrame) {
   ScanBag bag(folder_ / "a.mcap");
-  add_registered(bag, "base");  // below it a wheel turns
+  add_registered(bag, "sensor");  // above it a wheel turns
   bag.transform(9, "map", "pole", mount(), true);
   bag.cloud("/points", 11.2, "pole", {{1, 2, 3}});
   bag.sort();
