@@ -254,6 +254,10 @@ bool BagFrames::takes_sensors_to_stand() const {
 
 std::string BagFrames::why_unknown(const std::string& frame) const {
   const std::vector<std::string> frames = transforms_.frames();
+  if (frames.empty() && transforms_.left_out() > 0)
+    return ": none of the bag's " + std::to_string(transforms_.left_out()) +
+           " transforms can be used, as they are no turns (quaternions off unit length by more than 1 %), "
+           "not finite, or of a frame in itself";
   for (const std::string& name : {options_.bag.fixed_frame, frame})
     if (!holds(frames, name))
       return ": no transform has " + quote(name) + "; frames of the bag: " + list_of_frames(frames);
@@ -274,7 +278,7 @@ std::vector<std::string> BagFrames::left_out() const {
     for (const std::string& clause :
          tell_contradictions(transforms_, options_.bag.fixed_frame, sensor_frames_))
       clauses.push_back(clause);
-  if (transforms_.left_out() > 0)
+  if (transforms_.left_out() > 0 && !transforms_.frames().empty())  // else why_unknown says so
     clauses.push_back("holds " + std::to_string(transforms_.left_out()) +
                       " transforms that are no turns, not finite, or of a frame in itself");
   return clauses;

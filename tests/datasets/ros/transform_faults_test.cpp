@@ -65,5 +65,22 @@ TEST_F(TransformFaultsTest, CloudsInAnotherFrameBeginAtItsOriginWhichIsToldWhere
   }
 }
 
+TEST_F(TransformFaultsTest, WhereNoTransformIsATurnThatIsTheReasonGiven) {
+  ScanBag bag(folder_ / "a.mcap");
+  Eigen::Isometry3d scaled = Eigen::Isometry3d::Identity();
+  scaled.linear() *= 0.8;  // its quaternion is no unit one
+  for (double time = 9.9; time < 12.001; time += 0.1) bag.transform(time, "map", "sensor", scaled);
+  bag.cloud("/points", 11.0, "sensor", {{4, 2.5, 1}});
+  bag.sort();
+  const Reading reading = read(bag, "a.mcap");
+  EXPECT_TRUE(reading.frames.empty());
+  EXPECT_NE(
+      reading.warnings.find("'sensor' is not known in 'map': none of the bag's 22 transforms can be used, "
+                            "as they are no turns (quaternions off unit length by more than 1 %)"),
+      std::string::npos)
+      << reading.warnings;
+  EXPECT_EQ(reading.warnings.find("no transform has"), std::string::npos) << reading.warnings;
+}
+
 }  // namespace transform_faults_test
 }  // namespace clearway
