@@ -44,7 +44,8 @@ void refuse_alternation(const TransformTree& tree, const std::string& frame) {
   throw ContradictoryBag("has transforms that contradict each other: " + std::to_string(conflicts.count()) +
                          " of " + counted(conflicts.poses, "pose") + " of frame " + quote(frame) +
                          " are up to " + short_text(conflicts.farthest) +
-                         " m away from others of their time, as of two publishers or two runs; expected "
+                         " m away from others of their time, as of two publishers, two runs or a clock that "
+                         "was set back; expected "
                          "one publisher of each frame");
 }
 
