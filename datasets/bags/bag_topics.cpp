@@ -41,7 +41,8 @@ std::vector<TakenCamera> taken_cameras(const BagTopics& bag) {
         {topic, is_rectified, is_stated ? "'" + std::string(key) + "' of the setup" : "its topic's name"});
   };
   add(bag.images, are_images_rectified(bag), bag.rectified.has_value(), "rectified");
-  add(bag.depth, is_depth_rectified(bag), bag.depth_rectified.has_value(), "depth_rectified");
+  for (const DepthTopic& depth : bag.depth)
+    add(depth.name, is_depth_rectified(bag, depth), bag.depth_rectified.has_value(), "depth_rectified");
   return cameras;
 }
 
@@ -74,8 +75,10 @@ void require_topics(const std::filesystem::path& file, const std::vector<BagTopi
                          list_of(topics)));
   require(bag.images, "images", {"sensor_msgs/Image", "sensor_msgs/CompressedImage"});
   require(bag.camera_info, "camera_info", {"sensor_msgs/CameraInfo"});
-  require(bag.depth, "depth", {"sensor_msgs/Image", "sensor_msgs/CompressedImage"});
-  require(bag.depth_camera_info, "depth_camera_info", {"sensor_msgs/CameraInfo"});
+  for (const DepthTopic& depth : bag.depth) {
+    require(depth.name, "depth", {"sensor_msgs/Image", "sensor_msgs/CompressedImage"});
+    require(depth.camera_info, "depth_camera_info", {"sensor_msgs/CameraInfo"});
+  }
   for (const std::string& name : bag.clouds)
     require(name, "clouds",
             {"sensor_msgs/PointCloud2", "livox_ros_driver/CustomMsg", "livox_ros_driver2/CustomMsg",
@@ -98,16 +101,18 @@ void require_topics(const std::filesystem::path& file, const std::vector<BagTopi
     throw std::invalid_argument(
         bag_sentence(file, "needs the camera of topic " + quote(bag.images) +
                                ": expected 'camera_info' in 'source: bag:' or 'camera:' in the setup"));
-  if (!bag.depth.empty() && bag.depth_camera_info.empty() && !options.depth.camera && !options.camera)
+  const auto& camera = options.depth.camera ? options.depth.camera : options.camera;
+  for (const DepthTopic& depth : bag.depth) {
+    if (!depth.camera_info.empty()) continue;
+    if (camera && is_depth_rectified(bag, depth)) refuse_distortion(file, depth.name, camera, "depth_");
+    if (camera) continue;
     throw std::invalid_argument(
-        bag_sentence(file, "needs the camera of topic " + quote(bag.depth) +
+        bag_sentence(file, "needs the camera of topic " + quote(depth.name) +
                                ": expected 'depth_camera_info' in 'source: bag:', or 'camera' of 'depth' "
                                "in 'source:', in the setup"));
+  }
   if (!bag.images.empty() && are_images_rectified(bag))
     refuse_distortion(file, bag.images, options.camera, "");
-  if (!bag.depth.empty() && bag.depth_camera_info.empty() && is_depth_rectified(bag))
-    refuse_distortion(file, bag.depth, options.depth.camera ? options.depth.camera : options.camera,
-                      "depth_");
 }
 
 }  // namespace clearway

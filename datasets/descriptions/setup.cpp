@@ -134,9 +134,9 @@ std::vector<VolumeSetup> read_volumes(const YamlFields& fields) {
   return volumes;
 }
 
-/// Whether depth is, in the bag or, where it names none, in the folder.
+/// Whether depth is, in the bag (its first topic) or, where it names none, in the folder.
 bool is_depth_rectified(const BagTopics& bag, const DepthOptions& depth) {
-  return bag.depth.empty() ? depth.rectified : is_depth_rectified(bag);
+  return bag.depth.empty() ? depth.rectified : is_depth_rectified(bag, bag.depth.front());
 }
 
 DepthOptions read_depth(const YamlFields& fields, const std::filesystem::path& folder, const BagTopics& bag,
@@ -158,12 +158,34 @@ DepthOptions read_depth(const YamlFields& fields, const std::filesystem::path& f
   return depth;
 }
 
+/// One word, or a list of them.
+std::vector<std::string> one_or_more(const YamlFields& fields, const std::string& key) {
+  if (!fields.has(key)) return {};
+  return fields.is_list(key) ? fields.full_texts(key) : std::vector<std::string>{fields.text(key)};
+}
+
+/// Topics of depth, each with its camera's, if these are named.
+std::vector<DepthTopic> read_depth_topics(const YamlFields& fields) {
+  const std::vector<std::string> names = one_or_more(fields, "depth"),
+                                 cameras = one_or_more(fields, "depth_camera_info");
+  if (!cameras.empty() && cameras.size() != names.size())
+    fields.fail("depth_camera_info", "expected one topic for each of 'depth', " +
+                                         std::to_string(names.size()) + ", got " +
+                                         std::to_string(cameras.size()));
+  std::vector<DepthTopic> topics;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]) !=
+        names.begin() + static_cast<std::ptrdiff_t>(i))
+      fields.fail("depth", "topic " + quote(names[i]) + " is given twice");
+    topics.push_back({names[i], cameras.empty() ? "" : cameras[i]});
+  }
+  return topics;
+}
+
 BagTopics read_bag(const YamlFields& fields) {
   BagTopics bag;
   const std::pair<const char*, std::string*> names[] = {{"images", &bag.images},
                                                         {"camera_info", &bag.camera_info},
-                                                        {"depth", &bag.depth},
-                                                        {"depth_camera_info", &bag.depth_camera_info},
                                                         {"sensor_frame", &bag.sensor_frame},
                                                         {"pose_frame", &bag.pose_frame},
                                                         {"fixed_frame", &bag.fixed_frame}};
@@ -179,6 +201,7 @@ BagTopics read_bag(const YamlFields& fields) {
   bag.from = fields.number("from", not_negative, bag.from);
   bag.to = fields.optional_number("to", not_negative);
   if (bag.to && *bag.to <= bag.from) fields.fail("to", "expected a time after 'from'");
+  bag.depth = read_depth_topics(fields);
   bag.clouds = fields.texts("clouds");
   bag.scans = fields.texts("scans");
   bag.poses = fields.texts("poses");
@@ -229,7 +252,8 @@ void read_cameras(const YamlFields& fields, const std::filesystem::path& folder,
   setup.camera = read_camera_of_setup(fields, folder, of_images, source.notes);
   const bool has_own = source.depth.camera.has_value();
   const bool has_depth = bag.images.empty() || !bag.depth.empty();
-  if (has_depth && !source.depth.camera && bag.depth_camera_info.empty() && of_depth != of_images)
+  const bool has_infos = !bag.depth.empty() && !bag.depth.front().camera_info.empty();
+  if (has_depth && !source.depth.camera && !has_infos && of_depth != of_images)
     source.depth.camera = read_camera_of_setup(fields, folder, of_depth, source.notes);
   const bool is_of_depth = fields.has("file") && source.depth.scale_file.empty();
   if (is_of_depth) source.depth.scale_file = folder / fields.file("file");

@@ -45,7 +45,7 @@ std::string how_it_jumps(const PoseJump& jump) {
 
 bool BagFrames::is_sensor(const BagTopic& topic) const {
   const BagTopics& bag = options_.bag;
-  return topic.name == bag.images || topic.name == bag.depth || holds(bag.clouds, topic.name) ||
+  return topic.name == bag.images || depth_.contains(topic.name) || holds(bag.clouds, topic.name) ||
          holds(bag.scans, topic.name);
 }
 
@@ -149,7 +149,8 @@ Frame BagFrames::frame_of(const BagMessage& message) {
   frame.sensor = topic.name;
   RosHeader header;
   Eigen::Isometry3d message_from_sensor = Eigen::Isometry3d::Identity();
-  if (topic.name == bag.depth) {
+  if (const auto depth = depth_.find(topic.name); depth != depth_.end()) {
+    const DepthSensor& sensor = depth->second;
     UnpackedDepth unpacked;
     if (topic.type == "sensor_msgs/CompressedImage")
       unpacked = unpack_depth(read_compressed_image(in));
@@ -157,10 +158,10 @@ Frame BagFrames::frame_of(const BagMessage& message) {
       unpacked.image = read_image(in);
     header = unpacked.image.header;
     CloudFrame cloud =
-        depth_cloud(unpacked.image, depth_camera_->intrinsics, depth_rays_, depth_step_.value_or(1e-3));
+        depth_cloud(unpacked.image, sensor.camera->intrinsics, sensor.rays, sensor.step.value_or(1e-3));
     cloud.max_range = options_.depth.max_range;
     message_from_sensor = optical_from_sensor();
-    message_from_sensor.prerotate(depth_camera_->frame_from_camera);
+    message_from_sensor.prerotate(sensor.camera->frame_from_camera);
     frame.content = std::move(cloud);
   } else if (topic.name == bag.images) {
     ImageFrame picture;
@@ -266,9 +267,10 @@ std::string BagFrames::why_unknown(const std::string& frame) const {
 
 std::vector<std::string> BagFrames::left_out() const {
   std::vector<std::string> clauses = account_.clauses(transforms_.frames(), options_.bag.point_times);
-  if (!depth_units_.empty())
-    clauses.push_back("has depth in steps of " + short_text(depth_step_.value()) + " m, by its topic " +
-                      quote(depth_units_) + "; `source: {depth: {scale: …}}` states others");
+  for (const auto& [topic, sensor] : depth_)
+    if (!sensor.units.empty())
+      clauses.push_back("has depth in steps of " + short_text(sensor.step.value()) + " m, by its topic " +
+                        quote(sensor.units) + "; `source: {depth: {scale: …}}` states others");
   if (options_.bag.fixed_frame.empty() && !transforms_.frames().empty())
     clauses.push_back(
         "has transforms, but its sensors are taken to stand still: the setup names no "

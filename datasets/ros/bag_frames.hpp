@@ -34,6 +34,12 @@ class BagFrames {
   std::string damage() const { return account_.damage(); }
 
  private:
+  struct DepthSensor {
+    std::optional<RosCamera> camera;
+    std::vector<Eigen::Vector2d> rays;  ///< of the camera
+    std::optional<double> step;         ///< m, where the setup or the bag states it
+    std::string units;                  ///< the topic that does
+  };
   /// Of the transforms beyond the part that is wanted, those within a gap's reach of what sensors saw, if
   /// they came as late as that did: others are of another run of the clock.
   void add_beyond();
@@ -45,7 +51,10 @@ class BagFrames {
   std::vector<RosTransform> path_in(const BagMessage& message) const;
   void learn();
   void learn_camera(const std::string& topic, const RosCameraInfo& info);
-  void learn_step(const std::string& topic, double step);
+  void learn_step(const BagTopic& topic, double step);
+  bool is_camera(const BagTopic& topic) const;
+  /// Whether a topic states the steps of a depth topic of which nothing did.
+  bool tells_step(const BagTopic& topic) const;
   RosLaserScan laser_scan_in(WireReader& in) const;
   /// What a sensor saw: one frame, or the parts of a sweep.
   std::vector<Frame> frames_in(const BagMessage& message);
@@ -82,13 +91,11 @@ class BagFrames {
   std::map<std::string, std::pair<std::vector<RosTransform>, double>> paths_;
   std::set<std::string> sensor_frames_;  ///< that headers of sensors' messages name
   TransformTree transforms_;
-  std::optional<RosCamera> camera_, depth_camera_;  ///< where images or depth have one
-  std::vector<Eigen::Vector2d> depth_rays_;         ///< of the depth camera
-  std::optional<double> depth_step_;                ///< m, where the setup or the bag states it
-  std::string depth_units_;                         ///< the topic that does
-  std::map<std::string, bool> no_sensors_;          ///< of a cloud's frame: is_no_sensors
-  std::map<std::string, MountedFrames> mounted_;    ///< of a cloud's frame: mounted_on
-  std::set<std::string> odometry_frames_;           ///< in which odometry says where something is
+  std::optional<RosCamera> camera_;               ///< where images have one
+  std::map<std::string, DepthSensor> depth_;      ///< of each topic of depth
+  std::map<std::string, bool> no_sensors_;        ///< of a cloud's frame: is_no_sensors
+  std::map<std::string, MountedFrames> mounted_;  ///< of a cloud's frame: mounted_on
+  std::set<std::string> odometry_frames_;         ///< in which odometry says where something is
   LeftOut account_;
 };
 

@@ -30,8 +30,8 @@ bool is_odometry(const BagTopic& topic) { return topic.wire && topic.type == "na
 
 }  // namespace
 
-BagFrames::BagFrames(MessageBag& bag, const SourceOptions& options)
-    : bag_(bag), options_(options), depth_step_(options.depth.scale) {
+BagFrames::BagFrames(MessageBag& bag, const SourceOptions& options) : bag_(bag), options_(options) {
+  for (const DepthTopic& topic : options.bag.depth) depth_[topic.name].step = options.depth.scale;
   learn();
   const auto require = [&](const std::string& topic, std::optional<RosCamera>& camera,
                            const std::optional<CameraIntrinsics>& of_setup, bool is_rectified) {
@@ -43,9 +43,12 @@ BagFrames::BagFrames(MessageBag& bag, const SourceOptions& options)
     camera->intrinsics.is_rectified = is_rectified;
   };
   require(options.bag.camera_info, camera_, options.camera, are_images_rectified(options.bag));
-  require(options.bag.depth_camera_info, depth_camera_,
-          options.depth.camera ? options.depth.camera : options.camera, is_depth_rectified(options.bag));
-  if (!options.bag.depth.empty()) depth_rays_ = depth_rays(depth_camera_.value().intrinsics);
+  for (const DepthTopic& topic : options.bag.depth) {
+    DepthSensor& sensor = depth_.at(topic.name);
+    require(topic.camera_info, sensor.camera, options.depth.camera ? options.depth.camera : options.camera,
+            is_depth_rectified(options.bag, topic));
+    sensor.rays = depth_rays(sensor.camera.value().intrinsics);
+  }
 }
 
 void BagFrames::learn_camera(const std::string& topic, const RosCameraInfo& info) {
@@ -54,13 +57,30 @@ void BagFrames::learn_camera(const std::string& topic, const RosCameraInfo& info
     return is_rectified ? rectified_camera(info) : raw_camera(info);
   };
   if (topic == bag.camera_info && !camera_) camera_ = camera_of(are_images_rectified(bag));
-  if (topic == bag.depth_camera_info && !depth_camera_) depth_camera_ = camera_of(is_depth_rectified(bag));
+  for (const DepthTopic& depth : bag.depth)
+    if (auto& camera = depth_.at(depth.name).camera; topic == depth.camera_info && !camera)
+      camera = camera_of(is_depth_rectified(bag, depth));
 }
 
-void BagFrames::learn_step(const std::string& topic, double step) {
-  if (depth_step_) return;  // the setup's, or the first
-  depth_step_ = step;
-  depth_units_ = topic;
+void BagFrames::learn_step(const BagTopic& topic, double step) {
+  for (auto& [name, sensor] : depth_) {
+    if (sensor.step || !is_depth_units(topic, name)) continue;  // the setup's, or the first
+    sensor.step = step;
+    sensor.units = topic.name;
+  }
+}
+
+bool BagFrames::is_camera(const BagTopic& topic) const {
+  const auto& depth = options_.bag.depth;
+  return topic.name == options_.bag.camera_info ||
+         std::any_of(depth.begin(), depth.end(),
+                     [&](const DepthTopic& one) { return one.camera_info == topic.name; });
+}
+
+bool BagFrames::tells_step(const BagTopic& topic) const {
+  return std::any_of(depth_.begin(), depth_.end(), [&](const auto& sensor) {
+    return !sensor.second.step && is_depth_units(topic, sensor.first);
+  });
 }
 
 std::vector<RosTransform> BagFrames::transforms_in(const BagMessage& message) const {
@@ -105,11 +125,8 @@ void BagFrames::learn() {
                     true, 0.0);
   const bool are_frames_read = !options_.bag.fixed_frame.empty() || takes_sensors_to_stand();
   for (const BagTopic& topic : bag_.topics()) {
-    const bool is_camera =
-        topic.name == options_.bag.camera_info || topic.name == options_.bag.depth_camera_info;
     sensors_.push_back(topic.wire && is_sensor(topic));
-    const bool tells_step = !depth_step_ && is_depth_units(topic, options_.bag.depth);
-    read_.push_back(topic.wire && (sensors_.back() || is_camera || tells_step ||
+    read_.push_back(topic.wire && (sensors_.back() || is_camera(topic) || tells_step(topic) ||
                                    (is_transforms(topic) && are_frames_read) || is_pose(topic)));
   }
   BagClocks clocks;
@@ -133,10 +150,10 @@ void BagFrames::learn() {
     try {
       if (!is_transforms(topic) && !is_pose(topic)) {
         WireReader in(message.bytes, *topic.wire);
-        if (is_depth_units(topic, options_.bag.depth))
-          learn_step(topic.name, read_depth_units(in));
-        else
+        if (is_camera(topic))
           learn_camera(topic.name, read_camera_info(in));
+        else
+          learn_step(topic, read_depth_units(in));
         return true;
       }
       if (is_pose(topic) && topic.type == "nav_msgs/Path") {

@@ -41,10 +41,15 @@ struct StatedFrame {
   Eigen::Isometry3d parent_from_child = Eigen::Isometry3d::Identity();
 };
 
+/// A topic of depth images.
+struct DepthTopic {
+  std::string name, camera_info;  ///< Image with depths; its CameraInfo, else the setup's camera
+};
+
 /// Which topics of a bag of ROS messages become frames. All may be empty, but not at once.
 struct BagTopics {
   std::string images, camera_info;  ///< Image or CompressedImage; its CameraInfo, else the setup's camera
-  std::string depth, depth_camera_info;            ///< Image with depths; its CameraInfo
+  std::vector<DepthTopic> depth;
   std::optional<bool> rectified, depth_rectified;  ///< whether they are; empty: as the topics' names say
   std::vector<std::string> clouds, scans;          ///< PointCloud2, LaserScan
   std::vector<std::string> parts;  ///< files that the bag's folder should hold; none: not known
@@ -75,8 +80,8 @@ inline bool is_named_rectified(const std::string& topic) {
 inline bool are_images_rectified(const BagTopics& bag) {
   return bag.rectified.value_or(is_named_rectified(bag.images));
 }
-inline bool is_depth_rectified(const BagTopics& bag) {
-  return bag.depth_rectified.value_or(is_named_rectified(bag.depth));
+inline bool is_depth_rectified(const BagTopics& bag, const DepthTopic& depth) {
+  return bag.depth_rectified.value_or(is_named_rectified(depth.name));
 }
 
 /// How depth pictures become points, and where they were taken from.

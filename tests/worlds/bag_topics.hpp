@@ -8,8 +8,8 @@ namespace clearway::worlds {
 inline SourceOptions all_topics() {
   SourceOptions options;
   options.bag.images = "/camera/image";
-  options.bag.depth = "/camera/depth";
-  options.bag.camera_info = options.bag.depth_camera_info = "/camera/camera_info";
+  options.bag.camera_info = "/camera/camera_info";
+  options.bag.depth = {{"/camera/depth", options.bag.camera_info}};
   options.bag.clouds = {"/points"};
   options.bag.scans = {"/scan"};
   options.bag.fixed_frame = "map";

@@ -332,7 +332,7 @@ TEST(Bag, RectifiedImagesAndACameraOfTheSetupWithADistortionAreRefused) {
             std::string::npos)
       << named;
   const std::string depth = refusal([&](SourceOptions& o) {
-    o.bag.depth = "/image";
+    o.bag.depth = {{"/image", ""}};
     o.bag.depth_rectified = true;
     o.depth.camera = bent;
   });

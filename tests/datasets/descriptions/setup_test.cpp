@@ -211,6 +211,9 @@ TEST(Setup, EveryMistakeIsOneSentenceNamingFileLineKeyAndExpectation) {
        "line 1", "fy", "expected a positive number beside a distortion"},
       {"source: {bag: {depth: /d}, depth: {camera: {width: 4, height: 4, fx: 1, fy: -1, cx: 2, cy: 2}}}",
        "line 1", "fy", "expected a positive number"},
+      {"source: {bag: {depth: [/d, /e], depth_camera_info: /i}}", "line 1", "source.bag.depth_camera_info",
+       "expected one topic for each of 'depth', 2, got 1"},
+      {"source: {bag: {depth: [/d, /d]}}", "line 1", "source.bag.depth", "topic '/d' is given twice"},
       {"map: {resolution: -0.1}", "line 1", "map.resolution", "got '-0.1'"},
       {"map: {resolution: 1e999}", "line 1", "map.resolution", "expected a number"},
       {"map: {resolution: 0,05}", "line 1", "map.resolution", "got '0'"},
@@ -368,6 +371,18 @@ TEST(Setup, SaysWhichPartOfABagIsReadAndWhatInfiniteBeamsDo) {
           .source;
   EXPECT_EQ(source.no_return, 50.0);
   EXPECT_EQ(source.bag.from, 2.5);
+  for (const auto& [bag, infos] :
+       {std::pair{"depth: /d, depth_camera_info: /i", std::vector{"/i"}},
+        std::pair{"depth: [/d, /e], depth_camera_info: [/i, /j]", std::vector{"/i", "/j"}},
+        std::pair{"depth: [/d, /e]", std::vector{"", ""}}}) {
+    const std::vector<DepthTopic> depth =
+        parse_setup("source: {bag: {" + std::string(bag) + "}}\n", "s").source.bag.depth;
+    ASSERT_EQ(depth.size(), infos.size()) << bag;
+    for (std::size_t i = 0; i < infos.size(); ++i) {
+      EXPECT_EQ(depth[i].name, i == 0 ? "/d" : "/e");
+      EXPECT_EQ(depth[i].camera_info, infos[i]);
+    }
+  }
   EXPECT_EQ(source.bag.to, 60.0);
   EXPECT_TRUE(source.clear_infinite);
   const BagTopics posed =

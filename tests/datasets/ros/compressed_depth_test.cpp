@@ -194,7 +194,7 @@ TEST(CompressedDepth, OfABagBecomesScansThroughTheCameraOfTheSetup) {
   bag.write(topic, 50.0, message.message());
   bag.finish();
   SourceOptions options;
-  options.bag.depth = "/depth";
+  options.bag.depth = {{"/depth", ""}};
   EXPECT_NE(
       complaint([&] { open_bag(folder / "b.mcap", options); }).find("needs the camera of topic '/depth'"),
       std::string::npos);

@@ -31,8 +31,7 @@ Reading read(const std::string& name, const std::string& option, const std::vect
     bag.image(depth, time, "0", "mono16", 1, std::vector<std::uint16_t>{4000});
   bag.write();
   SourceOptions options;
-  options.bag.depth = depth;
-  options.bag.depth_camera_info = sensor + "/Depth_0/info/camera_info";
+  options.bag.depth = {{depth, sensor + "/Depth_0/info/camera_info"}};
   options.depth.scale = stated;
   const auto source = open_bag(folder / name, options);
   Reading reading;
@@ -83,6 +82,33 @@ TEST(DepthUnits, ThatCannotBeAreNotTaken) {
   const Reading reading = read("a.bag", sensor + "/option/Depth Units/value", {0.0F, NAN, 0.0001F});
   expect_step(reading, 0.0001);
   EXPECT_NE(reading.told.find("its steps of depth are"), std::string::npos) << reading.told;
+}
+
+/// Two cameras of other sizes and focal lengths, one of which RealSense's SDK recorded.
+TEST(DepthTopics, AreEachSeenThroughTheirOwnCameraInTheirOwnSteps) {
+  const std::string sensor = "/device_0/sensor_0", depth = sensor + "/Depth_0/image/data";
+  const TemporaryFolder folder;
+  worlds::CameraBag bag(folder / "b.bag");
+  bag.number(sensor + "/option/Depth Units/value", 1, 1e-4F);
+  bag.info("/a/info", 1, "a", {1, 1, "plumb_bob", {0, 0, 0, 0, 0}, {50, 0, 0, 0, 50, 0, 0, 0, 1}});
+  bag.info("/b/info", 1, "b", {2, 1, "plumb_bob", {0, 0, 0, 0, 0}, {100, 0, 0, 0, 100, 0, 0, 0, 1}});
+  bag.image(depth, 2.0, "a", "mono16", 1, std::vector<std::uint16_t>{4000});
+  bag.image("/b/depth", 2.1, "b", "mono16", 2, std::vector<std::uint16_t>{4000, 3000});
+  bag.write();
+  SourceOptions options;
+  options.bag.depth = {{depth, "/a/info"}, {"/b/depth", "/b/info"}};
+  const auto source = open_bag(folder / "b.bag", options);
+  const auto first = source->next(), second = source->next();
+  ASSERT_TRUE(first && second) << source->damage().value_or("");
+  EXPECT_EQ(first->sensor, depth);
+  EXPECT_EQ(second->sensor, "/b/depth");
+  const auto &one = std::get<CloudFrame>(first->content).points,
+             &two = std::get<CloudFrame>(second->content).points;
+  ASSERT_EQ(one.size(), 1U);
+  EXPECT_NEAR(one[0].x(), 0.4F, 1e-6F);
+  ASSERT_EQ(two.size(), 2U);
+  EXPECT_NEAR(two[0].x(), 4.0F, 1e-6F);
+  EXPECT_LT((two[1] - Eigen::Vector3f(3.0F, -0.03F, 0.0F)).norm(), 1e-6F);
 }
 
 }  // namespace depth_units_test
