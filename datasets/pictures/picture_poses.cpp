@@ -26,7 +26,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t largest_pose_file = 256U << 20U;
-constexpr char expected_matrix[] = "expected four rows of four numbers, a rigid transform";
+constexpr char expected_matrix[] =
+    "expected four rows of four numbers, or the first three of them, a rigid transform";
 
 /// "frame-000012" of frame-000012.depth.png and of frame-000012.pose.txt, but all of 1305031102.160407: the
 /// digits before a point say what several pictures have in common.
@@ -194,7 +195,7 @@ bool is_part(char c) { return c == '.' || c == '_' || c == '-' || c == ' '; }
 std::optional<Eigen::Isometry3d> parse_pose_matrix(const std::string& text, const std::string& name) {
   const std::vector<std::string> words = words_of(text);
   try {
-    if (words.size() == 16 || std::any_of(words.begin(), words.end(), is_unknown)) return pose_of(words);
+    return pose_of(words);
   } catch (const std::invalid_argument&) {
   }
   throw std::invalid_argument(name + ": " + expected_matrix);

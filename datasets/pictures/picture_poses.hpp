@@ -12,8 +12,14 @@
 
 namespace clearway {
 
-/// Four rows of four numbers, world_from_camera, m; empty when they are not finite (the data sets' way to say
-/// that it is not known). @throws std::invalid_argument naming `name` when they are no rigid transform
+/// A clause: why COLMAP's images.txt is not taken for poses, and what is.
+inline constexpr char why_not_colmap[] =
+    "COLMAP's poses have no scale and lead from the world to the camera; expected TUM text or matrices, "
+    "world_from_camera in metres: its poses inverted and scaled to what was measured";
+
+/// Four rows of four numbers, or the first three of them, world_from_camera, m; empty when they are not
+/// finite (the data sets' way to say that it is not known). @throws std::invalid_argument naming `name` when
+/// they are no rigid transform
 std::optional<Eigen::Isometry3d> parse_pose_matrix(const std::string& text, const std::string& name);
 
 /// Poses by the number of their picture; empty where one is not known.
