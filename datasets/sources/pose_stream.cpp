@@ -196,6 +196,17 @@ std::optional<std::string> other_unit(const std::string& line) {
   return std::nullopt;
 }
 
+/// Whether a column's name, in small letters, is one of a quaternion's: qw, rot.w, orientation_x.
+bool is_of_turn(const std::string& word) {
+  return word.starts_with("q") || word.starts_with("#q") || word.find("rot") != std::string::npos ||
+         word.find("ori") != std::string::npos || word.find("quat") != std::string::npos;
+}
+
+std::string small_letters(std::string line) {
+  for (char& c : line) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return line;
+}
+
 /// What a head says of the columns: "xyzwxyz" of "# time tx ty tz qw qx qy qz".
 struct Head {
   std::string letters, turn;  ///< all; those that names like qw or rot.w give to the quaternion
@@ -204,19 +215,16 @@ struct Head {
 
 /// Nothing when the line is no head: it names no w among four columns or more.
 std::optional<Head> head_of(std::string line) {
-  for (char& c : line) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  line = small_letters(line);
   for (char& c : line)
     if (c == '[' || c == '(') c = ' ';
   Head head;
   for (const std::string& word : words_of(line)) {
     const char letter = letter_of(word);
     if (letter == 0) continue;
-    const bool is_of_turn = word.starts_with("q") || word.starts_with("#q") ||
-                            word.find("rot") != std::string::npos || word.find("ori") != std::string::npos ||
-                            word.find("quat") != std::string::npos;
-    head.begins_with_turn |= head.letters.empty() && is_of_turn;
+    head.begins_with_turn |= head.letters.empty() && is_of_turn(word);
     head.letters += letter;
-    if (is_of_turn) head.turn += letter;
+    if (is_of_turn(word)) head.turn += letter;
   }
   if (head.letters.size() < 4 || head.letters.find('w') == std::string::npos) return std::nullopt;
   return head;
@@ -234,6 +242,54 @@ std::optional<bool> is_w_first_in(const Head& head) {
   if (head.letters.size() == 4) return is_first(head.letters);
   return head.letters.starts_with("xyz") ? is_first(std::string_view(head.letters).substr(3, 4))
                                          : std::nullopt;
+}
+
+/// Where time, x, y, z, qx, qy, qz and qw stand in a line.
+using Columns = std::array<std::size_t, 8>;
+
+/// Of a head that names each once, in any order; the time may be what comes first and is none of them.
+std::optional<Columns> columns_by_name(std::string line) {
+  line = small_letters(line);
+  std::replace(line.begin(), line.end(), '#', ' ');
+  const bool has_commas = line.find(',') != std::string::npos;
+  std::vector<std::string> names = words_of(line);
+  if (has_commas) {
+    names.clear();
+    std::istringstream cells(line);
+    for (std::string cell; std::getline(cells, cell, ',');) {
+      const std::vector<std::string> words = words_of(cell);
+      names.push_back(words.empty() ? "" : words.front());
+    }
+  }
+  Columns columns{};
+  std::array<int, 8> found{};
+  const auto note = [&](std::size_t role, std::size_t column) {
+    columns[role] = column;
+    ++found[role];
+  };
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const char letter = letter_of(names[i]);
+    if (letter != 0) {
+      const std::size_t role = std::string_view(is_of_turn(names[i]) ? "    xyzw" : " xyz").find(letter);
+      if (role == std::string_view::npos) return std::nullopt;
+      note(role, i);
+    } else if (i == 0 || (names[i].starts_with("time") && !names[columns[0]].starts_with("time"))) {
+      found[0] = 0;  // a counter stands before the time
+      note(0, i);
+    }
+  }
+  const bool is_whole = std::all_of(found.begin(), found.end(), [](int count) { return count == 1; });
+  return is_whole ? std::optional(columns) : std::nullopt;
+}
+
+/// Time, x, y, z, qx, qy, qz and qw of a line; as it is where it is too short.
+std::vector<std::string> in_order(const std::vector<std::string>& words, const Columns& columns) {
+  std::vector<std::string> ordered;
+  for (const std::size_t column : columns) {
+    if (column >= words.size()) return words;
+    ordered.push_back(words[column]);
+  }
+  return ordered;
 }
 
 /// How many columns, of a counter and of seconds, stand before nanoseconds in a head such as Newer College's
@@ -316,6 +372,7 @@ PoseStream parse_tum_poses(const std::string& text, const std::string& name, dou
   bool is_w_first = false;
   std::size_t columns = 0;             // of a head that names more than a time and a pose
   std::size_t before_nanoseconds = 0;  // of a head that names them
+  std::optional<Columns> by_name;      // of a head that names them in another order
   for (std::string line; std::getline(lines, line);) {
     ++number;
     const auto refuse = [&](const std::string& why) {
@@ -323,15 +380,18 @@ PoseStream parse_tum_poses(const std::string& text, const std::string& name, dou
     };
     if (const auto head = head_of(line); head && poses.empty()) {
       const auto said = is_w_first_in(*head);
-      if (!said)
-        refuse("expected columns x y z and then a quaternion as qx qy qz qw or qw qx qy qz, got " +
-               quote(head->letters));
+      before_nanoseconds = columns_before_nanoseconds(line);
+      by_name = said || before_nanoseconds > 0 ? std::nullopt : columns_by_name(line);
+      if (!said && !by_name)
+        refuse(
+            "expected columns x y z and then a quaternion as qx qy qz qw or qw qx qy qz, or columns "
+            "named time, x, y, z, qx, qy, qz and qw, got " +
+            quote(head->letters));
       if (const auto unit = other_unit(line))
         refuse("expected metres and a quaternion, got columns in " + *unit);
-      is_w_first = *said;
+      is_w_first = said.value_or(false);
       const bool is_pose_first = head->letters.starts_with(is_w_first ? "xyzwxyz" : "xyzxyzw");
       const auto commas = static_cast<std::size_t>(std::count(line.begin(), line.end(), ','));
-      before_nanoseconds = columns_before_nanoseconds(line);
       const std::size_t with_one_time = commas + 1 - std::min(commas, before_nanoseconds);
       columns = is_pose_first && with_one_time > 8 ? with_one_time : 0;
       continue;
@@ -341,6 +401,7 @@ PoseStream parse_tum_poses(const std::string& text, const std::string& name, dou
     if (words.empty()) continue;
     const auto nanoseconds = take_nanoseconds(words, before_nanoseconds);
     if (words.size() == columns) words.resize(8);
+    if (by_name) words = in_order(words, *by_name);
     auto pose = nanoseconds ? timed_pose(words, is_w_first) : std::nullopt;
     if (pose) pose->time += *nanoseconds;
     const std::streamoff next = lines.tellg();

@@ -191,16 +191,34 @@ TEST(PoseStream, AHeadSaysTheOrderOfTheQuaternionAndNanosecondsAreTimes) {
                   .angularDistance(Eigen::Quaterniond(0.5, 0.1, -0.7, 0.5).normalized()),
               1e-9);
   }
-  for (const char* head : {"# time x[mm] y[mm] z[mm] qx qy qz qw\n", "# t qw qx qy qz x y z\n",
-                           "# t x y z w z y x\n", "# time x (cm) y (cm) z (cm) qw qx qy qz\n"})
+  for (const char* head :
+       {"# time x[mm] y[mm] z[mm] qx qy qz qw\n", "# t qw qx qy qz x y y\n", "# t x y z w z y x\n",
+        "# t qw qx qy x y z\n", "# time x (cm) y (cm) z (cm) qw qx qy qz\n"})
     EXPECT_THROW(parse_tum_poses(std::string(head) + "1 1 2 3 0.5 0.5 0.5 0.5\n", "t", 1.0),
                  std::invalid_argument)
         << head;
-  EXPECT_THROW(parse_tum_poses("# t x y z qy qx qz qw\n1 1 2 3 0 0 0 1\n", "t", 1.0), std::invalid_argument);
   const PoseStream stream = parse_tum_poses(
       "1403636579763555584.000000 0 0 0 0 0 0 1\n1403636579863555584.000000 1 0 0 0 0 0 1\n", "t", 1.0);
   EXPECT_NEAR(*stream.first_time(), 1403636579.7635556, 1e-6);
   EXPECT_NEAR(stream.at(1403636579.8135556)->translation().x(), 0.5, 1e-4);
+}
+
+TEST(PoseStream, AHeadNamesColumnsInAnyOrder) {
+  for (const auto& [head, line] : std::vector<std::pair<std::string, std::string>>{
+           {"timestamp,qw,qx,qy,qz,x,y,z", "1,0.5,0.1,-0.7,0.5,1,2,3"},
+           {"# t qw qx qy qz tx ty tz", "1 0.5 0.1 -0.7 0.5 1 2 3"},
+           {"# t x y z qy qx qz qw", "1 1 2 3 -0.7 0.1 0.5 0.5"},
+           {"n,time [s],q_w [],q_x [],q_y [],q_z [],p_z [m],p_y [m],p_x [m]", "7,1,0.5,0.1,-0.7,0.5,3,2,1"},
+           {"orientation.x,orientation.y,orientation.z,orientation.w,time,position.x,position.y,position.z",
+            "0.1,-0.7,0.5,0.5,1,1,2,3"}}) {
+    const PoseStream stream = parse_tum_poses(head + "\n" + line + "\n", "t", 1.0);
+    ASSERT_TRUE(stream.at(1.0)) << head;
+    EXPECT_LT((stream.at(1.0)->translation() - Eigen::Vector3d(1, 2, 3)).norm(), 1e-9) << head;
+    EXPECT_LT(Eigen::Quaterniond(stream.at(1.0)->rotation())
+                  .angularDistance(Eigen::Quaterniond(0.5, 0.1, -0.7, 0.5).normalized()),
+              1e-9)
+        << head;
+  }
 }
 
 TEST(PoseStream, LinesWithoutAPoseAreLeftOutAndCountedWhereThatIsAskedFor) {
