@@ -326,6 +326,10 @@ std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const Dep
           "back.";
   }
   auto source = std::make_unique<DepthFolder>(layout, path.value_or(CameraPath{}), stated, whole, numbers);
+  std::error_code error;
+  if (!source->has_poses() && !options.places_depth && fs::exists(folder / "images.txt", error))
+    throw std::invalid_argument(name +
+                                " has no poses of its depth pictures but images.txt: " + why_not_colmap);
   if (!source->has_poses() && !options.places_depth)
     throw std::invalid_argument(
         name +

@@ -188,6 +188,11 @@ void require_columns(const std::string& text, const std::string& name) {
   }
 }
 
+/// COLMAP's images.txt.
+bool is_colmap_images(const std::string& text) {
+  return text.find("IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ") != std::string::npos;
+}
+
 bool is_part(char c) { return c == '.' || c == '_' || c == '-' || c == ' '; }
 
 }  // namespace
@@ -241,6 +246,7 @@ PicturePoses::PicturePoses(const fs::path& file, fs::path folder, std::string wo
   folder_.clear();
   const std::string name = "poses " + quote_path(file.string());
   std::string text = read_input(file, "poses", largest_pose_file);
+  if (is_colmap_images(text)) throw std::invalid_argument(name + ": " + why_not_colmap);
   if (is_arkit_poses(file, text)) text = tum_of_arkit(text, name);
   if (is_camera_path(text)) {
     const CameraPath path = parse_camera_path(text, name);

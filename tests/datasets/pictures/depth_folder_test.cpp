@@ -145,6 +145,9 @@ TEST_F(DepthFolders, RefusesWhatNamesNoCameraOrNoPoses) {
   folder_.write("depth/1.png", depth_png(1000));
   EXPECT_NE(complaint([&] { open({}); }).find("expected `camera`"), std::string::npos);
   EXPECT_NE(complaint([&] { open(options()); }).find("has no poses"), std::string::npos);
+  folder_.write("images.txt", "# of COLMAP\n");
+  EXPECT_NE(complaint([&] { open(options()); }).find("but images.txt: COLMAP's poses have no scale"),
+            std::string::npos);
   SourceOptions placed = options();
   placed.places_depth = true;
   EXPECT_TRUE(open(placed)->next());

@@ -229,6 +229,8 @@ TEST_F(PosesOfPictures, ThatAreForOthersAreRefused) {
         {"-1 0 1\n" + matrix, "line 1: expected three whole numbers"},
         {"0 0 1\n" + matrix + "0 0 1\n" + matrix, "line 6: picture 0 has a second pose"},
         {"# nothing\n", "expected at least one pose"},
+        {"#   IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n1 1 0 0 0 0 0 0 1 a.png\n\n",
+         "COLMAP's poses have no scale"},
         {"1 2 3 4\n", "line 1: expected three rows"},
         {rows(truth_[0], 3, "\n") + "1 2 3 4\n", "line 4: expected three rows"},
         {matrix + matrix, "matrices of four rows one below the other"},
