@@ -316,6 +316,8 @@ std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const Dep
     require_metres(name, layout);
   else if (!whole.depth.scale && !layout.tum_table.empty() && !is_of_tum(layout.poses))
     require_steps_of_tum(name, layout);
+  else if (!whole.depth.scale && is_of_tum(layout.poses))
+    whole.depth.scale_note = doubt_of_tum(layout);
   else if (!numbers.is_real && !is_of_tum(layout.poses) &&
            whole.depth.scale.value_or(usual_depth_scale) == usual_depth_scale && are_steps_rotated(layout)) {
     numbers.is_rotated = !whole.depth.scale;

@@ -84,17 +84,36 @@ SourceOptions with_scale(SourceOptions options, const std::string& why_of_tum, b
   return options;
 }
 
-void require_steps_of_tum(const std::string& name, const DepthLayout& layout) {
+namespace {
+
+/// "hardly a pixel of 7 pictures reaches …", where that is so; else empty.
+std::string are_all_near(const DepthLayout& layout) {
   constexpr float far = 10000.0F;
   const DepthSample sample = sample_of(layout);
   const auto far_ones = static_cast<std::size_t>(
       std::count_if(sample.values.begin(), sample.values.end(), [](float step) { return step >= far; }));
-  if (sample.values.empty() || far_ones * 1000 >= sample.values.size()) return;
-  throw std::invalid_argument(
-      name + " has a table of depth pictures as TUM's, " + quote_path(layout.tum_table.string()) +
-      ", whose steps are 0.0002 m, but hardly a pixel of " + counted(sample.pictures, "picture") +
-      " reaches 10000 steps, as of others in millimetres: expected `source: {depth: {scale: …}}` in "
-      "the setup, 0.0002 or 0.001");
+  if (sample.values.empty() || far_ones * 1000 >= sample.values.size()) return "";
+  return "hardly a pixel of " + counted(sample.pictures, "picture") +
+         " reaches 10000 steps, as of others in millimetres";
+}
+
+}  // namespace
+
+void require_steps_of_tum(const std::string& name, const DepthLayout& layout) {
+  const std::string near = are_all_near(layout);
+  if (near.empty()) return;
+  throw std::invalid_argument(name + " has a table of depth pictures as TUM's, " +
+                              quote_path(layout.tum_table.string()) + ", whose steps are 0.0002 m, but " +
+                              near +
+                              ": expected `source: {depth: {scale: …}}` in the setup, 0.0002 or 0.001");
+}
+
+std::string doubt_of_tum(const DepthLayout& layout) {
+  const std::string near = are_all_near(layout);
+  return near.empty() ? ""
+                      : near +
+                            ", of which the map would be a fifth of its size: `source: {depth: {scale: "
+                            "0.001}}` states them, 0.0002 TUM's.";
 }
 
 void require_metres(const std::string& name, const DepthLayout& layout) {

@@ -36,6 +36,10 @@ SourceOptions with_scale(SourceOptions options, const std::string& why_of_tum, b
 /// TUM's
 void require_steps_of_tum(const std::string& name, const DepthLayout& layout);
 
+/// Of pictures whose poses are TUM's own by their head, such as of what somebody recorded and called
+/// rgbd_dataset_…: a sentence in that case; else empty, as some of TUM's hold nothing that far either.
+std::string doubt_of_tum(const DepthLayout& layout);
+
 /// Real numbers are metres in most files, and millimetres in others. @throws std::invalid_argument where half
 /// of the depth in some pictures, spread over all, lies beyond 100 m, without what is background (1e6 and
 /// more)

@@ -62,6 +62,23 @@ TEST_F(DepthScales, WhatTumsTablesSayOfTheStepsIsAskedForWhereAllWouldBeNear) {
   EXPECT_EQ(complaint([&] { open(silent); }), "");
 }
 
+TEST_F(DepthScales, ThatTumsOwnHeadSaysTheStepsIsDoubtedWhereAllWouldBeNear) {
+  make("depth");
+  folder_.write("groundtruth.txt",
+                "# ground truth trajectory\n# file: 'rgbd_dataset_mine'\n# timestamp tx ty tz qx qy qz qw\n"
+                "9.99 0 0 0 0 0 0 1\n10.01 0 0 0 0 0 0 1\n");
+  SourceOptions silent = options();
+  silent.depth.scale = {};
+  for (const auto& [units, is_doubted] : {std::pair{9000, true}, std::pair{11000, false}}) {
+    folder_.write("depth/10.0.png", depth_png(static_cast<std::uint16_t>(units)));
+    std::string warnings;
+    for (const std::string& warning : open(silent)->warnings()) warnings += warning + "\n";
+    EXPECT_NE(warnings.find("steps of depth are 0.0002 m, as the files are TUM's"), std::string::npos);
+    EXPECT_EQ(warnings.find("of which the map would be a fifth of its size") != std::string::npos, is_doubted)
+        << warnings;
+  }
+}
+
 /// A ramp of `least` to beyond `most` steps.
 std::string ramp_png(int least, int most, const std::function<int(int)>& stored) {
   cv::Mat_<std::uint16_t> depth(36, 48);
