@@ -131,7 +131,8 @@ bool is_recording_name(const std::filesystem::path& file) {
 }  // namespace
 
 int run_inspect(const InspectOptions& options, Console& console) {
-  if (is_recording_name(options.map)) return inspect_recording(options, console);
+  if (is_recording_name(options.map) || is_folder_of_frames(options.map))
+    return inspect_recording(options, console);
   std::vector<std::pair<SlicePlane, std::filesystem::path>> slices;
   for (const auto& [plane, file] : options.slices) slices.emplace_back(parse_slice(plane), file);
   std::optional<Policy> lines;

@@ -12,6 +12,11 @@
 #include "apps/fusion/open_frames.hpp"
 #include "datasets/bags/bag_metadata.hpp"
 #include "datasets/bags/bag_source.hpp"
+#include "datasets/pictures/depth_layout.hpp"
+#include "datasets/pictures/depth_picture.hpp"
+#include "datasets/pictures/picture_file.hpp"
+#include "datasets/pictures/picture_times.hpp"
+#include "mapping/files/cloud_file.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -42,10 +47,26 @@ std::string kind_of(const Frame& frame) {
 
 Json topics_of(const InspectOptions& options, std::vector<std::vector<std::string>>& rows) {
   Json topics = Json::array();
-  rows = {{"topic", "type", "messages"}};
+  rows = {{"topic", "type", "messages", "frame", "encoding", "from s", "to s"}};
+  const std::map<std::string, TopicContent> contents = list_contents(options.map);
+  double begin = HUGE_VAL;
+  for (const auto& [name, content] : contents) begin = std::min(begin, content.first);
+  const auto shown = [](const std::string& text) { return text.empty() ? "-" : plain(text); };
   for (const BagTopic& topic : list_bag(options.map)) {
-    topics.push_back({{"name", topic.name}, {"type", topic.type}, {"messages", topic.count}});
-    rows.push_back({plain(topic.name), plain(topic.type), std::to_string(topic.count)});
+    Json json{{"name", topic.name}, {"type", topic.type}, {"messages", topic.count}};
+    std::vector<std::string> row{plain(topic.name), plain(topic.type), std::to_string(topic.count)};
+    if (const auto found = contents.find(topic.name); found != contents.end()) {
+      const TopicContent& content = found->second;
+      if (!content.frame.empty()) json["frame"] = content.frame;
+      if (!content.encoding.empty()) json["encoding"] = content.encoding;
+      json["first_s"] = content.first;
+      json["last_s"] = content.last;
+      row.insert(row.end(), {shown(content.frame), shown(content.encoding),
+                             short_text(content.first - begin, 6), short_text(content.last - begin, 6)});
+    }
+    row.resize(rows.front().size(), "-");
+    topics.push_back(std::move(json));
+    rows.push_back(std::move(row));
   }
   return topics;
 }
@@ -85,7 +106,55 @@ Json sensors_of(FrameSource& frames, std::vector<std::vector<std::string>>& rows
   return json;
 }
 
+/// The pictures of a folder, whatever their camera: their number, size and times; what they show is not read.
+Json pictures_of(const DepthLayout& layout, std::vector<std::vector<std::string>>& rows, Console& console) {
+  Json json = Json::array();
+  rows = {{"sensor", "kind", "frames", "from s", "to s"}};
+  const auto add = [&](const char* name, const std::vector<std::filesystem::path>& pictures,
+                       const std::optional<ImageSize>& size) {
+    if (pictures.empty()) return;
+    const TimedFiles timed = times_of_files(pictures, std::nullopt);
+    const std::string kind =
+        name + (size ? " " + std::to_string(size->width) + " x " + std::to_string(size->height) : "");
+    const double first = timed.files.front().time, last = timed.files.back().time;
+    json.push_back({{"sensor", name},
+                    {"kind", kind},
+                    {"frames", timed.files.size()},
+                    {"first_s", first},
+                    {"last_s", last}});
+    rows.push_back({name, kind, std::to_string(timed.files.size()), "0", short_text(last - first, 6)});
+    for (const std::string& warning : timed.warnings) console.warn(warning);
+    if (!timed.time_caveat.empty()) console.warn(timed.time_caveat);
+  };
+  const auto head = depth_picture_head(in_order_of_names(layout.depth));
+  add("depth", layout.depth, head ? std::optional(head->size) : std::nullopt);
+  add("colour", layout.colour, layout.colour.empty() ? std::nullopt : picture_size(layout.colour.front()));
+  return json;
+}
+
+/// The depth pictures of a folder; nothing where there are none.
+std::optional<DepthLayout> depth_in(const std::filesystem::path& folder) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(folder, error)) return std::nullopt;
+  try {
+    return depth_layout(folder);
+  } catch (const std::filesystem::filesystem_error&) {  // told by who reads it
+    return std::nullopt;
+  }
+}
+
 }  // namespace
+
+bool is_folder_of_frames(const std::filesystem::path& folder) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(folder, error) || std::filesystem::exists(folder / "map.ot", error))
+    return false;
+  if (depth_in(folder)) return true;
+  const auto entries = std::filesystem::directory_iterator(folder, error);
+  return std::any_of(begin(entries), end(entries), [](const auto& entry) {
+    return is_picture_file(entry.path()) || is_cloud_file(entry.path());
+  });
+}
 
 int inspect_recording(const InspectOptions& options, Console& console) {
   const std::string name = options.map.string();
@@ -103,6 +172,13 @@ int inspect_recording(const InspectOptions& options, Console& console) {
     json["frames"] = frames_of(options, frame_rows);
     damage = bag_damage(options.map);
     if (!damage && is_bag_folder(options.map)) damage = missing_parts(options.map, listed_parts(options.map));
+  } else if (const auto layout = depth_in(options.map)) {
+    json["recording"] = name;
+    json["sensors"] = pictures_of(*layout, rows, console);
+    const std::filesystem::path& poses = layout->poses.empty() ? layout->pose_folder : layout->poses;
+    if (!poses.empty()) json["poses"] = poses.string();
+    console.warn(poses.empty() ? "no poses of the depth pictures lie beside them"
+                               : "poses are in " + quote_path(poses.string()));
   } else {
     const std::unique_ptr<FrameSource> frames = open_frames(options.map, {});
     json["recording"] = name;

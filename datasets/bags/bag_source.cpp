@@ -13,7 +13,9 @@
 #include "datasets/ros/wire_writer.hpp"
 #include "datasets/sources/clock_restart.hpp"
 #include "datasets/sources/decoding_child.hpp"
+#include "datasets/sources/finite_number.hpp"
 #include "datasets/sources/frame_bytes.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -184,6 +186,31 @@ std::vector<BagTopic> list_bag(const std::filesystem::path& file) {
   std::sort(topics.begin(), topics.end(),
             [](const BagTopic& a, const BagTopic& b) { return a.name < b.name; });
   return topics;
+}
+
+std::map<std::string, TopicContent> list_contents(const std::filesystem::path& file) {
+  // Of each topic its frame and encoding, then when it began and ended, and then its name.
+  const auto lines = ask(file, [](MessageBag& bag, const Tell& tell) {
+    const std::vector<TopicContent> contents = contents_of(bag);
+    for (std::size_t i = 0; i < contents.size(); ++i) {
+      const TopicContent& content = contents[i];
+      if (content.last < content.first) continue;
+      tell(i, "f" + content.frame + '\n' + content.encoding);
+      tell(i, "t" + short_text(content.first, 17) + '\n' + short_text(content.last, 17));
+      tell(i, "n\n" + bag.topics()[i].name);
+    }
+  });
+  std::map<std::string, TopicContent> contents;
+  TopicContent next;
+  for (const Line& line : lines) {
+    if (line.mark == 'f') next = {.frame = line.first, .encoding = line.second};
+    if (line.mark == 't') {
+      next.first = finite_number(line.first).value_or(0.0);
+      next.last = finite_number(line.second).value_or(0.0);
+    }
+    if (line.mark == 'n') contents[line.second] = next;
+  }
+  return contents;
 }
 
 std::vector<BagFrame> list_frames(const std::filesystem::path& file) {

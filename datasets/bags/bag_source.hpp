@@ -1,11 +1,13 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "datasets/ros/bag_readings.hpp"
 #include "datasets/ros/message_bag.hpp"
 #include "datasets/ros/transform_tree.hpp"
 #include "datasets/sources/frame_source.hpp"
@@ -55,6 +57,10 @@ inline bool is_bag(const std::filesystem::path& path) { return is_bag_file(path)
 /// what could be read.
 /// @throws std::invalid_argument naming the file when it is no bag.
 std::vector<BagTopic> list_bag(const std::filesystem::path& file);
+
+/// What the messages of each topic are like, by its name, but of those without messages.
+/// @throws std::invalid_argument as list_bag
+std::map<std::string, TopicContent> list_contents(const std::filesystem::path& file);
 
 /// One sentence about what is damaged in a bag, all of which is read for that; nothing: it is whole.
 /// @throws std::invalid_argument as list_bag

@@ -1,11 +1,33 @@
 #include "datasets/ros/bag_readings.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
 #include "datasets/ros/cut_bag.hpp"
 
 namespace clearway {
+namespace {
+
+/// Whether messages of this type begin with a header.
+bool has_header(const std::string& type) {
+  constexpr std::array kinds{"sensor_msgs/Image",     "sensor_msgs/CompressedImage", "sensor_msgs/CameraInfo",
+                             "sensor_msgs/LaserScan", "sensor_msgs/PointCloud2",     "sensor_msgs/Imu",
+                             "sensor_msgs/Range",     "sensor_msgs/JointState",      "nav_msgs/Odometry",
+                             "nav_msgs/Path"};
+  return std::find(kinds.begin(), kinds.end(), type) != kinds.end() || is_livox_cloud(type) ||
+         (type.starts_with("geometry_msgs/") && type.ends_with("Stamped"));
+}
+
+void read_head(const BagTopic& topic, const BagMessage& message, TopicContent& content) {
+  WireReader in(message.bytes, *topic.wire), again(message.bytes, *topic.wire);
+  content.frame = read_header(in).frame;
+  if (topic.type == "sensor_msgs/Image") content.encoding = read_image(again).encoding;
+  if (topic.type == "sensor_msgs/CompressedImage") content.encoding = read_compressed_image(again).format;
+}
+
+}  // namespace
 
 bool is_fixed(const BagTopic& topic) { return topic.name.ends_with("tf_static"); }
 
@@ -28,6 +50,22 @@ std::vector<BagFrame> frames_of(MessageBag& bag) {
     return true;
   });
   return tree.edges();
+}
+
+std::vector<TopicContent> contents_of(MessageBag& bag) {
+  std::vector<TopicContent> contents(bag.topics().size());
+  bag.visit(std::vector<bool>(contents.size(), true), [&](const BagMessage& message) {
+    const BagTopic& topic = bag.topics()[message.topic];
+    TopicContent& content = contents[message.topic];
+    content.first = std::min(content.first, message.time);
+    content.last = std::max(content.last, message.time);
+    try {
+      if (content.frame.empty() && topic.wire && has_header(topic.type)) read_head(topic, message, content);
+    } catch (const std::runtime_error&) {  // damaged: the next one
+    }
+    return true;
+  });
+  return contents;
 }
 
 void visit_joints(MessageBag& bag, const std::string& topic,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,16 @@ double time_of(const RosHeader& header, double recorded);
 
 /// The frames that the transforms of a bag join; leaves out damaged ones.
 std::vector<BagFrame> frames_of(MessageBag& bag);
+
+/// What a topic's messages are like.
+struct TopicContent {
+  std::string frame;     ///< of the first header that could be read; empty: there is none
+  std::string encoding;  ///< of the first image, or the format of a compressed one
+  double first = std::numeric_limits<double>::infinity();  ///< s since 1970, when messages were recorded
+  double last = -std::numeric_limits<double>::infinity();
+};
+/// Of each of the bag's topics, in their order; reads the whole bag.
+std::vector<TopicContent> contents_of(MessageBag& bag);
 
 /// Calls `take` with the readings of a JointState topic, their own time where they have one; leaves out
 /// damaged ones.

@@ -2,10 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <set>
 
 #include "datasets/bags/mcap_writer.hpp"
 #include "datasets/sources/recording.hpp"
 #include "tests/apps/run_command.hpp"
+#include "tests/worlds/picture_bytes.hpp"
 
 namespace clearway {
 namespace inspect_recording_test {
@@ -66,7 +69,54 @@ TEST(InspectRecording, ListsTheTopicsOfABag) {
   ASSERT_EQ(run.status, 0) << run.log;
   EXPECT_EQ(Json::parse(run.out).at("topics"),
             (Json{{{"name", "/idle"}, {"type", "std_msgs/String"}, {"messages", 0}},
-                  {{"name", "/tip"}, {"type", "std_msgs/String"}, {"messages", 3}}}));
+                  {{"name", "/tip"},
+                   {"type", "std_msgs/String"},
+                   {"messages", 3},
+                   {"first_s", 1.0},
+                   {"last_s", 3.0}}}));
+}
+
+TEST(InspectRecording, ListsFramesAndEncodingsOfABagsTopics) {
+  const std::string bag = CLEARWAY_SOURCE_DIR "/tests/datasets/ros/bags/cdr_none.mcap";
+  const CommandRun run = run_command({"inspect", bag, "--json"});
+  ASSERT_EQ(run.status, 0) << run.log;
+  std::set<std::string> frames, encodings;
+  for (const Json& topic : Json::parse(run.out).at("topics")) {
+    frames.insert(topic.value("frame", ""));
+    encodings.insert(topic.value("encoding", ""));
+  }
+  EXPECT_TRUE(frames.contains("camera")) << run.out;
+  EXPECT_TRUE(encodings.contains("16UC1")) << run.out;
+  const CommandRun text = run_command({"inspect", bag});
+  EXPECT_NE(text.out.find("encoding"), std::string::npos) << text.out;
+}
+
+TEST(InspectRecording, AFolderOfDepthPicturesIsListedWithoutItsCamera) {
+  const TemporaryFolder folder;
+  for (const char* name : {"1.5", "2.5", "4.5"}) {
+    std::filesystem::create_directories(folder / "depth");
+    std::filesystem::create_directories(folder / "rgb");
+    folder.write("depth/" + std::string(name) + ".png",
+                 picture_bytes(cv::Mat_<std::uint16_t>(3, 4, 900), ".png"));
+    folder.write("rgb/" + std::string(name) + ".png", picture_bytes(cv::Mat_<std::uint8_t>(6, 8, 9), ".png"));
+  }
+  folder.write("groundtruth.txt", "1.5 0 0 0 0 0 0 1\n");
+  const CommandRun run = run_command({"inspect", folder.path().string(), "--json"});
+  ASSERT_EQ(run.status, 0) << run.log;
+  const Json json = Json::parse(run.out), sensors = json.at("sensors");
+  ASSERT_EQ(sensors.size(), 2U);
+  EXPECT_EQ(
+      sensors[0],
+      (Json{{"sensor", "depth"}, {"kind", "depth 4 x 3"}, {"frames", 3}, {"first_s", 1.5}, {"last_s", 4.5}}));
+  EXPECT_EQ(sensors[1].at("kind"), "colour 8 x 6");
+  EXPECT_TRUE(json.at("poses").get<std::string>().ends_with("groundtruth.txt"));
+}
+
+TEST(InspectRecording, AFolderOfNeitherMapNorFramesIsAskedForItsMap) {
+  const TemporaryFolder folder;
+  const CommandRun run = run_command({"inspect", folder.path().string()});
+  EXPECT_EQ(run.status, 2);
+  EXPECT_NE(run.log.find("holds no map.ot"), std::string::npos) << run.log;
 }
 
 TEST(InspectRecording, ListsTheFramesOfABagWithTheirParents) {
