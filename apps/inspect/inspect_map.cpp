@@ -58,8 +58,11 @@ Json describe_map(const InspectOptions& options, const MapLeaves& leaves) {
   if (const ScanAgreement& agreement = map.tree().agreement(); agreement.looked_up > 0) {
     json["hits_called_free"] = {{"share", agreement.share_called_free()},
                                 {"called_free", agreement.called_free},
-                                {"looked_up", agreement.looked_up}};
+                                {"looked_up", agreement.looked_up},
+                                {"amid_free", agreement.amid_free},
+                                {"compared", agreement.compared}};
   }
+  if (const std::string caveat = contradiction_caveat(map); !caveat.empty()) json["contradictions"] = caveat;
   if (const std::string caveat = damage_caveat(map); !caveat.empty()) json["damaged_recording"] = caveat;
   if (const HandEdits& edits = map.tree().hand_edits(); edits != HandEdits{})
     json["voxels_by_hand"] = {{"occupied", edits.occupied}, {"freed", edits.freed}};
@@ -120,6 +123,8 @@ void print_map(const Json& json, std::ostream& out) {
                                               grouped(hits["looked_up"].get<std::size_t>()) +
                                               " looked up before their scan was integrated");
   }
+  if (json.contains("contradictions"))
+    rows.emplace_back("warning", json["contradictions"].get<std::string>());
   if (json.contains("damaged_recording"))
     rows.emplace_back("warning", json["damaged_recording"].get<std::string>());
   if (json.contains("voxels_by_hand")) {

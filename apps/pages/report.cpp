@@ -162,7 +162,9 @@ std::string report_json(const ReplayReport& report) {
   if (const ScanAgreement& agreement = report.map.tree().agreement(); agreement.looked_up > 0) {
     json["map"]["hits_called_free"] = {{"share", agreement.share_called_free()},
                                        {"called_free", agreement.called_free},
-                                       {"looked_up", agreement.looked_up}};
+                                       {"looked_up", agreement.looked_up},
+                                       {"amid_free", agreement.amid_free},
+                                       {"compared", agreement.compared}};
   }
   json["voxels"] = {{"painted", voxels.painted},
                     {"seen_free", voxels.seen_free},

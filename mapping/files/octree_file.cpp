@@ -7,7 +7,10 @@
 #include <charconv>
 #include <cmath>
 #include <locale>
+#include <optional>
 #include <sstream>
+#include <tuple>
+#include <utility>
 
 #include "mapping/files/map_file.hpp"
 #include "mapping/files/octree_check.hpp"
@@ -23,6 +26,7 @@ constexpr std::string_view threshold_comment = "# clearway occupied_log_odds ";
 constexpr std::string_view clamping_comment = "# clearway clamped_log_odds ";
 constexpr std::string_view integration_comment = "# clearway integration ";
 constexpr std::string_view agreement_comment = "# clearway hits_called_free ";
+constexpr std::string_view amid_free_comment = "# clearway hits_amid_free ";
 constexpr std::string_view damage_comment = "# clearway damaged_recording records ";
 constexpr std::string_view hand_edits_comment = "# clearway voxels_by_hand ";
 constexpr std::string_view painted_comment = "# clearway painted ";
@@ -104,18 +108,29 @@ void restore_hand_edits(FusedTree& tree, std::string_view header, const std::fil
   tree.add_hand_edits(edits);
 }
 
-/// Two counts: hits called free, and hits looked up.
-void restore_agreement(FusedTree& tree, std::string_view header, const std::filesystem::path& file) {
-  const std::string text = comments(header, agreement_comment);
-  if (text.empty()) return;
-  ScanAgreement agreement;
+/// "12 of 3456" of a comment's line. Nothing: there is no such line.
+std::optional<std::pair<std::uint64_t, std::uint64_t>> share_in(std::string_view header,
+                                                                std::string_view comment,
+                                                                const std::filesystem::path& file) {
+  const std::string text = comments(header, comment);
+  if (text.empty()) return std::nullopt;
+  std::uint64_t part = 0, whole = 0;
   const char* const last = text.data() + text.size();
-  const auto free = std::from_chars(text.data(), last, agreement.called_free);
-  const bool has_second = free.ec == std::errc() && std::string_view(free.ptr, last).starts_with(" of ");
-  const auto all = has_second ? std::from_chars(free.ptr + 4, last, agreement.looked_up) : free;
-  if (!has_second || all.ec != std::errc() || *all.ptr != '\n' || agreement.called_free > agreement.looked_up)
+  const auto first = std::from_chars(text.data(), last, part);
+  const bool has_second = first.ec == std::errc() && std::string_view(first.ptr, last).starts_with(" of ");
+  const auto second = has_second ? std::from_chars(first.ptr + 4, last, whole) : first;
+  if (!has_second || second.ec != std::errc() || *second.ptr != '\n' || part > whole)
     throw DamagedFile("'" + file.string() +
                       "' is damaged: its header does not say how many hits the map called free");
+  return std::pair(part, whole);
+}
+
+void restore_agreement(FusedTree& tree, std::string_view header, const std::filesystem::path& file) {
+  ScanAgreement agreement;
+  if (const auto counts = share_in(header, agreement_comment, file))
+    std::tie(agreement.called_free, agreement.looked_up) = *counts;
+  if (const auto counts = share_in(header, amid_free_comment, file))
+    std::tie(agreement.amid_free, agreement.compared) = *counts;
   tree.add_agreement(agreement);
 }
 
@@ -148,6 +163,8 @@ std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVo
   rest << integration_comment << to_string(tree.integration()) << "\n";
   if (const ScanAgreement& agreement = tree.agreement(); agreement.looked_up > 0)
     rest << agreement_comment << agreement.called_free << " of " << agreement.looked_up << "\n";
+  if (const ScanAgreement& agreement = tree.agreement(); agreement.compared > 0)
+    rest << amid_free_comment << agreement.amid_free << " of " << agreement.compared << "\n";
   if (const auto records = tree.records_before_damage()) rest << damage_comment << *records << "\n";
   if (const HandEdits& edits = tree.hand_edits(); edits != HandEdits{})
     rest << hand_edits_comment << edits.occupied << " and " << edits.freed << "\n";

@@ -1,5 +1,7 @@
 #include "mapping/maps/map_damage.hpp"
 
+#include <cmath>
+
 #include "mapping/maps/hand_edit.hpp"
 #include "mapping/maps/map_integration.hpp"
 #include "mapping/system/number_text.hpp"
@@ -15,14 +17,40 @@ std::string damage_caveat(const Snapshot& map) {
          " read, what is damaged or came after it is missing";
 }
 
+namespace {
+
+constexpr std::uint64_t fewest_looks = 300;
+
+/// Whether so many of all are more than this share by the lower end of Wilson's interval at 95 %.
+bool are_more_than(double share, std::uint64_t some, std::uint64_t all) {
+  if (all < fewest_looks) return false;
+  constexpr double z = 1.96;
+  const double n = static_cast<double>(all), p = static_cast<double>(some) / n;
+  const double middle = p + z * z / (2.0 * n);
+  const double reach = z * std::sqrt(p * (1.0 - p) / n + z * z / (4.0 * n * n));
+  return (middle - reach) / (1.0 + z * z / n) > share;
+}
+
+std::string percent_of(std::uint64_t some, std::uint64_t all) {
+  return short_text(100.0 * static_cast<double>(some) / static_cast<double>(all), 2);
+}
+
+}  // namespace
+
 std::string contradiction_caveat(const Snapshot& map) {
-  constexpr double most_called_free = 0.1;
-  constexpr std::uint64_t fewest_looks = 1000;
+  constexpr double most_in_stable = 0.1, most_anywhere = 0.2;
   const ScanAgreement& agreement = map.tree().agreement();
-  if (agreement.looked_up < fewest_looks || agreement.share_called_free() <= most_called_free) return {};
-  return short_text(100.0 * agreement.share_called_free(), 2) +
-         " % of what its scans hit others had seen free, as where poses, times or calibration are wrong, "
-         "or rays meet surfaces at a slant and far apart";
+  const std::uint64_t free = agreement.called_free + agreement.amid_free,
+                      known = agreement.looked_up + agreement.amid_free;
+  if (are_more_than(most_anywhere, free, known))
+    return percent_of(free, known) +
+           " % of what its scans hit others had seen free, as where poses, axes, units or calibration are "
+           "wrong, or much moves";
+  if (are_more_than(most_in_stable, agreement.called_free, agreement.looked_up))
+    return percent_of(agreement.called_free, agreement.looked_up) +
+           " % of what its scans hit others had seen free, as where poses, times or calibration are wrong, "
+           "or rays meet surfaces at a slant and far apart";
+  return {};
 }
 
 std::string map_caveat(const Snapshot& map) {

@@ -10,10 +10,12 @@ namespace clearway {
 /// is missing"; empty for any other map. Known of maps in our own .ot files and of what is made of them.
 std::string damage_caveat(const Snapshot& map);
 
-/// "14 % of what its scans hit others had seen free, as where poses, times or calibration are wrong, or rays
-/// meet surfaces at a slant and far apart", of a map whose share (ScanAgreement) is more than a tenth of a
-/// thousand looks and more; else empty. Scans of a still scene with the errors of usual sensors and poses
-/// come to some 2 %.
+/// "14 % of what its scans hit others had seen free, as where …", of 300 looks and more (ScanAgreement), by
+/// the lower end of Wilson's interval at 95 %; else empty. Of hits in stable places more than a tenth say so:
+/// scans of a still scene with the errors of usual sensors and poses come to some 2 %, 2D lasers placed by a
+/// robot's odometry to 8 %. Of hits in all places that were observed or are stable more than a fifth do: such
+/// scans come to 3 % and 13 %, those with wrong axes or units to 30 % and more, while few of their hits are
+/// in stable places.
 std::string contradiction_caveat(const Snapshot& map);
 
 /// What a verdict that rests on this map must say of it, a sentence each: how it was integrated

@@ -42,9 +42,11 @@ ScanAgreement compare_hits(const FusedTree& before, ScanGrid& grid) {
         if (number++ % every != 0) continue;
         const Eigen::Vector3i cell = tile->cell_of(64 * word + static_cast<unsigned>(std::countr_zero(bits)));
         const Known was = known(before, cell);
-        if (was != Known::occupied && !is_beside_occupied(before, cell)) continue;
-        ++agreement.looked_up;
-        agreement.called_free += was == Known::free ? 1 : 0;
+        const bool is_stable = was == Known::occupied || is_beside_occupied(before, cell);
+        const unsigned is_free = was == Known::free ? 1 : 0;
+        ++agreement.compared;
+        agreement.looked_up += is_stable ? 1 : 0;
+        (is_stable ? agreement.called_free : agreement.amid_free) += is_free;
       }
     }
   }

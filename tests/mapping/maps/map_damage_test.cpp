@@ -61,5 +61,30 @@ TEST(MapContradiction, IsSaidOfScansThatHitWhatOthersSawFree) {
   EXPECT_EQ(caveat(3.0, 0.05F), "") << "too few looks";
 }
 
+/// A square at another distance in each scan, as where numbers of depth are no metres: each stands amid what
+/// others had seen free, and so in no stable place.
+TEST(MapContradiction, IsSaidOfScansThatHitAmidWhatOthersSawFree) {
+  const auto caveat = [](float step, float half_edge) {
+    FreeSpaceMap map({.resolution = 0.02});
+    for (int scan = 0; scan < 8; ++scan) {
+      Scan square;
+      square.time = scan;
+      const float x = 3.0F - step * static_cast<float>(scan);
+      for (float y = -half_edge; y < half_edge; y += 0.015F)
+        for (float z = -half_edge; z < half_edge; z += 0.015F) square.points.push_back({x, y, z});
+      map.insert(square);
+    }
+    const ScanAgreement& agreement = map.snapshot().tree().agreement();
+    EXPECT_LT(agreement.called_free, 1 + agreement.looked_up / 50) << "stable places say nothing";
+    return contradiction_caveat(map.snapshot());
+  };
+  EXPECT_EQ(caveat(0.0F, 0.4F), "");
+  EXPECT_NE(
+      caveat(0.2F, 0.4F).find("% of what its scans hit others had seen free, as where poses, axes, units"),
+      std::string::npos)
+      << caveat(0.2F, 0.4F);
+  EXPECT_EQ(caveat(0.2F, 0.05F), "") << "too few looks";
+}
+
 }  // namespace map_damage_test
 }  // namespace clearway

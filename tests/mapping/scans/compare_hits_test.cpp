@@ -38,6 +38,8 @@ ScanAgreement slowly(const FusedTree& tree, const std::vector<Eigen::Vector3i>& 
       stable |= is(cell + Eigen::Vector3i::Unit(axis), true) || is(cell - Eigen::Vector3i::Unit(axis), true);
     result.looked_up += stable ? 1 : 0;
     result.called_free += stable && is(cell, false) ? 1 : 0;
+    ++result.compared;
+    result.amid_free += !stable && is(cell, false) ? 1 : 0;
   }
   return result;
 }
@@ -62,6 +64,7 @@ TEST(CompareHits, CountsHitsInStablePlacesThatTheMapCalledFree) {
     EXPECT_EQ(compare_hits(tree, second), expected);
     EXPECT_GT(expected.called_free, 0U);
     EXPECT_GT(expected.looked_up, expected.called_free);
+    EXPECT_GT(expected.amid_free, 0U);
   }
 }
 
