@@ -64,8 +64,9 @@ Json describe_map(const InspectOptions& options, const MapLeaves& leaves) {
   }
   if (const std::string caveat = contradiction_caveat(map); !caveat.empty()) json["contradictions"] = caveat;
   if (const std::string caveat = damage_caveat(map); !caveat.empty()) json["damaged_recording"] = caveat;
-  if (const HandEdits& edits = map.tree().hand_edits(); edits != HandEdits{})
+  if (const HandEdits& edits = map.tree().hand_edits(); edits.occupied > 0 || edits.freed > 0)
     json["voxels_by_hand"] = {{"occupied", edits.occupied}, {"freed", edits.freed}};
+  if (const std::uint64_t cut = map.tree().hand_edits().cut; cut > 0) json["voxels_cut"] = cut;
   if (const Eigen::AlignedBox3d bounds = leaves.bounds(); !bounds.isEmpty()) {
     json["bounds"] = {{"min", to_json(bounds.min())}, {"max", to_json(bounds.max())}};
   }
@@ -127,6 +128,9 @@ void print_map(const Json& json, std::ostream& out) {
     rows.emplace_back("warning", json["contradictions"].get<std::string>());
   if (json.contains("damaged_recording"))
     rows.emplace_back("warning", json["damaged_recording"].get<std::string>());
+  if (json.contains("voxels_cut"))
+    rows.emplace_back("cropped",
+                      grouped(json["voxels_cut"].get<std::size_t>()) + " occupied voxels were cut off");
   if (json.contains("voxels_by_hand")) {
     const auto count = [&](const char* what) {
       return grouped(json["voxels_by_hand"][what].get<std::size_t>());

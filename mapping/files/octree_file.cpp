@@ -29,6 +29,7 @@ constexpr std::string_view agreement_comment = "# clearway hits_called_free ";
 constexpr std::string_view amid_free_comment = "# clearway hits_amid_free ";
 constexpr std::string_view damage_comment = "# clearway damaged_recording records ";
 constexpr std::string_view hand_edits_comment = "# clearway voxels_by_hand ";
+constexpr std::string_view cut_comment = "# clearway voxels_cut ";
 constexpr std::string_view painted_comment = "# clearway painted ";
 constexpr std::string_view seen_comment = "# clearway seen_bytes ";
 
@@ -108,6 +109,18 @@ void restore_hand_edits(FusedTree& tree, std::string_view header, const std::fil
   tree.add_hand_edits(edits);
 }
 
+/// How many occupied voxels a crop cut off.
+void restore_cut(FusedTree& tree, std::string_view header, const std::filesystem::path& file) {
+  const std::string text = comments(header, cut_comment);
+  if (text.empty()) return;
+  HandEdits edits;
+  const auto end = std::from_chars(text.data(), text.data() + text.size(), edits.cut);
+  if (end.ec != std::errc() || *end.ptr != '\n')
+    throw DamagedFile("'" + file.string() +
+                      "' is damaged: its header does not say how many voxels a crop cut off");
+  tree.add_hand_edits(edits);
+}
+
 /// "12 of 3456" of a comment's line. Nothing: there is no such line.
 std::optional<std::pair<std::uint64_t, std::uint64_t>> share_in(std::string_view header,
                                                                 std::string_view comment,
@@ -166,8 +179,9 @@ std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVo
   if (const ScanAgreement& agreement = tree.agreement(); agreement.compared > 0)
     rest << amid_free_comment << agreement.amid_free << " of " << agreement.compared << "\n";
   if (const auto records = tree.records_before_damage()) rest << damage_comment << *records << "\n";
-  if (const HandEdits& edits = tree.hand_edits(); edits != HandEdits{})
+  if (const HandEdits& edits = tree.hand_edits(); edits.occupied > 0 || edits.freed > 0)
     rest << hand_edits_comment << edits.occupied << " and " << edits.freed << "\n";
+  if (const std::uint64_t cut = tree.hand_edits().cut; cut > 0) rest << cut_comment << cut << "\n";
   std::istringstream painted(format_painted(volumes));
   for (std::string line; std::getline(painted, line);) rest << painted_comment << line << "\n";
   const std::string looks = seen == nullptr ? std::string() : format_seen(*seen);
@@ -200,6 +214,7 @@ std::vector<PaintedVolume> restore_header(FusedTree& tree, const CheckedOctree& 
   restore_integration(tree, checked.header, file);
   restore_damage(tree, checked.header, file);
   restore_hand_edits(tree, checked.header, file);
+  restore_cut(tree, checked.header, file);
   restore_agreement(tree, checked.header, file);
   return parse_painted(comments(checked.header, painted_comment), file);
 }

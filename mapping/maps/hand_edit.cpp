@@ -44,9 +44,14 @@ Snapshot with_cleared_voxels(const Snapshot& map, const std::vector<Eigen::Vecto
 
 std::string hand_edit_caveat(const Snapshot& map) {
   const HandEdits& edits = map.tree().hand_edits();
-  if (edits == HandEdits{}) return {};
-  return "the map was edited by hand: " + counted(edits.occupied, "voxel") + " made occupied, " +
-         counted(edits.freed, "voxel") + " made free";
+  std::string caveat;
+  if (edits.occupied > 0 || edits.freed > 0)
+    caveat = "the map was edited by hand: " + counted(edits.occupied, "voxel") + " made occupied, " +
+             counted(edits.freed, "voxel") + " made free";
+  if (edits.cut > 0)
+    caveat += (caveat.empty() ? "" : "; ") + std::string("the map was cropped: ") +
+              counted(edits.cut, "occupied voxel was", "occupied voxels were") + " cut off";
+  return caveat;
 }
 
 }  // namespace clearway

@@ -28,8 +28,8 @@ Snapshot with_occupied_voxels(const Snapshot& map, const std::vector<Eigen::Vect
 Snapshot with_cleared_voxels(const Snapshot& map, const std::vector<Eigen::Vector3d>& points,
                              HandEditTally& tally);
 
-/// "the map was edited by hand: 12 voxels were made occupied and 40 free"; empty for any other map. Known of
-/// maps in our own .ot files and of what is made of them.
+/// "the map was edited by hand: 12 voxels made occupied, 40 voxels made free", and the same of what a crop
+/// cut off; empty for any other map. Known of maps in our own .ot files and of what is made of them.
 std::string hand_edit_caveat(const Snapshot& map);
 
 }  // namespace clearway

@@ -198,6 +198,18 @@ PaintedVolume cropped(const PaintedVolume& volume, const Eigen::AlignedBox3d& bo
 
 }  // namespace
 
+namespace {
+
+std::uint64_t occupied_voxels(const FusedTree& tree) {
+  std::uint64_t count = 0;
+  tree.visit_leaves([&](const FusedNode& node, const CellCube& cube) {
+    if (node.observed() && tree.isNodeOccupied(node)) count += cube.volume();
+  });
+  return count;
+}
+
+}  // namespace
+
 Snapshot crop(const Snapshot& map, const Eigen::AlignedBox3d& box) {
   require(box.min().allFinite() && box.max().allFinite() && (box.min().array() < box.max().array()).all(),
           "crop: expected a box with finite corners, the first below the second on every axis");
@@ -207,6 +219,7 @@ Snapshot crop(const Snapshot& map, const Eigen::AlignedBox3d& box) {
   const auto tree = empty_like(map.tree(), map.resolution());
   if (map.tree().getRoot() != nullptr) crop_below(*map.tree().getRoot(), CellCube{}, first, last, *tree);
   tree->finish();
+  tree->add_hand_edits({.cut = occupied_voxels(map.tree()) - occupied_voxels(*tree)});
   std::vector<PaintedVolume> volumes;
   for (const PaintedVolume& volume : map.volumes()) volumes.push_back(cropped(volume, snapped));
   if (map.seen() == nullptr) return {tree, std::move(volumes)};

@@ -8,10 +8,12 @@ namespace clearway {
 struct HandEdits {
   std::uint64_t occupied = 0;  ///< became occupied
   std::uint64_t freed = 0;     ///< became free: occupied or never observed before
+  std::uint64_t cut = 0;       ///< were occupied until a crop cut them off
 
   void add(const HandEdits& other) {
     occupied += other.occupied;
     freed += other.freed;
+    cut += other.cut;
   }
   bool operator==(const HandEdits&) const = default;
 };

@@ -107,14 +107,32 @@ TEST(HandEdit, StaysInTheFileAndInWhatIsMadeOfTheMap) {
   save_map(map, folder / "map");
   const Snapshot loaded = load_map(folder / "map");
   const Eigen::AlignedBox3d box(Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.2, 0.2, 0.2));
-  for (const Snapshot& made :
-       {loaded, crop(loaded, box), coarsen(loaded, 0.2), merge(loaded, wall()), merge(wall(), loaded)}) {
+  for (const Snapshot& made : {loaded, coarsen(loaded, 0.2), merge(loaded, wall()), merge(wall(), loaded)}) {
     EXPECT_EQ(hand_edit_caveat(made), hand_edit_caveat(map));
     EXPECT_NE(map_caveat(made).find(hand_edit_caveat(map)), std::string::npos);
   }
+  const Snapshot part = crop(loaded, box);
+  EXPECT_TRUE(hand_edit_caveat(part).starts_with(hand_edit_caveat(map) + "; the map was cropped: "));
   EXPECT_EQ(merge(loaded, map).tree().hand_edits(), (HandEdits{4, 2}));
   FreeSpaceMap same({.resolution = 0.1});
   EXPECT_EQ(same.snapshot().tree().hand_edits(), HandEdits{});
+}
+
+TEST(HandEdit, OccupiedVoxelsThatACropCutsOffAreTold) {
+  const TemporaryFolder folder;
+  const Snapshot map = wall();
+  const auto occupied = [](const Snapshot& one) { return one.counts().occupied + one.counts().conflict; };
+  const double far = 100.0;
+  EXPECT_EQ(hand_edit_caveat(crop(map, {Eigen::Vector3d(-far, -far, -far), Eigen::Vector3d(far, far, far)})),
+            "");
+  const Snapshot part = crop(map, {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.2, 0.2, 0.2)});
+  EXPECT_EQ(part.tree().hand_edits().cut, occupied(map) - occupied(part));
+  const std::string told = "the map was cropped: " + std::to_string(occupied(map) - occupied(part)) +
+                           " occupied voxels were cut off";
+  EXPECT_EQ(hand_edit_caveat(part), told);
+  save_map(part, folder / "part");
+  EXPECT_EQ(hand_edit_caveat(load_map(folder / "part")), told);
+  EXPECT_EQ(hand_edit_caveat(merge(part, map)), told);
 }
 
 /// As if it had been hit more often than a map counts: looks past it take as long as of any obstacle.
