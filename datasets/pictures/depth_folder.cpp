@@ -123,7 +123,10 @@ class DepthFolder final : public FrameSource {
   }
 
   std::optional<std::string> damage() const override {
-    if (auto damage = damage_.sentence(timed_.files.size(), "depth pictures")) return damage;
+    const auto pictures = damage_.sentence(timed_.files.size(), "depth pictures"),
+               poses = damaged_poses_.sentence(timed_.files.size(), "poses");
+    if (pictures && poses) return *pictures + "; " + *poses;
+    if (pictures || poses) return pictures ? pictures : poses;
     return colour_ ? colour_->damage() : std::nullopt;
   }
   std::vector<std::string> warnings() const override {
@@ -224,7 +227,7 @@ class DepthFolder final : public FrameSource {
       if (!pose) ++unposed_;
       return pose;
     } catch (const std::invalid_argument& error) {  // a matrix that is none
-      damage_.note(error.what());
+      damaged_poses_.note(error.what());
       return std::nullopt;
     }
   }
@@ -240,7 +243,7 @@ class DepthFolder final : public FrameSource {
   std::optional<Frame> next_depth_, next_colour_;
   std::size_t at_ = 0, unposed_ = 0, unnamed_ = 0;
   std::string camera_note_, icl_note_, confidence_note_, extrinsic_note_;
-  FolderDamage damage_;
+  FolderDamage damage_, damaged_poses_;
 };
 
 /// The path that a file of poses is, with cameras for pictures of this size where it states none; nothing for

@@ -179,6 +179,25 @@ TEST_F(DepthFolders, PicturesAndPosesThatAreNoFilesAreDamage) {
   EXPECT_NE(damage().find("3.txt' cannot be read: No such file"), std::string::npos) << damage();
 }
 
+TEST_F(DepthFolders, DamagedPosesAreCountedAsPoses) {
+  make("depth");
+  make("pose");
+  for (const char* number : {"1", "2", "3"}) {
+    folder_.write(std::string("depth/") + number + ".png", depth_png(9));
+    folder_.write(std::string("pose/") + number + ".txt",
+                  number[0] == '1' ? "1 0 0 0\n0 1 0 0\n0 0 1 0\n" : "1");
+  }
+  const auto damage = [&] {
+    const auto source = open(options());
+    while (source->next()) continue;
+    return source->damage().value_or("");
+  };
+  EXPECT_NE(damage().find("; 1 more of 3 poses is damaged, too"), std::string::npos) << damage();
+  folder_.write("depth/1.png", "no picture");
+  EXPECT_NE(damage().find("1.png' is damaged"), std::string::npos) << damage();
+  EXPECT_NE(damage().find("; 1 more of 3 poses is damaged, too"), std::string::npos) << damage();
+}
+
 TEST_F(DepthFolders, PicturesOfAnotherKindOrSizeAreDamaged) {
   make("depth");
   make("pose");
