@@ -152,6 +152,12 @@ class DepthFolder final : public FrameSource {
           "(`source: {depth: {scale: …}}`).");
     sentences.insert(sentences.end(), poses_.notes().begin(), poses_.notes().end());
     if (unposed_ > 0) sentences.push_back(unposed());
+    if (far_steps_ >= 3 && 2 * far_steps_ > steps_)
+      sentences.push_back(
+          "most depth pictures that follow each other were taken farther apart than they see, "
+          "by their poses up to " +
+          short_text(longest_step_) +
+          " m: nothing in them confirms these poses; expected metres, not millimetres.");
     if (unnamed_ > 0)
       sentences.push_back(std::to_string(unnamed_) +
                           " depth pictures are named by no frame of transforms.json and were left out");
@@ -203,10 +209,26 @@ class DepthFolder final : public FrameSource {
         const auto world_from_camera = pose_of(picture);
         if (!world_from_camera) continue;
         cloud.world_from_sensor = *world_from_camera * optical_from_sensor();
+        note_step(cloud);
       }
       return Frame{picture.time, "depth", std::move(cloud), picture.file.filename().string()};
     }
     return std::nullopt;
+  }
+
+  /// Notes whether a picture was taken so far from the one before that the two cannot see the same.
+  void note_step(const CloudFrame& cloud) {
+    double reach = 0.0;
+    for (const Eigen::Vector3f& point : cloud.points) reach = std::max(reach, double{point.norm()});
+    const Eigen::Vector3d place = cloud.world_from_sensor.translation();
+    if (last_place_) {
+      const double step = (place - *last_place_).norm();
+      ++steps_;
+      far_steps_ += step > reach + last_reach_ ? 1 : 0;
+      longest_step_ = std::max(longest_step_, step);
+    }
+    last_place_ = place;
+    last_reach_ = reach;
   }
 
   std::string unposed() const {
@@ -241,7 +263,9 @@ class DepthFolder final : public FrameSource {
   FilesInChild depth_;
   std::unique_ptr<FrameSource> colour_;
   std::optional<Frame> next_depth_, next_colour_;
-  std::size_t at_ = 0, unposed_ = 0, unnamed_ = 0;
+  std::size_t at_ = 0, unposed_ = 0, unnamed_ = 0, steps_ = 0, far_steps_ = 0;
+  double longest_step_ = 0.0, last_reach_ = 0.0;  ///< m
+  std::optional<Eigen::Vector3d> last_place_;     ///< of the picture before
   std::string camera_note_, icl_note_, confidence_note_, extrinsic_note_;
   FolderDamage damage_, damaged_poses_;
 };

@@ -179,6 +179,25 @@ TEST_F(DepthFolders, PicturesAndPosesThatAreNoFilesAreDamage) {
   EXPECT_NE(damage().find("3.txt' cannot be read: No such file"), std::string::npos) << damage();
 }
 
+TEST_F(DepthFolders, PosesFartherApartThanPicturesSeeAreTold) {
+  make("depth");
+  make("pose");
+  for (const double unit : {1.0, 1000.0}) {
+    for (int i = 0; i < 5; ++i) {
+      folder_.write("depth/" + std::to_string(i) + ".png", depth_png(2000));
+      folder_.write("pose/" + std::to_string(i) + ".txt",
+                    "1 0 0 " + std::to_string(0.1 * unit * i) + "\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+    }
+    const auto source = open(options());
+    std::string warnings;
+    while (source->next()) continue;
+    for (const std::string& warning : source->warnings()) warnings += warning + "\n";
+    EXPECT_EQ(warnings.find("farther apart than they see, by their poses up to 100 m") != std::string::npos,
+              unit > 1.0)
+        << warnings;
+  }
+}
+
 TEST_F(DepthFolders, DamagedPosesAreCountedAsPoses) {
   make("depth");
   make("pose");
