@@ -109,7 +109,7 @@ void bind_blocked_space(py::module_& module) {
           [](const SharedSpace& self, const py::object& point) {
             return self.space->is_blocked(point_from(point, "point"));
           },
-          py::arg("point"), "Whether the voxel of a point is blocked.")
+          py::arg("point"), "Whether the voxel of a point is blocked; a point that is not finite is.")
       .def("are_blocked", &are_blocked, py::arg("points"), "The same of each point of an (n, 3) array.")
       .def(
           "clearance",
@@ -118,7 +118,7 @@ void bind_blocked_space(py::module_& module) {
           },
           py::arg("point"), doc("BlockedSpace::clearance"))
       .def("clearances", &clearances, py::arg("points"),
-           "clearance() of each point of an (n, 3) array, bit for bit the same.")
+           "clearance() of each point of an (n, 3) array, (n,), bit for bit the same.")
       .def(
           "nearest",
           [](const SharedSpace& self, const py::object& point, double limit) {
@@ -134,7 +134,7 @@ void bind_blocked_space(py::module_& module) {
           },
           py::arg("origin"), py::arg("direction"), py::arg("max_range") = 0.0, doc("BlockedSpace::cast_ray"))
       .def("cast_rays", &cast_rays, py::arg("origins"), py::arg("directions"), py::arg("max_range") = 0.0,
-           "Distances of cast_ray() for many rays, (n, 3) each; infinity where nothing is hit.")
+           "Distances of cast_ray() for many rays, (n, 3) each, as (n,); infinity where nothing is hit.")
       .def(
           "__repr__",
           [](const SharedSpace& self) {
@@ -146,9 +146,7 @@ void bind_blocked_space(py::module_& module) {
       .def("blocked_space", &blocked_space, py::arg("policy") = "not_occupied",
            py::arg("region") = py::none(), py::arg("max_distance") = 0.5, py::kw_only(),
            py::arg("volumes") = py::none(), py::arg("seen_within") = 0.0,
-           doc("Snapshot::blocked_space",
-               "region: (low, high), by default the map's bounds.\n\nvolumes: labels of the painted volumes "
-               "that count under `painted`, by default all.\n\nseen_within: seconds; see Requirement."));
+           doc("Snapshot::blocked_space", doc("blocked_space()")));
 }
 
 }  // namespace clearway

@@ -262,7 +262,7 @@ std::map<std::string, Policy> policies_of_loads(const py::dict& policies) {
   std::map<std::string, Policy> of_loads;
   for (const auto& [name, policy] : policies) {
     if (!py::isinstance<py::str>(name) || !py::isinstance<py::str>(policy))
-      throw std::invalid_argument("load_policies: expected names of loads and of policies");
+      throw py::type_error("load_policies: expected names of loads and of policies");
     of_loads[name.cast<std::string>()] = parse_policy(policy.cast<std::string>());
   }
   return of_loads;
@@ -274,18 +274,9 @@ void bind_loads(py::module_& module) {
 }
 
 void bind_plan_check(py::module_& module) {
-  module.def(
-      "check_plan", &check_plan, py::arg("space"), py::arg("plan"), py::kw_only(),
-      py::arg("loads") = py::none(), py::arg("pick") = py::none(), py::arg("load_policies") = py::dict(),
-      py::arg("allow_outside") = py::none(),
-      doc("check_legs",
-          "Returns the verdict on all legs under the space's robot, map, policies and padding, and on the "
-          "plan's "
-          "motion, if it has one.\n\n"
-          "loads: that ride on the robot; None: those that the plan says of itself.\n\npick: what the plan "
-          "may pick and where; a plan that picks is not checked without. See check_pick."
-          "\n\nallow_outside: parts that may leave the map's bounds; a list, be it empty, asks for the "
-          "survey, too, as `clearway check` does, which refuses a path outside of what the map knows."));
+  module.def("check_plan", &check_plan, py::arg("space"), py::arg("plan"), py::kw_only(),
+             py::arg("loads") = py::none(), py::arg("pick") = py::none(),
+             py::arg("load_policies") = py::dict(), py::arg("allow_outside") = py::none(), doc("check_plan"));
 }
 
 }  // namespace clearway

@@ -108,18 +108,7 @@ void bind_insert(py::class_<Map>& type) {
       py::arg("outlier_neighbours") = filter.outlier_neighbours,
       py::arg("outlier_deviations") = filter.outlier_deviations, py::arg("crop") = py::none(),
       py::arg("bodies") = py::none(), py::arg("clear_to") = py::none(),
-      doc("FreeSpaceMap::insert",
-          "points: (n, 3), sensor frame, metres; kept in single precision. Points that are not finite are "
-          "dropped and "
-          "counted.\n\nmap_from_sensor: 4x4, where the rays start; by default the map's origin.\n\ntime: "
-          "seconds, all "
-          "scans of a map by one clock; None: unknown.\n\nmin_range, max_range, thin_to: metres; see "
-          "ScanFilter.\n\n"
-          "crop: (low, high), map frame; points outside are dropped.\n\nbodies: (n, 7), capsules as two "
-          "points and a "
-          "radius, map frame; points inside are dropped.\n\nclear_to: (n, 3), sensor frame: where rays end "
-          "that "
-          "met nothing; they free space and set no hit."));
+      doc("FreeSpaceMap::insert", doc("insert()")));
 }
 
 void read_options(MapOptions& options, const std::string& integration, const py::dict& margins) {
@@ -197,8 +186,7 @@ void bind_painting(py::class_<GuardedMap>& type) {
       .def("paint", &paint, py::arg("volume"), py::arg("center"), py::arg("radius"), py::arg("time") = 0.0,
            doc("FreeSpaceMap::paint",
                "center: a point, or (n, 3) for many spheres: then radius and time are one number each, or n, "
-               "and the "
-               "counts are sums. Metres, seconds. Nothing is painted where one sphere is refused."))
+               "and the counts are sums. Metres, seconds. Nothing is painted where one sphere is refused."))
       .def(
           "erase",
           [](GuardedMap& self, int volume, const py::object& center, double radius, double time) {
@@ -206,7 +194,7 @@ void bind_painting(py::class_<GuardedMap>& type) {
             return self.alone([&] { return self.map.erase(volume, eraser, time); });
           },
           py::arg("volume"), py::arg("center"), py::arg("radius"), py::arg("time") = 0.0,
-          doc("FreeSpaceMap::erase"))
+          doc("FreeSpaceMap::erase", "center, radius: of the eraser, metres. time: seconds."))
       .def(
           "begin_stroke",
           [](GuardedMap& self, const std::string& label, const std::string& source) {
@@ -235,8 +223,7 @@ std::string describe_map(GuardedMap& self) {
 
 void bind_free_space_map(py::module_& module) {
   const MapOptions usual;
-  py::class_<GuardedMap> type(module, "FreeSpaceMap",
-                              doc("FreeSpaceMap", "Threads of Python that write wait for each other."));
+  py::class_<GuardedMap> type(module, "FreeSpaceMap", doc("FreeSpaceMap"));
   type.def(py::init([](double resolution, const std::string& integration, const py::dict& margins,
                        double hit_probability, double miss_probability, double min_probability,
                        double max_probability, double occupied_probability, bool discretize, int threads) {
@@ -252,12 +239,7 @@ void bind_free_space_map(py::module_& module) {
            py::arg("max_probability") = usual.max_probability,
            py::arg("occupied_probability") = usual.occupied_probability,
            py::arg("discretize") = usual.discretize, py::arg("threads") = usual.threads,
-           doc("MapOptions",
-               "resolution: edge of a voxel, metres, in [1e-4, 100].\n\nintegration: 'safe' or 'compatible' "
-               "(as "
-               "OctoMap).\n\nmargins: of safe integration, by the names of SafeMargins.\n\nthreads: for "
-               "inserting "
-               "scans, in [1, 64]; results do not depend on it."))
+           doc("MapOptions", doc("FreeSpaceMap()")))
       .def_property_readonly(
           "resolution", [](const GuardedMap& self) { return self.map.options().resolution; },
           doc("MapOptions::resolution"))
@@ -286,7 +268,7 @@ void bind_continued_map(py::module_& module) {
            py::arg("start"), py::kw_only(), py::arg("integration") = "safe", py::arg("margins") = py::dict(),
            py::arg("hit_probability") = usual.hit_probability,
            py::arg("miss_probability") = usual.miss_probability, py::arg("discretize") = usual.discretize,
-           py::arg("threads") = usual.threads, doc("ContinuedMap::ContinuedMap"))
+           py::arg("threads") = usual.threads, doc("ContinuedMap()"))
       .def(
           "snapshot",
           [](GuardedContinuedMap& self) {

@@ -180,11 +180,7 @@ void bind_making(py::module_& module) {
       py::arg("space"), py::arg("plan"), py::kw_only(), py::arg("speed") = usual.speed,
       py::arg("acceleration") = usual.acceleration, py::arg("jerk") = usual.jerk,
       py::arg("period") = smooth.period, py::arg("straighten") = smooth.straighten,
-      py::arg("reach") = smooth.reach, py::arg("grip_time") = usual_grip_time,
-      doc("plan_motion",
-          "speed, acceleration, jerk: scales of the limits, above 0 up to 1.\n\nperiod: between knots, "
-          "seconds.\n\n"
-          "straighten, reach: see SmoothMotionOptions.\n\ngrip_time: seconds, 0 to 60."));
+      py::arg("reach") = smooth.reach, py::arg("grip_time") = usual_grip_time, doc("plan_motion"));
   const TrajectoryOptions timed;
   module.def(
       "time_parameterize",
@@ -199,7 +195,8 @@ void bind_making(py::module_& module) {
       py::arg("robot"), py::arg("waypoints"), py::kw_only(),
       py::arg("sampling_period") = timed.sampling_period, py::arg("velocity_scale") = timed.velocity_scale,
       py::arg("default_max_velocity") = timed.default_max_velocity,
-      py::arg("max_acceleration") = timed.max_acceleration, doc("time_parameterize", "waypoints: (n, dof)."));
+      py::arg("max_acceleration") = timed.max_acceleration,
+      doc("time_parameterize", doc("time_parameterize()")));
   module.def(
       "trajectory_of", [](const Motion& motion) { return trajectory_of(motion); }, py::arg("motion"),
       doc("trajectory_of"));
@@ -214,12 +211,9 @@ void bind_making(py::module_& module) {
             throw std::invalid_argument("robot: expected that of the plan, '" + plan.robot + "'");
         return without_lock([&] { return trajectory_of(robot.robot, in_order_of(robot.robot, plan)); });
       },
-      py::arg("robot"), py::arg("plan"), doc("trajectory_of#2"));
+      py::arg("robot"), py::arg("plan"), doc("plan_trajectory"));
   module.def("export_trajectory", &export_text, py::arg("robot"), py::arg("plan"), py::arg("trajectory"),
-             py::arg("format"),
-             doc("trajectory_formats",
-                 "Returns the text of the file.\n\nRaises ValueError when there is no such format, or "
-                 "the robot cannot be driven so."));
+             py::arg("format"), doc("trajectory_formats", doc("export_trajectory()")));
 }
 
 /// One thread judges at a time, one publishes.
@@ -276,7 +270,7 @@ void bind_gate(py::module_& module) {
                 "Whether all of its motion, and a way to stop after it, is proved free.")
       .computed(
           "reason", [](const GateVerdict& self) { return std::string(to_string(self.reason)); },
-          doc("GateReason"))
+          doc("GateVerdict::reason"))
       .computed("sentence", [](const GateVerdict& self) { return with_argument_names(self.sentence); })
       .field("map", &GateVerdict::map)
       .computed(
@@ -294,12 +288,7 @@ void bind_gate(py::module_& module) {
            py::arg("deceleration") = py::none(), py::arg("reaction") = usual.limits.reaction,
            py::arg("max_duration") = usual.limits.max_duration, py::arg("tolerance") = usual.tolerance,
            py::arg("max_age") = py::none(), py::arg("allow_outside") = usual.allow_outside,
-           doc("MotionLimits",
-               "max_velocity, deceleration: a number for all joints, or one for each; by default the robot's "
-               "own, and 5 rad/s^2.\n\ntolerance: of where a chunk starts, rad or m.\n\nmax_age: of the "
-               "newest map, seconds; None: unlimited.\n\nallow_outside: parts that may leave the map's "
-               "bounds, "
-               "or 'all'."))
+           doc("MotionLimits", doc("Gate()")))
       .def(
           "publish",
           [](GuardedGate& self, const NamedSpace& space, const std::optional<double>& taken,
@@ -320,15 +309,9 @@ void bind_gate(py::module_& module) {
             });
           },
           py::arg("space"), py::arg("taken") = py::none(), py::kw_only(),
-          py::arg("loads") = std::vector<LegLoad>{},
-          "Makes `space` the newest map. Returns its number, 1, 2, ...\n\ntaken: when its newest look was, "
-          "seconds, by the clock of the chunks; only max_age asks for it.\n\nloads: that ride on the robot, "
-          "each under the policy of what holds "
-          "it.\n\nRaises ValueError, and changes "
-          "nothing, when options do not fit its robot, or the robot has other joints than that of the map "
-          "before.")
+          py::arg("loads") = std::vector<LegLoad>{}, doc("Gate::publish"))
       .def("judge", &judge, py::arg("times"), py::arg("positions"),
-           doc("Gate::judge", "times: (n,), seconds. positions: (n, dof)."))
+           doc("Gate::judge", "times: (n,), seconds, growing. positions: (n, dof), 2 to 64 configurations."))
       .def(
           "restart",
           [](GuardedGate& self, const py::object& start) {

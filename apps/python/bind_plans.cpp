@@ -3,8 +3,12 @@
 #include <stdexcept>
 
 #include "apps/python/bindings.hpp"
+#include "apps/python/named_files.hpp"
 #include "apps/python/records.hpp"
 #include "mapping/system/atomic_file.hpp"
+#include "mapping/system/damaged_file.hpp"
+#include "mapping/system/input_file.hpp"
+#include "planning/files/json_text.hpp"
 #include "planning/files/plan_file.hpp"
 #include "planning/plan_and_check.hpp"
 #include "planning/plan_pick.hpp"
@@ -30,8 +34,8 @@ std::string option_text(const std::string& name, py::object value) {
   if (py::isinstance<py::bool_>(value)) return value.cast<bool>() ? "true" : "false";
   if (py::isinstance<py::int_>(value) || py::isinstance<py::float_>(value))
     return py::repr(value).cast<std::string>();
-  throw std::invalid_argument("option '" + name +
-                              "': expected a number, a truth value, a text or a list of numbers");
+  throw py::type_error("option '" + name +
+                       "': expected a number, a truth value, a text or a list of numbers");
 }
 
 struct Goals {
@@ -120,6 +124,27 @@ Plan plan(const NamedSpace& space, const py::object& start, const py::object& go
     if (!pick) return plan_to_poses(query, at_poses);
     query.goals = at_poses.goals();
     return plan_pick(query, *pick);
+  });
+}
+
+bool is_json(const std::filesystem::path& file) {
+  try {
+    require_json(read_input(file, "plan file", 64U << 20U), "the plan file");
+    return true;
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
+}
+
+/// @throws DamagedFile for what is no JSON: a plan is written by a program, and cut off then
+Plan load_written(const std::filesystem::path& file) {
+  return read_named(file, [&] {
+    try {
+      return load_plan(file);
+    } catch (const std::invalid_argument& refused) {
+      if (reason_not_to_open(file) == 0 && !is_json(file)) throw DamagedFile(refused.what());
+      throw;
+    }
   });
 }
 
@@ -244,36 +269,18 @@ PlannerOptions options_from(const py::dict& keywords) {
 void bind_plans(py::module_& module) {
   bind_results(module);
   bind_plan(module);
-  module.def(
-      "plan", &plan, py::arg("space"), py::arg("start"), py::arg("goals") = py::none(), py::kw_only(),
-      py::arg("goal_poses") = py::none(), py::arg("tip") = "", py::arg("position_tolerance") = 0.0,
-      py::arg("turn_tolerance") = 0.0, py::arg("free_axis") = "", py::arg("planner") = "auto",
-      py::arg("seed") = 1, py::arg("time_limit") = 60.0, py::arg("payload") = 0.0,
-      py::arg("gravity") = py::none(), py::arg("allow_outside") = std::vector<std::string>{},
-      py::arg("strict") = false, py::arg("advice_time") = 5.0, py::arg("loads") = std::vector<LegLoad>{},
-      py::arg("pick") = py::none(), py::arg("load_policies") = py::dict(),
-      doc("plan_and_check",
-          "start, goals: configurations as arrays, or names of the robot's states; goals also (n, "
-          "dof) or a list.\n\n"
-          "goal_poses: instead of goals, map_from_tip as 4x4 or (n, 4, 4): of each the nearest "
-          "configuration that "
-          "is free, and others when no path leads there. tip: the link whose frame they place. "
-          "position_tolerance (m), turn_tolerance (rad), free_axis ('x', 'y' or 'z' of the tip): what of "
-          "them "
-          "may differ.\n\nplanner: a name in available_planners(); "
-          "its options "
-          "are further keywords, as width=20.\n\npayload: kg at the tip; gravity: m/s^2, map "
-          "frame.\n\nallow_outside: "
-          "parts that may leave the map's bounds, or 'all'. strict: bodies that no joint moves must "
-          "not touch "
-          "occupied voxels.\n\nloads: that ride on the robot; load_policies: of loads by name, others "
-          "keep their holders'.\n\npick: an object to take and to put elsewhere, see Pick; goals is then "
-          "where the robot goes afterwards, if given."));
+  module.def("plan", &plan, py::arg("space"), py::arg("start"), py::arg("goals") = py::none(), py::kw_only(),
+             py::arg("goal_poses") = py::none(), py::arg("tip") = "", py::arg("position_tolerance") = 0.0,
+             py::arg("turn_tolerance") = 0.0, py::arg("free_axis") = "", py::arg("planner") = "auto",
+             py::arg("seed") = 1, py::arg("time_limit") = 60.0, py::arg("payload") = 0.0,
+             py::arg("gravity") = py::none(), py::arg("allow_outside") = std::vector<std::string>{},
+             py::arg("strict") = false, py::arg("advice_time") = 5.0,
+             py::arg("loads") = std::vector<LegLoad>{}, py::arg("pick") = py::none(),
+             py::arg("load_policies") = py::dict(), doc("plan"));
   module.def(
       "load_plan",
-      [](const std::filesystem::path& file) { return without_lock([&] { return load_plan(file); }); },
-      py::arg("file"),
-      doc("load_plan", "Reads plan.json. What it says of itself is only its word: see require_proved."));
+      [](const std::filesystem::path& file) { return without_lock([&] { return load_written(file); }); },
+      py::arg("file"), doc("load_plan"));
   module.def(
       "parse_plan", [](const std::string& text, const std::string& name) { return parse_plan(text, name); },
       py::arg("text"), py::arg("name") = "plan", doc("parse_plan"));
@@ -288,7 +295,8 @@ void bind_plans(py::module_& module) {
       "Names of the planners with a line of description each, in the order of the table.");
   module.def(
       "planner_options", [](const std::string& planner) { return make_planner(planner)->options(); },
-      py::arg("planner"), "Options of a planner with their defaults, in their text form.");
+      py::arg("planner"),
+      "Options of a planner with their defaults, in their text form. Raises ValueError for an unknown name.");
 }
 
 }  // namespace clearway

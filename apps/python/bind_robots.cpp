@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "apps/python/bindings.hpp"
+#include "apps/python/named_files.hpp"
 #include "apps/python/records.hpp"
 #include "planning/problem/path_cost.hpp"
 #include "planning/robot/goal_configurations.hpp"
@@ -43,6 +44,15 @@ std::vector<Configuration> configurations_from(py::handle value, const std::stri
 
 namespace {
 
+/// What is no bare name is a file, which then has to be there, as does the SRDF.
+Robot load_asked(const RobotRequest& request) {
+  const std::filesystem::path asked = request.robot;
+  const bool is_name = asked.filename() == asked && !asked.has_extension();
+  const auto load = [&] { return load_robot(request); };
+  const auto load_with_srdf = [&] { return request.srdf.empty() ? load() : read_named(request.srdf, load); };
+  return is_name ? load_with_srdf() : read_named(asked, load_with_srdf);
+}
+
 NamedRobot load_named(const std::filesystem::path& file, const std::optional<std::filesystem::path>& srdf,
                       const std::string& group, const std::map<std::string, double>& fixed,
                       const std::map<std::string, std::filesystem::path>& packages,
@@ -52,7 +62,7 @@ NamedRobot load_named(const std::filesystem::path& file, const std::optional<std
   const std::string name = file.string();
   NamedRobot loaded{
       without_lock([&] {
-        return load_robot(RobotRequest{name, srdf.value_or(""), group, fixed, packages, xacro, standing});
+        return load_asked(RobotRequest{name, srdf.value_or(""), group, fixed, packages, xacro, standing});
       }),
       name, packages};
   if (scale) {
@@ -202,9 +212,9 @@ void bind_facts(py::class_<NamedRobot>& type) {
       .def_property_readonly(
           "joints", [](const NamedRobot& self) { return self.robot.joints; }, doc("Robot::joints"))
       .def_property_readonly(
-          "links", [](const NamedRobot& self) { return self.robot.links; }, doc("Link"))
+          "links", [](const NamedRobot& self) { return self.robot.links; }, doc("Robot::links"))
       .def_property_readonly(
-          "bodies", [](const NamedRobot& self) { return self.robot.bodies; }, doc("Body"))
+          "bodies", [](const NamedRobot& self) { return self.robot.bodies; }, doc("Robot::bodies"))
       .def_property_readonly(
           "joint_names",
           [](const NamedRobot& self) {
@@ -249,7 +259,7 @@ void bind_facts(py::class_<NamedRobot>& type) {
             for (const HeldJoint& joint : self.robot.held) held[joint.name] = joint.value;
             return held;
           },
-          doc("HeldJoint", "A dictionary of their values."))
+          doc("Robot::held"))
       .def_property_readonly(
           "group", [](const NamedRobot& self) { return self.robot.group; }, doc("Robot::group"))
       .def_property_readonly(
@@ -298,10 +308,11 @@ void bind_kinematics(py::class_<NamedRobot>& type) {
       .def("jacobian", &jacobian_of, py::arg("q"), py::arg("link") = "", py::arg("point") = py::none(),
            doc("jacobian", "(6, dof). By default of the tip; of a link that is named, its origin."))
       .def("inverse_kinematics", &solve_inverse, py::arg("map_from_tip"), py::arg("near"), py::kw_only(),
-           py::arg("seed") = IkOptions{}.seed, py::arg("position_only") = false,
-           doc("inverse_kinematics", "None when out of reach."))
+           py::arg("seed") = IkOptions{}.seed, py::arg("position_only") = false, doc("inverse_kinematics"))
       .def("goal_configurations", &all_inverse, py::arg("map_from_tip"), py::arg("near"), py::kw_only(),
-           py::arg("starts") = 64, py::arg("seed") = 1, doc("goal_configurations", "(n, dof)."))
+           py::arg("starts") = 64, py::arg("seed") = 1,
+           doc("goal_configurations",
+               "Returns (n, dof), without rows when none is found. starts: 0 to 1,000,000."))
       .def(
           "limit_violation",
           [](const NamedRobot& self, const py::object& q) {
@@ -312,7 +323,8 @@ void bind_kinematics(py::class_<NamedRobot>& type) {
            py::arg("gravity") = py::none(),
            doc("PathCost",
                "waypoints: (n, dof).\n\npayload: kg at the tip, full size.\n\ngravity: m/s^2, map frame, by "
-               "default (0, 0, -9.81)."))
+               "default (0, 0, -9.81).\n\nRaises ValueError for values that are not finite and a negative "
+               "payload."))
       .def(
           "scaled",
           [](const NamedRobot& self, double factor) {
@@ -320,7 +332,8 @@ void bind_kinematics(py::class_<NamedRobot>& type) {
               throw std::invalid_argument("factor: expected a finite number above 0");
             return NamedRobot{scaled(self.robot, factor), self.asked, self.packages};
           },
-          py::arg("factor"), doc("scaled"))
+          py::arg("factor"),
+          doc("scaled", "Raises ValueError for a factor that is not finite or not above 0."))
       .def(
           "placed",
           [](const NamedRobot& self, const py::object& map_from_base) {
@@ -339,20 +352,12 @@ void bind_robots(py::module_& module) {
       module, "Robot", doc("Robot", "Nothing of it can be changed; scaled() and placed() make another."));
   bind_facts(type);
   bind_kinematics(type);
-  module.def(
-      "load_robot", &load_named, py::arg("name_or_path"), py::kw_only(), py::arg("srdf") = py::none(),
-      py::arg("group") = "", py::arg("fixed") = std::map<std::string, double>{},
-      py::arg("packages") = std::map<std::string, std::filesystem::path>{},
-      py::arg("xacro") = std::map<std::string, std::string>{},
-      py::arg("standing") = std::vector<std::string>{}, py::arg("scale") = py::none(),
-      py::arg("map_from_base") = py::none(), py::arg("tip") = "",
-      doc("load_robot#2",
-          "srdf, group, fixed, packages, xacro, standing: see RobotRequest: a file, a planning group of "
-          "it, joints that stand still (rad or m at full size), folders of packages, arguments of a "
-          ".xacro file, links such as wheels that may touch what the robot stands on.\n\nscale: replaces the "
-          "robot's own.\n\nmap_from_base: 4x4, where it stands.\n\ntip: a link, or an end effector of the "
-          "SRDF, "
-          "whose frame is the tip in place of the robot's own."));
+  module.def("load_robot", &load_named, py::arg("name_or_path"), py::kw_only(), py::arg("srdf") = py::none(),
+             py::arg("group") = "", py::arg("fixed") = std::map<std::string, double>{},
+             py::arg("packages") = std::map<std::string, std::filesystem::path>{},
+             py::arg("xacro") = std::map<std::string, std::string>{},
+             py::arg("standing") = std::vector<std::string>{}, py::arg("scale") = py::none(),
+             py::arg("map_from_base") = py::none(), py::arg("tip") = "", doc("load_robot"));
   module.def(
       "available_robots",
       [] {
@@ -360,7 +365,7 @@ void bind_robots(py::module_& module) {
         for (const auto& [name, description] : available_robots()) robots[py::str(name)] = description;
         return robots;
       },
-      doc("available_robots", "A dictionary."));
+      doc("available_robots"));
   module.def(
       "datasets_folder", [] { return datasets_folder(); }, doc("datasets_folder"));
 }

@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "apps/python/bindings.hpp"
+#include "apps/python/named_files.hpp"
 #include "apps/python/records.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/maps/map_damage.hpp"
@@ -17,10 +18,14 @@ namespace {
 constexpr std::size_t most_cells = 500'000'000;
 
 NamedMap load_snapshot(const std::filesystem::path& path, std::optional<double> cloud_resolution) {
+  std::error_code error;
+  const bool is_folder = std::filesystem::is_directory(path, error);
   return without_lock([&] {
-    NamedMap loaded{load_map(path, cloud_resolution), path, {}};
-    loaded.digest = map_sha256(path);
-    return loaded;
+    return read_named(is_folder ? path / "map.ot" : path, [&] {
+      NamedMap loaded{load_map(path, cloud_resolution), path, {}};
+      loaded.digest = map_sha256(path);
+      return loaded;
+    });
   });
 }
 
@@ -294,8 +299,7 @@ void bind_files(py::class_<NamedMap>& snapshot) {
             return without_lock([&] { return NamedMap{coarsen(self.map, resolution)}; });
           },
           py::arg("resolution"), doc("coarsen"))
-      .def("difference", &differences, py::arg("other"),
-           doc("difference", "A dictionary; its `states` counts voxels by pairs of states (here, there)."));
+      .def("difference", &differences, py::arg("other"), doc("Snapshot::difference"));
 }
 
 void bind_questions(py::class_<NamedMap>& snapshot) {
@@ -325,18 +329,10 @@ void bind_questions(py::class_<NamedMap>& snapshot) {
             return self.map.last_seen(point_from(point, "point"));
           },
           py::arg("point"), doc("Snapshot::last_seen"))
-      .def("states_in", &states_in, py::arg("box") = py::none(),
-           "States of all voxels of a box (low, high), snapped outwards to voxels; by default of the map's "
-           "bounds. Returns (states, low): an array of bytes, indexed [x, y, z], and the low corner of its "
-           "first voxel.")
+      .def("states_in", &states_in, py::arg("box") = py::none(), doc("Snapshot::states_in"))
       .def("slice", &slice, py::arg("axis"), py::arg("value"), py::arg("box") = py::none(),
-           "States in the plane where `axis` ('x', 'y' or 'z') is `value` metres. Returns (states, extent): "
-           "rows go up, columns right, and extent is (left, right, bottom, top) in metres, as matplotlib's "
-           "imshow with origin='lower' takes them.")
-      .def("leaves", &leaves,
-           "All stored leaves with a state other than unknown, as a dictionary of arrays: centers (n, 3), "
-           "sizes, states, log_odds (NaN where not observed) and volumes, a bit for each painted volume. A "
-           "leaf may stand for many voxels of one state.")
+           doc("Snapshot::slice"))
+      .def("leaves", &leaves, doc("Snapshot::leaves"))
       .def(
           "ray",
           [](const NamedMap& self, const py::object& origin, const py::object& direction) {
@@ -350,8 +346,7 @@ void bind_questions(py::class_<NamedMap>& snapshot) {
                                point_from(to, "to_point"));
           },
           py::arg("from_point"), py::arg("to_point"), py::arg("policy") = "known_free",
-          "Whether every voxel on the straight line between two points, their own included, is free under "
-          "the policy. A line has no width: ask ConfigurationSpace about bodies.")
+          doc("Snapshot::line_of_sight"))
       .def("lines_of_sight", &lines_of_sight, py::arg("from_points"), py::arg("to_points"),
            py::arg("policy") = "known_free", "The same of many lines, (n, 3) each.");
 }

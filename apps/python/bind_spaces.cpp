@@ -23,10 +23,10 @@ Policies policies_from(const py::object& value, const std::optional<std::string>
   }
   if (!value.is_none()) {
     if (!py::isinstance<py::dict>(value))
-      throw std::invalid_argument("policies: expected a policy, or a dictionary of policies by part");
+      throw py::type_error("policies: expected a policy, or a dictionary of policies by part");
     for (const auto& [part, policy] : value.cast<py::dict>()) {
       if (!py::isinstance<py::str>(part) || !py::isinstance<py::str>(policy))
-        throw std::invalid_argument("policies: expected names of parts and of policies");
+        throw py::type_error("policies: expected names of parts and of policies");
       policies.parts[part.cast<std::string>()] = parse_policy(policy.cast<std::string>());
     }
   }
@@ -140,16 +140,7 @@ void bind_spaces(py::module_& module) {
       .def(py::init(&make_space), py::arg("robot"), py::arg("map"), py::arg("policies") = py::none(),
            py::kw_only(), py::arg("other") = py::none(), py::arg("padding") = py::none(),
            py::arg("seen_within") = usual.seen_within, py::arg("max_distance") = usual.max_distance,
-           py::arg("edge_resolution") = usual.edge_resolution,
-           doc("Policies",
-               "policies: 'painted', 'known_free' or 'not_occupied' for all parts, or a dictionary of these "
-               "by part.\n\n"
-               "other: the policy of parts that the dictionary leaves out; None: as above.\n\npadding: "
-               "the distance "
-               "that every body keeps from blocked voxels, metres; None: the robot's position "
-               "accuracy.\n\nseen_within: "
-               "seconds, of parts under `known_free`; 0: ever.\n\nmax_distance, edge_resolution: see "
-               "SpaceOptions."))
+           py::arg("edge_resolution") = usual.edge_resolution, doc("Policies", doc("ConfigurationSpace()")))
       .def_property_readonly(
           "robot",
           [](const NamedSpace& self) {
@@ -173,16 +164,16 @@ void bind_spaces(py::module_& module) {
           doc("SpaceOptions::seen_within"))
       .def(
           "is_free", [](const NamedSpace& self, const py::object& q) { return self->is_free(one(self, q)); },
-          py::arg("q"), doc("ConfigurationSpace::is_free"))
-      .def("are_free", &are_free, py::arg("qs"), doc("ConfigurationSpace::is_free#2", "qs: (n, dof)."))
+          py::arg("q"), doc("ConfigurationSpace::is_free", "False for values that are not finite."))
+      .def("are_free", &are_free, py::arg("qs"), doc("ConfigurationSpace::are_free"))
       .def(
           "check", [](const NamedSpace& self, const py::object& q) { return self->check(one(self, q)); },
           py::arg("q"), "Whether a configuration is free, with the reason where it is not.")
       .def(
           "clearance",
           [](const NamedSpace& self, const py::object& q) { return self->clearance(one(self, q)); },
-          py::arg("q"), doc("ConfigurationSpace::clearance"))
-      .def("clearances", &clearances, py::arg("qs"), "clearance() of each of (n, dof) configurations.")
+          py::arg("q"), doc("ConfigurationSpace::clearance", "0 for values that are not finite."))
+      .def("clearances", &clearances, py::arg("qs"), "clearance() of each of (n, dof) configurations, (n,).")
       .def(
           "is_edge_free",
           [](const NamedSpace& self, const py::object& from, const py::object& to) {
@@ -200,10 +191,8 @@ void bind_spaces(py::module_& module) {
           },
           py::arg("from_q"), py::arg("to_q"), doc("ConfigurationSpace::free_share"))
       .def("check_path", &check_waypoints, py::arg("waypoints"), py::arg("distance_cap") = 0.0,
-           doc("check_path",
-               "waypoints: (n, dof). Robot, map, policies, padding and age limit are the space's."))
-      .def("survey_path", &survey, py::arg("waypoints"),
-           doc("survey_path", "waypoints: (n, dof). A dictionary, as in plan.json."))
+           doc("ConfigurationSpace::check_path"))
+      .def("survey_path", &survey, py::arg("waypoints"), doc("ConfigurationSpace::survey_path"))
       .def(
           "__repr__",
           [](const NamedSpace& self) {

@@ -11,8 +11,10 @@
 #include "apps/console/failure.hpp"
 #include "apps/python/argument_names.hpp"
 #include "apps/python/bindings.hpp"
+#include "apps/python/named_files.hpp"
 #include "apps/python/records.hpp"
 #include "mapping/system/damaged_file.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
@@ -38,6 +40,14 @@ PyObject* class_of(const std::exception_ptr& error) {
   }
 }
 
+/// OSError, of the class that Python has for this errno.
+void set_os_error(const std::string& sentence, int reason) {
+  const py::object usual = py::handle(PyExc_OSError)(reason, "");
+  const py::object error = py::type::of(usual)(sentence);
+  error.attr("errno") = reason;
+  PyErr_SetObject(py::type::of(error).ptr(), error.ptr());
+}
+
 /// Our own exceptions carry their sentence; what libraries say becomes one of ours, as in the program,
 /// but that arguments have their names in Python.
 void translate(std::exception_ptr error) {
@@ -48,6 +58,8 @@ void translate(std::exception_ptr error) {
     throw;
   } catch (const py::error_already_set&) {
     throw;
+  } catch (const UnreadableFile& unreadable) {
+    set_os_error(with_argument_names(plain(unreadable.what())), unreadable.reason());
   } catch (const std::exception&) {
     PyErr_SetString(class_of(error), with_argument_names(failure_of(error).sentence).c_str());
   }
@@ -113,7 +125,7 @@ void refuse_pickling(py::module_& module) {
   }
 }
 
-py::dict dictionary_of(py::handle self) {
+py::dict dictionary_of(const py::object& self) {
   py::dict values;
   for (const py::handle field : py::type::handle_of(self).attr("_fields")) values[field] = self.attr(field);
   return values;
@@ -126,7 +138,9 @@ PYBIND11_MODULE(_clearway, module) {
   module.attr("__name__") = "clearway";  // where its classes say that they are from
   module.attr("__version__") = CLEARWAY_VERSION;
   static py::exception<DamagedFile> damaged(module, "DamagedFile", PyExc_ValueError);
-  damaged.attr("__doc__") = doc("DamagedFile");
+  damaged.attr("__doc__") = doc(
+      "DamagedFile",
+      "Of files that programs write: maps, clouds, meshes, plans and results that are cut off or corrupt.");
   damaged_file = damaged.ptr();
   py::register_local_exception_translator(&translate);
   voxel_state = add_enumeration(module).release();

@@ -42,7 +42,7 @@ py::dict to_dictionary(const std::map<std::string, Value>& values) {
 /// "Name(field=value, …)" from the names in `_fields`; long arrays as their shapes.
 std::string describe_record(py::handle self);
 /// The fields as a dictionary.
-py::dict dictionary_of(py::handle self);
+py::dict dictionary_of(const py::object& self);
 
 /// A struct of results as Python sees it: fields to read, with their comments as docstrings.
 template <typename Type>

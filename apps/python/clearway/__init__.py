@@ -2,7 +2,11 @@
 
 Metres, radians and seconds everywhere; arrays in, arrays out. One voxel map holds what people painted and sensors saw
 (FreeSpaceMap); its Snapshot answers. A ConfigurationSpace is a robot in a snapshot under a policy; plan() plans in it
-and has the path checked by code that no planner shares. Bad input raises ValueError in one sentence.
+and has the path checked by code that no planner shares.
+
+Errors, each with one sentence: OSError (FileNotFoundError, PermissionError, ...) for a file that cannot be opened or
+written; DamagedFile, a ValueError, for one that a program wrote and that is cut off or corrupt; TypeError for an argument
+of a type that the signature does not take; ValueError for every other value that is not right, in an argument or a file.
 """
 
 import contextlib as _contextlib
@@ -73,13 +77,13 @@ def load_results(folder):
     Keys are the tables of results.sqlite: `suites`, `experiments`, `problems`, `runs`. Each is a list of dictionaries,
     one for each row, by the names of columns; units are in the names. `apps/README.md` explains the columns.
 
-    Raises ValueError when there is no such file, DamagedFile when it is not whole.
+    Raises FileNotFoundError, or another OSError, when it cannot be opened; DamagedFile when it is not whole.
     """
     file = _pathlib.Path(folder)
     if file.is_dir():
         file = file / "results.sqlite"
     if not file.is_file():
-        raise ValueError(f"'{file}': expected the folder that `clearway compare --out` wrote, with its results.sqlite")
+        raise FileNotFoundError(f"'{file}': expected the folder that `clearway compare --out` wrote, with its results.sqlite")
     try:
         with _contextlib.closing(_sqlite3.connect(f"{file.resolve().as_uri()}?mode=ro", uri=True)) as database:
             database.row_factory = _sqlite3.Row

@@ -1,4 +1,4 @@
-"""The types of the module. Held against it by tests/apps/python/module_test.py."""
+"""The types of the module. Held against it by tests/apps/python/stubs_test.py."""
 
 import enum
 import os

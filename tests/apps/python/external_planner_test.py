@@ -38,12 +38,18 @@ class ExternalPlanner(unittest.TestCase):
         self.path = pathlib.Path(self.folder.name)
         (self.path / "suite.yaml").write_text(SUITE)
 
-    def compare(self, command, *flags):
+    def compare(self, command, *flags, suite=None):
         out = self.path / "out"
-        arguments = [CLEARWAY, "compare", self.path / "suite.yaml", "--external", "mine=" + command, "--out", out]
+        arguments = [CLEARWAY, "compare", suite or self.path / "suite.yaml", "--external", "mine=" + command, "--out", out]
         run = subprocess.run([*arguments, "--json", *flags], capture_output=True, text=True, check=False)
         plans = {file.stem: json.loads(file.read_text()) for file in out.glob("plans/*/*/*.json")}
         return run, plans
+
+    def test_the_example_solves_the_problems_that_its_page_names(self):
+        run, _ = self.compare(f"{sys.executable} {EXAMPLE}", "--planners", "mine", "--time-limit", "100", suite="quick")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        plans = [json.loads(file.read_text()) for file in (self.path / "out").glob("plans/*/*/*.json")]
+        self.assertEqual([plan["validation"]["verdict"] for plan in plans], 6 * ["valid"])
 
     def program(self, text):
         file = self.path / "program.py"

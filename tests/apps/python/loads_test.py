@@ -150,7 +150,6 @@ class Loads(unittest.TestCase):
             lambda: self.planned(loads=[self.rod, self.rod]),
             lambda: self.planned(loads=[self.rod], load_policies={"rod": "free"}),
             lambda: self.planned(loads=[self.rod], load_policies={"nose": "painted"}),
-            lambda: self.planned(loads=[self.rod], load_policies={1: "painted"}),
             lambda: cw.check_plan(self.space, plan, loads=[cw.Load("rod", "bsae", sphere=0.1)]),
             lambda: cw.check_plan(self.space, empty),
             lambda: cw.check_plan(cw.ConfigurationSpace(cw.load_robot("puma560"), self.map, "not_occupied"), plan, loads=[self.rod]),

@@ -88,6 +88,10 @@ class Kinematics(unittest.TestCase):
                 self.assertGreater(len(found), 0)
                 np.testing.assert_allclose(robot.tip_poses(found), np.broadcast_to(pose, (len(found), 4, 4)), atol=1e-5)
             self.assertIsNone(robot.inverse_kinematics(worlds.pose(50.0), q))
+            for pose, near in ((np.full((4, 4), np.nan), q), (2 * np.eye(4), q), (pose, q * np.nan), (pose, q[1:])):
+                for solve in (robot.inverse_kinematics, robot.goal_configurations):
+                    with self.assertRaises(ValueError):
+                        solve(pose, near)
 
 
 class Facts(unittest.TestCase):
@@ -168,13 +172,12 @@ class Facts(unittest.TestCase):
                 with self.assertRaisesRegex(ValueError, words) as raised:
                     make()
                 self.assertNotIn("--", str(raised.exception))
-            with self.assertRaisesRegex(ValueError, f"{folder}/--group.urdf"):  # a file's name stays
+            with self.assertRaisesRegex(FileNotFoundError, f"{folder}/--group.urdf"):  # a file's name stays
                 cw.load_robot(f"{folder}/--group.urdf")
 
     def test_mistakes_are_one_sentence(self):
         for make in (
             lambda: cw.load_robot("puma561"),
-            lambda: cw.load_robot("/nowhere/robot.urdf"),
             lambda: cw.load_robot("puma560", fixed={"elbow": 1.0}),
             lambda: cw.load_robot("puma560", group="arm"),
             lambda: cw.load_robot("puma560", scale=np.nan),
