@@ -87,12 +87,14 @@ void read_answer(const std::string& line, const PlanProblem& problem, PlanResult
 struct ExternalPlanner::State {
   std::string command;
   std::mutex using_it;
-  const ConfigurationSpace* space = nullptr;  ///< that the program knows
+  std::optional<ConfigurationSpace>
+      space;  ///< that the program knows; kept, so that no other takes its place
   std::optional<LineProcess> program;
 
   void start(const ConfigurationSpace& asked) {
-    if (program && space == &asked) return;
-    space = nullptr;
+    const bool is_known = program && space && &space->robot() == &asked.robot();  // copies share the robot
+    if (is_known) return;
+    space.reset();
     program.emplace(command);
     const Deadline deadline(patience);
     const std::string world =
@@ -104,7 +106,7 @@ struct ExternalPlanner::State {
                                " s");
     }
     if (answer_of(*line).value("ready", Json()) != Json(true)) refuse(*line, "{\"ready\": true}");
-    space = &asked;
+    space.emplace(asked);
   }
 };
 

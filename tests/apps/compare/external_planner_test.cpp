@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -68,6 +69,19 @@ TEST_F(ExternalPlannerOf, TellsWhyThereIsNoPath) {
   const ExternalPlanner deaf("sh -c 'read world; echo \"{\\\"ready\\\": true}\"; sleep 1000'");
   EXPECT_EQ(deaf.plan({space_, cost_, start_, goal_, 1, [&] { return ++asked > 3; }}).status,
             PlanStatus::timed_out);
+}
+
+/// Problems that follow each other in one process may have their spaces in one place.
+TEST_F(ExternalPlannerOf, ASpaceInThePlaceOfAnotherIsAWorldOfItsOwn) {
+  const ExternalPlanner counts(
+      "n=0; while read line; do case \"$line\" in '{\"world\"'*) n=$((n + 1)); echo '{\"ready\": true}';; "
+      "*) echo '{\"failed\": \"in world '$n'\"}';; esac; done");
+  std::optional<ConfigurationSpace> space;
+  for (const char* world : {"in world 1", "in world 2"}) {
+    space.emplace(load_robot("point"), space_.map(), Policies{{}, Policy::not_occupied, false});
+    for (int query = 0; query < 2; ++query)
+      EXPECT_EQ(counts.plan({*space, cost_, start_, goal_, 1, [] { return false; }}).explanation, world);
+  }
 }
 
 TEST_F(ExternalPlannerOf, RefusesAnswersThatAreNone) {
