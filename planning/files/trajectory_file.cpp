@@ -108,6 +108,7 @@ std::string write_ros_json(const Robot& robot, const Plan&, const Trajectory& tr
 
 std::string write_json(const Robot& robot, const Plan& plan, const Trajectory& trajectory) {
   nlohmann::ordered_json json = {{"robot", plan.robot},
+                                 {"scale", plan.robot_scale},
                                  {"planner", plan.planner},
                                  {"seed", plan.seed},
                                  {"map", {{"file", plan.map_file}, {"sha256", plan.map_sha256}}},
@@ -175,44 +176,67 @@ std::string urscript_events(const Trajectory& trajectory) {
       const std::string word(to_string(kind));
       text += "  def " + word + "(load):\n    # " +
               (kind == TrajectoryEvent::Kind::attach ? "Close" : "Open") +
-              " the gripper here.\n    textmsg(\"" + word + " \", load)\n    sleep(" + decimal(event.rest) +
-              ")\n  end\n";
+              " the gripper here: the arm is at rest.\n    textmsg(\"" + word + " \", load)\n    sleep(" +
+              decimal(event.rest) + ")\n  end\n";
       break;
     }
   return text;
 }
 
+/// Functions of the program: whether the arm is somewhere, and how it comes to rest there.
+std::string urscript_stops(const std::string& timing, const std::string& period) {
+  return "  def is_at(target, tolerance):\n"
+         "    local actual = get_actual_joint_positions()\n"
+         "    local joint = 0\n"
+         "    while joint < 6:\n"
+         "      if norm(actual[joint] - target[joint]) > tolerance:\n"
+         "        return False\n"
+         "      end\n"
+         "      joint = joint + 1\n"
+         "    end\n"
+         "    return True\n"
+         "  end\n"
+         "  def require_at(target, message):\n"
+         "    if not is_at(target, 0.01):\n"
+         "      popup(message, title=\"Clearway\", error=True, blocking=True)\n"
+         "      halt\n"
+         "    end\n"
+         "  end\n"
+         "  def come_to_rest(target):\n"
+         "    # servoj lags behind: holds the arm at the target until it has caught up, at most 2 s.\n"
+         "    local left = 2.0\n"
+         "    while left > 0.0 and not is_at(target, 0.001):\n"
+         "      servoj(target" +
+         timing + "      left = left - " + period +
+         "\n"
+         "    end\n"
+         "    stopj(5.0)\n"
+         "    require_at(target, \"The arm has not come to where the path stops.\")\n"
+         "  end\n";
+}
+
 std::string write_urscript(const Robot& robot, const Plan& plan, const Trajectory& trajectory) {
   std::string joints;
   for (const Joint& joint : robot.joints) joints += (joints.empty() ? "" : ", ") + quoted(joint.name);
-  std::string text =
-      heading(plan, trajectory) + "# joints, base first: " + joints + "\ndef clearway_path():\n" +
-      urscript_events(trajectory) +
-      "  # Ends here when the arm is not at the start of the path: the way to it is not checked.\n"
-      "  local start = " +
-      list(trajectory.points.front().position) +
-      "\n  local actual = get_actual_joint_positions()\n"
-      "  local joint = 0\n"
-      "  while joint < 6:\n"
-      "    if norm(actual[joint] - start[joint]) > 0.01:\n"
-      "      popup(\"The arm is not at the start of the path.\", title=\"Clearway\", error=True, "
-      "blocking=True)\n"
-      "      halt\n"
-      "    end\n"
-      "    joint = joint + 1\n"
-      "  end\n";
   const std::string timing =
       ", t=" + decimal(trajectory.sampling_period) + ", lookahead_time=0.03, gain=300)\n";
+  std::string text =
+      heading(plan, trajectory) + "# joints, base first: " + joints + "\ndef clearway_path():\n" +
+      urscript_stops(timing, decimal(trajectory.sampling_period)) + urscript_events(trajectory) +
+      "  # The way to the start of the path is not checked.\n"
+      "  require_at(" +
+      list(trajectory.points.front().position) + ", \"The arm is not at the start of the path.\")\n";
   auto event = trajectory.events.begin();
   double rests_until = -1.0;
   for (const TrajectoryPoint& point : trajectory.points) {
     if (point.time > rests_until) text += "  servoj(" + list(point.position) + timing;
     for (; event != trajectory.events.end() && event->time <= point.time; ++event) {
-      text += "  stopj(5.0)\n  " + std::string(to_string(event->kind)) + "(" + quoted(event->load) + ")\n";
+      if (event->time > rests_until + 1e-9) text += "  come_to_rest(" + list(point.position) + ")\n";
+      text += "  " + std::string(to_string(event->kind)) + "(" + quoted(event->load) + ")\n";
       rests_until = event->time + event->rest;
     }
   }
-  return text + "  stopj(5.0)\nend\n";
+  return text + "  come_to_rest(" + list(trajectory.points.back().position) + ")\nend\n";
 }
 
 }  // namespace
