@@ -36,13 +36,26 @@ const char* link_of(const tinyxml2::XMLElement& joint, const char* end) {
   return link ? link : "";
 }
 
-/// Whether a joint lets the base float or drive: it stands where the robot has it.
-bool is_of_base(const tinyxml2::XMLElement& joint) {
-  if (!joint.Attribute("type", "floating") && !joint.Attribute("type", "planar")) return false;
+const tinyxml2::XMLElement* joint_above(const tinyxml2::XMLElement& joint) {
   const std::string parent = link_of(joint, "parent");
   const tinyxml2::XMLElement* other = joint.Parent()->FirstChildElement("joint");
   while (other && parent != link_of(*other, "child")) other = other->NextSiblingElement("joint");
-  return other == nullptr;
+  return other;
+}
+
+/// Whether a joint lets the base float or drive, and all above it are such or fixed: it stands where the
+/// robot has it.
+bool is_of_base(const tinyxml2::XMLElement& joint) {
+  const auto may_float = [](const tinyxml2::XMLElement& one) {
+    return one.Attribute("type", "floating") || one.Attribute("type", "planar");
+  };
+  if (!may_float(joint)) return false;
+  const tinyxml2::XMLElement* above = joint_above(joint);
+  for (std::size_t i = 0; above && i < most_joints; ++i) {
+    if (!may_float(*above) && !above->Attribute("type", "fixed")) return false;
+    above = joint_above(*above);
+  }
+  return above == nullptr;
 }
 
 /// A joint's range as its <safety_controller> narrows it, unless it gives two zeros.

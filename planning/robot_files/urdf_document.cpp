@@ -93,16 +93,38 @@ std::set<std::string> check_links(const Place& place, Element& robot, UrdfDocume
   return links;
 }
 
-/// The links on which joints hang, known before the joints are looked at one by one.
-std::set<std::string> links_below_joints(const Element& robot) {
-  std::set<std::string> links;
-  for (const Element* joint = robot.FirstChildElement("joint"); joint;
-       joint = joint->NextSiblingElement("joint")) {
-    const Element* child = joint->FirstChildElement("child");
-    if (child && child->Attribute("link")) links.insert(child->Attribute("link"));
+/// The links that stand where the root does, itself included: fixed joints alone lead to them, or such that
+/// let a base float or drive. Known before the joints are looked at one by one.
+class StandingLinks {
+ public:
+  explicit StandingLinks(const Element& robot) {
+    for (const Element* joint = robot.FirstChildElement("joint"); joint;
+         joint = joint->NextSiblingElement("joint")) {
+      const Element *parent = joint->FirstChildElement("parent"), *child = joint->FirstChildElement("child");
+      if (!parent || !child || !parent->Attribute("link") || !child->Attribute("link")) continue;
+      const bool stands = joint->Attribute("type", "fixed") || is_base_joint(*joint);
+      above_[child->Attribute("link")] = {parent->Attribute("link"), stands};
+    }
   }
-  return links;
-}
+
+  bool contains(const std::string& link) const {
+    std::string at = link;
+    for (std::size_t steps = 0; steps <= above_.size(); ++steps) {
+      const auto joint = above_.find(at);
+      if (joint == above_.end()) return true;
+      if (!joint->second.stands) return false;
+      at = joint->second.parent;
+    }
+    return false;  // a loop
+  }
+
+ private:
+  struct Above {
+    std::string parent;
+    bool stands = false;
+  };
+  std::map<std::string, Above> above_;  ///< the joint above a link
+};
 
 /// The lesser of acceleration and deceleration, which no planner of ours tells apart. As of velocities, what
 /// is not above 0 says nothing, nor does a limit that no robot reaches.
@@ -120,7 +142,7 @@ UrdfDocument::Changes changes_of(const Place& place, const Element& joint) {
 
 void check_joints(const Place& place, Element& robot, const std::set<std::string>& links,
                   UrdfDocument& document) {
-  const std::set<std::string> below_joints = links_below_joints(robot);
+  const StandingLinks standing(robot);
   std::map<std::string, std::string> parent_of;
   std::set<std::string> joints;
   for (Element* joint = robot.FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint")) {
@@ -129,7 +151,7 @@ void check_joints(const Place& place, Element& robot, const std::set<std::string
     const Place here{place.file, "joint " + quote(name)};
     check_urdf_element(here, *joint);
     const std::string parent = child_attribute(here, *joint, "parent", "link");
-    check_urdf_joint(here, *joint, !below_joints.contains(parent));
+    check_urdf_joint(here, *joint, standing.contains(parent));
     const std::string child = child_attribute(here, *joint, "child", "link");
     for (const std::string& end : {parent, child}) {
       if (!links.contains(end)) here.refuse("there is no link " + quote(end));

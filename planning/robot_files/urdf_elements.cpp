@@ -179,9 +179,17 @@ void check_urdf_inertial(const Place& place, const Element& inertial) {
   }
 }
 
-void check_urdf_joint(const Place& place, Element& joint, bool is_at_root) {
+bool is_base_joint(const Element& joint) {
+  return joint.Attribute("type", "floating") || joint.Attribute("type", "planar");
+}
+
+void check_urdf_joint(const Place& place, Element& joint, bool is_of_base) {
   std::string type = joint.Attribute("type") ? joint.Attribute("type") : "";
-  if (is_at_root && (type == "floating" || type == "planar")) {
+  if (is_base_joint(joint)) {
+    if (!is_of_base)
+      place.refuse(
+          "type " + quote(type) +
+          " is supported of a base alone, where it stands still: expected no joint above it that moves");
     type = "fixed";
     joint.SetAttribute("type", type.c_str());
   }

@@ -18,10 +18,13 @@ bool check_urdf_collision(const UrdfPlace& place, tinyxml2::XMLElement& collisio
 /// An <inertial>.
 void check_urdf_inertial(const UrdfPlace& place, const tinyxml2::XMLElement& inertial);
 
-/// A <joint>, but for the links that it names. One that leaves the base free to float or to drive over a
-/// plane becomes fixed: the base stands where the map has it.
-/// @param is_at_root its parent link is the root
-void check_urdf_joint(const UrdfPlace& place, tinyxml2::XMLElement& joint, bool is_at_root);
+/// Whether a <joint> lets a base float or drive over a plane.
+bool is_base_joint(const tinyxml2::XMLElement& joint);
+
+/// A <joint>, but for the links that it names. One of a base becomes fixed: the base stands where the map has
+/// it.
+/// @param is_of_base no joint above it moves
+void check_urdf_joint(const UrdfPlace& place, tinyxml2::XMLElement& joint, bool is_of_base);
 
 /// Leaves of an element's children only those of these names.
 void keep_urdf_children(tinyxml2::XMLElement& element, std::initializer_list<std::string_view> names);

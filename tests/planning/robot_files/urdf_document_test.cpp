@@ -263,8 +263,33 @@ TEST_F(UrdfDocumentFile, ABaseThatFloatsOrDrivesStandsAndNothingElseMayFloat) {
     EXPECT_EQ(check::model_of_file(robot).links.size(), robot.links.size());  // the check's own reader
     EXPECT_EQ(folder_.refusal(text("fixed", base)),
               "r.urdf: joint 'wrist': type '" + std::string(base) +
-                  "' is not supported, expected revolute, continuous, prismatic or fixed");
+                  "' is supported of a base alone, where it stands still: expected no joint above it that "
+                  "moves");
   }
+}
+
+/// As mobile robots have it: world, a fixed joint, the floor, a planar joint, the base.
+TEST_F(UrdfDocumentFile, ABaseMayFloatOrDriveBehindJointsThatStand) {
+  using namespace worlds;
+  const std::string ball = "<sphere radius='0.1'/>";
+  const auto text = [&](const std::string& first, const std::string& second) {
+    return "<robot name='r'>" + urdf_link("torso", "0 0 0", ball) + urdf_link("upper", "0.3 0 0", ball) +
+           "<link name='world'/><link name='floor'/>" +
+           urdf_joint("shoulder", "revolute", "torso", "upper", "0 0 0", "0 0 1", urdf_limit(-1, 1)) +
+           urdf_joint("drive", second, "floor", "torso", "0 0 0.7", "0 0 1", "") +
+           urdf_joint("room", first, "world", "floor", "1 0 0", "0 0 1", urdf_limit(-1, 1)) + "</robot>";
+  };
+  for (const char* first : {"fixed", "planar", "floating"})
+    for (const char* second : {"planar", "floating"}) {
+      const Robot robot = load_robot(folder_.write("r.urdf", text(first, second)));
+      ASSERT_EQ(robot.dof(), 1U);
+      EXPECT_EQ(forward_kinematics(robot, Configuration::Zero(1))[2].translation(),
+                Eigen::Vector3d(1, 0, 0.7));
+      EXPECT_EQ(check::model_of_file(robot).links.size(), robot.links.size());  // the check's own reader
+    }
+  EXPECT_NE(folder_.refusal(text("prismatic", "planar"))
+                .find("joint 'drive': type 'planar' is supported of a base"),
+            std::string::npos);
 }
 
 /// As the URDF of the PR2 has it, which ROS ships in its tests.
