@@ -188,6 +188,20 @@ void append_torques(const TorqueFinding& torques, Rows& rows) {
                       "gravity alone takes more than 95 % of the torque limit of joint " + shortened(joint));
 }
 
+Json unjudged_json(const std::vector<UnjudgedRate>& rates) {
+  Json list = Json::array();
+  for (const UnjudgedRate& rate : rates) {
+    list.push_back({{"rate", rate.rate},
+                    {"joints", rate.joints},
+                    {"peak", rate.peak.value},
+                    {"joint", rate.joint},
+                    {"time_s", rate.peak.time},
+                    {"sentence", rate.sentence}});
+    if (rate.usual > 0.0) list.back()["usual_limit"] = rate.usual;
+  }
+  return list;
+}
+
 Json or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
 
 Json splines_json(const SplineVerdict& splines, double duration) {
@@ -248,6 +262,7 @@ Rows check_rows(const CheckReport& report) {
                                             " mm" + (report.motion ? " along straight edges" : ""));
   if (report.motion) append_motion(*report.motion, report.motion_duration, rows);
   if (report.splines) append_splines(*report.splines, report.motion_duration, rows);
+  for (const UnjudgedRate& rate : report.unjudged) rows.emplace_back(rate.rate, rate.sentence);
   if (report.torques) append_torques(*report.torques, rows);
   rows.emplace_back("waypoints", std::to_string(report.waypoints));
   for (auto& row : survey_figures(report.survey)) rows.push_back(std::move(row));
@@ -275,7 +290,10 @@ Json check_json(const CheckReport& report) {
   json["parameter"] = report.path.parameter;
   json["min_clearance_m"] = report.path.min_clearance;
   if (report.motion) json["motion"] = motion_json(*report.motion, report.motion_duration);
-  if (report.splines) json["motion"] = splines_json(*report.splines, report.motion_duration);
+  if (report.splines) {
+    json["motion"] = splines_json(*report.splines, report.motion_duration);
+    json["motion"]["not_judged"] = unjudged_json(report.unjudged);
+  }
   if (report.torques) {
     json["motion"]["torque_share"] = report.torques->share;
     json["motion"]["overloaded_joints"] = report.torques->overloaded;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/check/check_contract.hpp"
+#include "apps/check/rate_terms.hpp"
 #include "planning/check/motion_check.hpp"
 #include "planning/check/motion_torques.hpp"
 #include "planning/check/path_check.hpp"
@@ -21,6 +22,7 @@ struct CheckReport {
   std::optional<MotionVerdict> motion{};   ///< of the plan's motion, when it has one
   std::optional<TorqueFinding> torques{};  ///< of a motion that is valid but for these
   std::optional<SplineVerdict> splines{};  ///< of a trajectory with times; its path is `path`
+  std::vector<UnjudgedRate> unjudged{};    ///< of that trajectory
   double motion_duration = 0.0;            ///< seconds, of motion or trajectory
   PathVerdict path;                        ///< of the plan's waypoints under the contract
   PathSurvey survey;                       ///< what the map knows of where they lead

@@ -119,7 +119,9 @@ double least_acceleration(double mean, double time, std::optional<double> first,
 /// least_acceleration says, and over two edges that meet at a point without one it is, somewhere, twice the
 /// change of the mean velocities over the time of both (a second divided difference is half a second
 /// derivative). Empty where one may.
-std::string corner_fault(const TimedTrajectory& trajectory, const Robot& robot) {
+/// @param free what is asked of joints without a limit, the greatest
+std::string corner_fault(const TimedTrajectory& trajectory, const Robot& robot,
+                         std::optional<RatePeak>& free) {
   constexpr double rounding = 0.01;  // of a limit
   const std::vector<SplinePoint>& points = trajectory.points;
   const auto known = [&](std::size_t point, Eigen::Index joint) -> std::optional<double> {
@@ -136,6 +138,7 @@ std::string corner_fault(const TimedTrajectory& trajectory, const Robot& robot) 
   const auto fault = [&](Eigen::Index joint, double asked, double from, double to, std::size_t point) {
     const Joint& mover = robot.joints[static_cast<std::size_t>(joint)];
     const double limit = mover.max_acceleration;
+    if (limit <= 0.0) raise(free, RatePeak{asked, static_cast<std::size_t>(joint), points[point].time});
     if (limit <= 0.0 || asked <= (1.0 + rounding) * limit) return std::string();
     return "motion: joint " + shortened(mover.name) + " has to come from " + significant(from) + " to " +
            significant(to) + " at the point at " + significant(points[point].time) +
@@ -160,17 +163,6 @@ std::string corner_fault(const TimedTrajectory& trajectory, const Robot& robot) 
     }
   }
   return {};
-}
-
-std::string joints_without(const Robot& robot, double Joint::*limit) {
-  std::string names;
-  std::size_t count = 0;
-  for (const Joint& joint : robot.joints) {
-    if (joint.*limit > 0.0) continue;
-    names += (count == 0 ? "" : ", ") + shortened(joint.name);
-    ++count;
-  }
-  return count == robot.dof() && count > 1 ? "any joint" : names;
 }
 
 /// As a controller may know the start, too: of a robot whose hardware states no accelerations, or no
@@ -226,8 +218,9 @@ SplineVerdict check_timed(const TimedTrajectory& trajectory, const Robot& robot,
         check_splines(robot, map, policies, padding, {start, trajectory.points[1]}, seen_within);
     if (verdict.fault.empty()) verdict.fault = other.fault;
     if (verdict.path.valid && !other.path.valid) verdict.path = other.path;
+    raise_peaks(verdict, other);
   }
-  if (verdict.fault.empty()) verdict.fault = corner_fault(trajectory, robot);
+  if (verdict.fault.empty()) verdict.fault = corner_fault(trajectory, robot, verdict.free_acceleration);
   if (!trajectory.fault.empty()) verdict.fault = trajectory.fault;
   if (trajectory.before.size() == 0 || !verdict.path.valid) return verdict;
   PathVerdict way = check_path(robot, map, policies, padding,
@@ -248,8 +241,7 @@ TorqueFinding torques_of(const TimedTrajectory& trajectory, const Robot& robot, 
   return found;
 }
 
-std::vector<std::string> notes_of(const TimedTrajectory& trajectory, const SplineVerdict& verdict,
-                                  const Robot& robot) {
+std::vector<std::string> notes_of(const TimedTrajectory& trajectory, const SplineVerdict& verdict) {
   std::string edges;
   const auto add = [&](std::size_t count, const std::string& one, const std::string& many) {
     if (count > 0) edges += (edges.empty() ? ": " : ", ") + counted(count, one, many);
@@ -259,11 +251,6 @@ std::vector<std::string> notes_of(const TimedTrajectory& trajectory, const Splin
   add(verdict.lines, "straight line without velocities", "straight lines without velocities");
   std::vector<std::string> notes{"the trajectory is judged as ROS's joint_trajectory_controller runs it" +
                                  edges};
-  if (const std::string names = joints_without(robot, &Joint::max_velocity); !names.empty())
-    notes.push_back("the robot states no velocity limit of " + names + ", so none is compared");
-  if (verdict.cubics + verdict.quintics > 0)
-    if (const std::string names = joints_without(robot, &Joint::max_acceleration); !names.empty())
-      notes.push_back("the robot states no acceleration limit of " + names + ", so none is compared");
   if (verdict.lines > 0)
     notes.emplace_back(
         "on straight lines without velocities, where these jump, torques are those of level speed and "

@@ -50,9 +50,7 @@ SplineVerdict check_timed(const TimedTrajectory& trajectory, const Robot& robot,
 TorqueFinding torques_of(const TimedTrajectory& trajectory, const Robot& robot, const JointLoad& load,
                          SplineVerdict& verdict);
 
-/// "the trajectory is judged as ROS's joint_trajectory_controller runs it: 12 cubics, 1 straight line …", and
-/// one sentence more where the robot states no limits.
-std::vector<std::string> notes_of(const TimedTrajectory& trajectory, const SplineVerdict& verdict,
-                                  const Robot& robot);
+/// "the trajectory is judged as ROS's joint_trajectory_controller runs it: 12 cubics, 1 straight line …"
+std::vector<std::string> notes_of(const TimedTrajectory& trajectory, const SplineVerdict& verdict);
 
 }  // namespace clearway

@@ -105,16 +105,23 @@ std::vector<TimedTrajectory> timed_trajectories(const std::vector<ForeignTraject
 SplineVerdict check_timed(const std::vector<TimedTrajectory>& entries, const Robot& robot,
                           const Snapshot& map, const std::map<std::string, Policy>& policies, double padding,
                           double seen_within) {
-  SplineVerdict all = check_timed(entries.front(), robot, map, policies, padding, seen_within);
+  const auto judge = [&](const TimedTrajectory& entry) {
+    SplineVerdict verdict = check_timed(entry, robot, map, policies, padding, seen_within);
+    for (auto* peak : {&verdict.free_velocity, &verdict.free_acceleration, &verdict.jerk})
+      if (*peak) (*peak)->part = entry.field;
+    return verdict;
+  };
+  SplineVerdict all = judge(entries.front());
   for (std::size_t i = 0; i < entries.size(); ++i) {
     if (i > 0) {
-      const SplineVerdict next = check_timed(entries[i], robot, map, policies, padding, seen_within);
+      const SplineVerdict next = judge(entries[i]);
       const double clearance = std::min(all.path.min_clearance, next.path.min_clearance);
       all.path = next.path;
       all.path.min_clearance = clearance;
       all.fault = next.fault;
       all.velocity_share = std::max(all.velocity_share, next.velocity_share);  // none is below all
       all.acceleration_share = std::max(all.acceleration_share, next.acceleration_share);
+      raise_peaks(all, next);
       all.lines += next.lines;
       all.cubics += next.cubics;
       all.quintics += next.quintics;
@@ -140,11 +147,10 @@ TorqueFinding torques_of(const std::vector<TimedTrajectory>& entries, const Robo
   return greatest;
 }
 
-std::vector<std::string> notes_of(const std::vector<TimedTrajectory>& entries, const SplineVerdict& verdict,
-                                  const Robot& robot) {
+std::vector<std::string> notes_of(const std::vector<TimedTrajectory>& entries, const SplineVerdict& verdict) {
   std::vector<std::string> notes;
   for (const TimedTrajectory& entry : entries)
-    for (const std::string& note : notes_of(entry, verdict, robot))
+    for (const std::string& note : notes_of(entry, verdict))
       if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);
   return notes;
 }

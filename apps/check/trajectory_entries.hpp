@@ -38,8 +38,7 @@ TorqueFinding torques_of(const std::vector<TimedTrajectory>& entries, const Robo
                          const JointLoad& load, SplineVerdict& verdict);
 
 /// notes_of them, each once.
-std::vector<std::string> notes_of(const std::vector<TimedTrajectory>& entries, const SplineVerdict& verdict,
-                                  const Robot& robot);
+std::vector<std::string> notes_of(const std::vector<TimedTrajectory>& entries, const SplineVerdict& verdict);
 
 /// Seconds that they take, rests between them left out.
 double duration_of(const std::vector<TimedTrajectory>& entries);

@@ -160,11 +160,9 @@ std::vector<std::vector<double>> rates_in(const YamlFields& root, const std::str
 
 /// What `plan --export json` writes: a list for each quantity.
 ForeignTrajectory own_export(const YamlFields& root) {
-  if (root.has("events"))
-    root.fail("events",
-              "expected none: what the robot carries, and when, is in the plan's JSON "
-              "(plan --out --motion), which check reads");
+  if (root.has("events")) root.fail("events", expected_no_events);
   ForeignTrajectory trajectory;
+  trajectory.stated = stated_in_json(root);
   trajectory.joints = root.texts("joints");
   if (trajectory.joints.empty()) root.fail("joints", "expected at least one");
   trajectory.times = root.numbers("times_s", {0.0, 1e9});
@@ -202,10 +200,12 @@ ForeignTrajectory trajectory_of(const YamlFields& found) {
 
 std::vector<ForeignTrajectory> read_trajectories(const std::filesystem::path& file) {
   const std::string kind = extension_of(file);
-  if (kind == ".csv")
-    throw std::invalid_argument(file.string() +
-                                ": a trajectory as CSV is for spreadsheets, expected a plan's JSON, or a "
-                                "trajectory as --export ros, ros-json or json writes it");
+  if (kind == ".csv" || kind == ".script" || kind == ".urscript")
+    throw std::invalid_argument(
+        file.string() + ": " +
+        (kind == ".csv" ? "a trajectory as CSV is for spreadsheets" : "a program is for its controller") +
+        ", expected a plan's JSON, or a trajectory as --trajectory ros, ros-json or "
+        "json writes it");
   const bool is_yaml = kind == ".yaml" || kind == ".yml";
   if (!is_yaml && kind != ".json") return {};
   const std::string text = read_input(file, "plan file", 64U << 20U);
@@ -219,6 +219,7 @@ std::vector<ForeignTrajectory> read_trajectories(const std::filesystem::path& fi
   std::vector<ForeignTrajectory> entries;
   for (const YamlFields& found : innermost(root)) entries.push_back(trajectory_of(found));
   if (entries.empty()) root.fail("joint_names", "expected the names of a JointTrajectory");
+  if (is_yaml) entries.front().stated = stated_in_comments(text, file);
   entries.front().start = start_of(root);
   entries.front().map_from_base = base_of(root);
   if (!root.is_map("model_id") && !root.is_list("model_id"))

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "apps/check/stated_terms.hpp"
+
 namespace clearway {
 
 /// A path of another program: a trajectory_msgs/JointTrajectory, or what holds one as `joint_trajectory`
@@ -24,6 +26,7 @@ struct ForeignTrajectory {
   std::vector<std::vector<double>> velocities{}, accelerations{};  ///< of each point with a time; empty: none
   std::string model{};  ///< the robot that the file is for, model_id of a DisplayTrajectory; empty: not said
   std::string field{};  ///< "trajectory[1]" of one of several, by which messages name it; else empty
+  std::optional<StatedTerms> stated{};  ///< of one that we exported
 };
 
 /// The trajectories of the file, of which each but the first begins where the one before ends

@@ -225,21 +225,23 @@ Plan plan_of_trajectory(const ForeignTrajectory& trajectory, const Robot& robot,
   return plan;
 }
 
-void adopt_terms(Contract& contract, Plan& plan, bool is_timed) {
-  plan.robot = contract.robot.value;
-  plan.robot_scale = contract.scale.value;
-  plan.map_from_base = contract.map_from_base.value;
+void adopt_terms(const std::optional<StatedTerms>& stated, bool is_timed, Contract& contract, Plan& plan) {
+  if (!stated) {
+    plan.robot = contract.robot.value;
+    plan.robot_scale = contract.scale.value;
+    plan.map_from_base = contract.map_from_base.value;
+    take_default(contract.group);
+    for (auto& [joint, term] : contract.held) take_default(term);
+    take_default(contract.scale);
+    take_default(contract.map_from_base);
+  }
   plan.policies = policies_of(contract);
   plan.padding = contract.padding.value;
   plan.seen_within = contract.seen_within.value;
   plan.payload = contract.payload.value;
   plan.gravity = contract.gravity.value;
-  plan.map_sha256 = contract.map_sha256.value;
+  if (plan.map_sha256.empty()) plan.map_sha256 = contract.map_sha256.value;
   plan.loads = contract.loads.value;
-  take_default(contract.group);
-  for (auto& [joint, term] : contract.held) take_default(term);
-  take_default(contract.scale);
-  take_default(contract.map_from_base);
   for (auto& [part, term] : contract.policies) take_default(term);
   take_default(contract.padding);
   take_default(contract.seen_within);
@@ -250,6 +252,15 @@ void adopt_terms(Contract& contract, Plan& plan, bool is_timed) {
   contract.notes.push_back(
       "the points of the trajectory, which have no times, are checked as joined by straight edges; where a "
       "controller goes between them is not known");
+}
+
+std::optional<Deviation> group_deviation(const std::optional<StatedTerms>& stated, const Contract& contract,
+                                         const std::set<AcceptedTerm>& accepted) {
+  const std::string& group = contract.group.value;
+  if (!stated || stated->group.empty() || group.empty() || stated->group == group) return std::nullopt;
+  return Deviation{AcceptedTerm::held,
+                   "group: expected " + quote(group) + ", the trajectory says " + quote(stated->group),
+                   accepted.contains(AcceptedTerm::held)};
 }
 
 void cut_at_goals(Contract& contract, Plan& plan) {

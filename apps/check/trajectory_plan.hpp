@@ -33,10 +33,17 @@ std::string model_note(const ForeignTrajectory& trajectory, const Robot& robot);
 Plan plan_of_trajectory(const ForeignTrajectory& trajectory, const Robot& robot,
                         const std::filesystem::path& file);
 
-/// A trajectory states nothing but its points: the other terms of the contract are the plan's own, and
-/// count as being there by default. Notes say what is judged of one without times.
-/// @param is_timed whether timed_trajectory() is judged
-void adopt_terms(Contract& contract, Plan& plan, bool is_timed);
+/// A trajectory of another program states nothing but its points: the other terms of the contract are the
+/// plan's own, and count as being there by default. So are those that one of ours does not state. Notes say
+/// what is judged of one without times.
+/// @param stated state_terms() has put them into the plan @param is_timed whether timed_trajectory() is
+/// judged
+void adopt_terms(const std::optional<StatedTerms>& stated, bool is_timed, Contract& contract, Plan& plan);
+
+/// Refuses another planning group than the contract's, where both state one. Where one has none, the joints
+/// that are held tell them apart.
+std::optional<Deviation> group_deviation(const std::optional<StatedTerms>& stated, const Contract& contract,
+                                         const std::set<AcceptedTerm>& accepted);
 
 /// Cuts the one leg of a trajectory, which does not say where legs end, where it comes to the contract's
 /// goals in turn, each at one of its points, and notes that. Leaves it whole where it misses one, or where

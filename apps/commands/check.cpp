@@ -108,15 +108,16 @@ void check_timed_of(const std::vector<TimedTrajectory>& entries, const Snapshot&
     report.torques = torques_of(entries, robot, joint_load_of(contract), *report.splines);
     note_missing_masses(robot, report);
   }
-  for (std::string& note : notes_of(entries, *report.splines, robot))
-    contract.notes.push_back(std::move(note));
+  report.unjudged = unjudged_rates(*report.splines, robot);
+  for (std::string& note : notes_of(entries, *report.splines)) contract.notes.push_back(std::move(note));
 }
 
 /// Its motion, under the same terms and the limits of the robot's own files.
 void check_motion_of(const Plan& plan, const Robot& robot, const Snapshot& map, CheckReport& report) {
   if (!plan.motion || plan.stops().empty() || !report.path.valid) return;
-  const Contract& contract = report.contract;
+  Contract& contract = report.contract;
   const Robot placed = tipped_robot_of(contract, robot);
+  if (const std::string note = usual_limits_note(robot); !note.empty()) contract.notes.push_back(note);
   report.motion_duration = plan.motion->motion.duration();
   const MotionJudgement judged = judge_motion({placed, map, policies_of(contract), contract.padding.value,
                                                contract.seen_within.value, joint_load_of(contract)},
@@ -158,6 +159,8 @@ int run_check(const CheckOptions& options, Console& console) {
   std::vector<ForeignTrajectory> entries = read_trajectories(options.plan);
   const bool is_trajectory = !entries.empty();
   Plan plan = is_trajectory ? Plan{} : load_plan(options.plan);
+  const std::optional<StatedTerms> stated = is_trajectory ? entries.front().stated : std::nullopt;
+  if (stated) state_terms(*stated, plan);  // for the robot's group and held joints
   const Robot robot = robot_to_check(options, plan);
   if (is_trajectory && !options.pick.empty())
     throw std::invalid_argument("--pick: " + quote_path(options.plan.string()) +
@@ -171,6 +174,7 @@ int run_check(const CheckOptions& options, Console& console) {
   if (is_trajectory) take_start(options, robot, entries.front());
   plan = is_trajectory ? plan_of_trajectories(entries, robot, options.plan)
                        : in_order_of(robot, std::move(plan));
+  if (stated) state_terms(*stated, plan);
   const Snapshot map = load_map(options.map, options.cloud_resolution);
   for (const std::string& note : robot_notes(robot, robot_request(options.robot).packages))
     console.warn("note: " + note);
@@ -188,7 +192,7 @@ int run_check(const CheckOptions& options, Console& console) {
                                    load_query_record(options.map), plan.motion || !timed.empty());
   if (is_trajectory) {
     cut_at_goals(report.contract, plan);
-    adopt_terms(report.contract, plan, !timed.empty());
+    adopt_terms(stated, !timed.empty(), report.contract, plan);
     require_base(entries.front(), report.contract.map_from_base.value, options.plan);
     pad_by_slack(slack_of(entries, robot, report.contract.map_from_base.value), report.contract, plan);
     if (const std::string note = model_note(entries.front(), robot); !note.empty())
@@ -199,6 +203,8 @@ int run_check(const CheckOptions& options, Console& console) {
           (entries.size() > 1 ? ", or a later one," : "") + " has " + (unnamed.size() == 1 ? "it" : "them"));
   }
   report.deviations = deviations(report.contract, plan, robot, options.accepted);
+  if (const auto group = group_deviation(stated, report.contract, options.accepted))
+    report.deviations.push_back(*group);
   if (!timed.empty() && !timed.back().moving_end.empty())
     report.deviations.push_back({AcceptedTerm::moving_end, timed.back().moving_end,
                                  options.accepted.contains(AcceptedTerm::moving_end)});

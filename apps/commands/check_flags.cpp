@@ -56,7 +56,7 @@ Command add_check(CLI::App& app, Console& console) {
         "--accept-" + name, [options, term] { options->accepted.insert(term); }, what);
   };
   accept("robot", AcceptedTerm::robot, "accept a plan for a robot of another name");
-  accept("held", AcceptedTerm::held, "accept fixed joints at other values");
+  accept("held", AcceptedTerm::held, "accept fixed joints at other values, and another group");
   accept("scale", AcceptedTerm::scale, "accept the plan's scale if it differs");
   accept("base", AcceptedTerm::base, "accept the plan's base pose if it differs");
   accept("policy", AcceptedTerm::policy, "accept the plan's policies if they are looser");

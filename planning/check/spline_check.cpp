@@ -105,15 +105,19 @@ class SplineChecker {
         const auto at = static_cast<Eigen::Index>(j);
         const double places = std::abs(points_[edge].position[at]) + std::abs(points_[edge + 1].position[at]);
         compare("velocity", edge, j, velocity, limit,
-                (text_digit * (limit + 3.0) + single_precision * places) / h, verdict_.velocity_share);
+                (text_digit * (limit + 3.0) + single_precision * places) / h, verdict_.velocity_share,
+                verdict_.free_velocity);
       }
       if (curves_[edge].control.size() == 2) continue;
       const Bezier acceleration = derivative(velocity);
       for (std::size_t j = 0; j < robot_.dof(); ++j) {
         const double limit = robot_.joints[j].max_acceleration;
         compare("acceleration", edge, j, acceleration, limit, text_digit * (2.0 * limit + 12.0 / h) / h,
-                verdict_.acceleration_share);
+                verdict_.acceleration_share, verdict_.free_acceleration);
       }
+      const Bezier jerk = derivative(acceleration);
+      for (std::size_t j = 0; j < robot_.dof(); ++j)
+        raise(verdict_.jerk, peak_at(edge, j, peak(jerk, static_cast<Eigen::Index>(j))));
     }
   }
 
@@ -157,10 +161,16 @@ class SplineChecker {
     return text.str();
   }
 
+  RatePeak peak_at(std::size_t edge, std::size_t j, const BezierPeak& found) const {
+    const double h = points_[edge + 1].time - points_[edge].time;
+    return {std::abs(found.value), j, points_[edge].time + found.share * h, {}};
+  }
+
+  /// @param free of joints whose limit is not known
   void compare(const char* what, std::size_t edge, std::size_t j, const Bezier& rate, double limit,
-               double rounding, std::optional<double>& share) {
-    if (!(limit > 0.0)) return;  // not known
+               double rounding, std::optional<double>& share, std::optional<RatePeak>& free) {
     const BezierPeak found = peak(rate, static_cast<Eigen::Index>(j));
+    if (!(limit > 0.0)) return raise(free, peak_at(edge, j, found));
     share = std::max(share.value_or(0.0), std::abs(found.value) / limit);
     if (std::abs(found.value) > limit * (1.0 + excess) + std::min(rounding, most_rounding * limit))
       refuse_rate(what, edge, found, j, limit);
@@ -332,6 +342,16 @@ class SplineChecker {
 };
 
 }  // namespace
+
+void raise(std::optional<RatePeak>& known, const std::optional<RatePeak>& other) {
+  if (other && (!known || other->value > known->value)) known = other;
+}
+
+void raise_peaks(SplineVerdict& verdict, const SplineVerdict& other) {
+  raise(verdict.free_velocity, other.free_velocity);
+  raise(verdict.free_acceleration, other.free_acceleration);
+  raise(verdict.jerk, other.jerk);
+}
 
 SplineVerdict check_splines(const Robot& robot, const Snapshot& map,
                             const std::map<std::string, Policy>& policies, double padding,

@@ -184,6 +184,34 @@ TEST(SplineCheck, ComparesTheGreatestRatesOfRandomTrajectories) {
   EXPECT_GT(exceeded, 50);
 }
 
+TEST(SplineCheck, RatesWithoutALimitAreTheGreatestOfRandomTrajectories) {
+  Random random(23);
+  for (int i = 0; i < 60; ++i) {
+    const std::vector<SplinePoint> points = drawn(random);
+    double speed = 0.0, pull = 0.0, jerk = 0.0;
+    std::pair<std::size_t, Eigen::Vector2d> before{points.size(), {}};
+    look_along(points, [&](std::size_t edge, double, const auto& state) {
+      speed = std::max(speed, state[1].cwiseAbs().maxCoeff());
+      pull = std::max(pull, state[2].cwiseAbs().maxCoeff());
+      const double step = (points[edge + 1].time - points[edge].time) / samples;
+      if (before.first == edge)
+        jerk = std::max(jerk, (state[2] - before.second).cwiseAbs().maxCoeff() / step);
+      before = {edge, state[2]};
+    });
+    const SplineVerdict found = check(disc(), with_voxels({}), points);
+    EXPECT_EQ(found.fault, "");
+    EXPECT_FALSE(found.velocity_share);
+    EXPECT_NEAR(found.free_velocity.value().value, speed, 1e-4);
+    EXPECT_EQ(found.free_acceleration.has_value(), found.cubics + found.quintics > 0);
+    if (!found.free_acceleration) continue;
+    EXPECT_NEAR(found.free_acceleration->value, pull, 1e-3);
+    EXPECT_NEAR(found.jerk.value().value, jerk, 0.02 * (1.0 + jerk));
+    const SplineVerdict limited = check(disc(1e3, 1e3), with_voxels({}), points);
+    EXPECT_FALSE(limited.free_velocity || limited.free_acceleration);
+    EXPECT_EQ(limited.jerk->value, found.jerk->value);
+  }
+}
+
 /// As learned policies give them: straight lines at the limit of velocity, whose ends are rounded.
 TEST(SplineCheck, PositionsOfSinglePrecisionMayBeAtTheLimit) {
   const Snapshot empty = with_voxels({});
