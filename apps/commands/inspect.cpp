@@ -128,10 +128,16 @@ bool is_recording_name(const std::filesystem::path& file) {
   return is_bag(file) || std::find(recordings.begin(), recordings.end(), kind) != recordings.end();
 }
 
+/// What may be a folder of pictures or clouds.
+bool is_folder_without_map(const std::filesystem::path& folder) {
+  std::error_code error;
+  return std::filesystem::is_directory(folder, error) && !std::filesystem::exists(folder / "map.ot", error);
+}
+
 }  // namespace
 
 int run_inspect(const InspectOptions& options, Console& console) {
-  if (is_recording_name(options.map) || is_folder_of_frames(options.map))
+  if (is_recording_name(options.map) || is_folder_without_map(options.map))
     return inspect_recording(options, console);
   std::vector<std::pair<SlicePlane, std::filesystem::path>> slices;
   for (const auto& [plane, file] : options.slices) slices.emplace_back(parse_slice(plane), file);

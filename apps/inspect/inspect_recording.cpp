@@ -1,6 +1,7 @@
 #include "apps/inspect/inspect_recording.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -17,6 +18,7 @@
 #include "datasets/pictures/picture_file.hpp"
 #include "datasets/pictures/picture_times.hpp"
 #include "mapping/files/cloud_file.hpp"
+#include "mapping/files/map_file.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -143,21 +145,25 @@ std::optional<DepthLayout> depth_in(const std::filesystem::path& folder) {
   }
 }
 
-}  // namespace
-
-bool is_folder_of_frames(const std::filesystem::path& folder) {
-  std::error_code error;
-  if (!std::filesystem::is_directory(folder, error) || std::filesystem::exists(folder / "map.ot", error))
-    return false;
+/// Whether a folder that is no bag holds frames, or folders in which data sets keep them.
+bool holds_frames(const std::filesystem::path& folder) {
   if (depth_in(folder)) return true;
+  constexpr std::array inner{"mav0", "cam0", "rgb", "data", "velodyne_points"};
+  std::error_code error;
   const auto entries = std::filesystem::directory_iterator(folder, error);
-  return std::any_of(begin(entries), end(entries), [](const auto& entry) {
-    return is_picture_file(entry.path()) || is_cloud_file(entry.path());
+  return std::any_of(begin(entries), end(entries), [&](const auto& entry) {
+    return is_picture_file(entry.path()) || is_cloud_file(entry.path()) ||
+           std::find(inner.begin(), inner.end(), entry.path().filename()) != inner.end();
   });
 }
 
+}  // namespace
+
 int inspect_recording(const InspectOptions& options, Console& console) {
   const std::string name = options.map.string();
+  std::error_code error;
+  if (std::filesystem::is_directory(options.map, error) && !is_bag(options.map) && !holds_frames(options.map))
+    static_cast<void>(load_map(options.map));  // which says what it lacks
   if (!options.at.empty() || !options.rays.empty() || !options.slices.empty() || !options.exports.empty() ||
       !options.view.empty() || !options.save.empty() || !options.diff.empty() || options.conflicts ||
       options.holes)
