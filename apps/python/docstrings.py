@@ -36,7 +36,7 @@ CHANGES = {
         ("Written by one thread; read through snapshots.", "Threads that write wait for each other.")],
     "FreeSpaceMap": [("Written by one thread; read through snapshots.", "Threads that write wait for each other.")],
     "FreeSpaceMap::erase": [
-        ("inside of `eraser`", "inside of a sphere, the eraser"), ("Raises ValueError as `paint`.", "Raises ValueError as paint().")],
+        ("inside of `eraser`", "inside of a sphere, the eraser"), ("Raises ValueError as `paint`; the radius", "Raises ValueError as paint(); the radius")],
     "FreeSpaceMap::insert": [
         ("a sensor's pose that is finite and not rigid: scaled or mirrored", "a pose that is no rigid motion")],
     "FreeSpaceMap::paint": [("inside `sphere` and keeps the sphere", "inside a sphere and keeps the sphere")],
