@@ -140,7 +140,7 @@ std::optional<StatedTerms> stated_in_json(const YamlFields& root) {
   if (!pose) base.fail("quaternion_xyzw", "expected a length of 1");
   stated.map_from_base = *pose;
   stated.robot = root.prose("robot", "");
-  stated.scale = root.number("scale", above_zero, 1.0);
+  if (root.has("scale")) stated.scale = root.number("scale", above_zero);
   stated.group = root.prose("group", "");
   if (root.is_map("held")) {
     const YamlFields held = root.map("held");
@@ -152,7 +152,7 @@ std::optional<StatedTerms> stated_in_json(const YamlFields& root) {
 
 void state_terms(const StatedTerms& stated, Plan& plan) {
   if (!stated.robot.empty()) plan.robot = stated.robot;
-  plan.robot_scale = stated.scale;
+  if (stated.scale) plan.robot_scale = *stated.scale;
   plan.map_from_base = stated.map_from_base;
   plan.group = stated.group;
   plan.held = stated.held;

@@ -13,8 +13,8 @@ namespace clearway {
 
 /// What a trajectory that we exported says of the robot that it was proved for, beside its points.
 struct StatedTerms {
-  std::string robot{};  ///< name or path
-  double scale = 1.0;
+  std::string robot{};            ///< name or path
+  std::optional<double> scale{};  ///< none: not said
   Eigen::Isometry3d map_from_base = Eigen::Isometry3d::Identity();
   std::string group{};                   ///< planning group; empty: all joints but those held
   std::map<std::string, double> held{};  ///< joints that stand still, rad or m at full size

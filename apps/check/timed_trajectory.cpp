@@ -217,7 +217,12 @@ SplineVerdict check_timed(const TimedTrajectory& trajectory, const Robot& robot,
     const SplineVerdict other =
         check_splines(robot, map, policies, padding, {start, trajectory.points[1]}, seen_within);
     if (verdict.fault.empty()) verdict.fault = other.fault;
+    const double clearance = std::min(verdict.path.min_clearance, other.path.min_clearance);
     if (verdict.path.valid && !other.path.valid) verdict.path = other.path;
+    verdict.path.min_clearance = clearance;
+    verdict.velocity_share = std::max(verdict.velocity_share, other.velocity_share);
+    verdict.acceleration_share = std::max(verdict.acceleration_share, other.acceleration_share);
+    verdict.chords.insert(verdict.chords.begin(), other.chords.begin(), other.chords.end());
     raise_peaks(verdict, other);
   }
   if (verdict.fault.empty()) verdict.fault = corner_fault(trajectory, robot, verdict.free_acceleration);

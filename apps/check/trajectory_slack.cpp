@@ -93,11 +93,12 @@ double slack_of_base(const ForeignTrajectory& trajectory, const Robot& robot,
 
 double slack_of(const std::vector<ForeignTrajectory>& trajectories, const Robot& robot,
                 const Eigen::Isometry3d& map_from_base) {
-  double slack = 0.0;
-  for (const ForeignTrajectory& trajectory : trajectories)
-    slack =
-        std::max(slack, slack_of_joints(trajectory, robot) + slack_of_base(trajectory, robot, map_from_base));
-  return slack;
+  double of_joints = 0.0, of_base = 0.0;  // a base that one of them names is that of all
+  for (const ForeignTrajectory& trajectory : trajectories) {
+    of_joints = std::max(of_joints, slack_of_joints(trajectory, robot));
+    of_base = std::max(of_base, slack_of_base(trajectory, robot, map_from_base));
+  }
+  return of_joints + of_base;
 }
 
 }  // namespace clearway

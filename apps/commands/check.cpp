@@ -153,6 +153,17 @@ void pad_by_slack(double slack, Contract& contract, Plan& plan) {
       significant(1000.0 * slack, 3) + " mm larger, by which that may move the robot");
 }
 
+/// Whether the robot's SRDF has the group; without one, the joints that an export holds tell.
+bool has_group(const CheckOptions& options, const std::string& group) {
+  RobotRequest request = robot_request(options.robot);
+  request.group.clear();
+  request.fixed.clear();
+  request.fixed_states.clear();
+  request.standing.clear();
+  const Robot whole = load_robot(request);
+  return group.empty() || (!whole.srdf.empty() && read_srdf(whole.srdf).groups.contains(group));
+}
+
 }  // namespace
 
 int run_check(const CheckOptions& options, Console& console) {
@@ -160,7 +171,10 @@ int run_check(const CheckOptions& options, Console& console) {
   const bool is_trajectory = !entries.empty();
   Plan plan = is_trajectory ? Plan{} : load_plan(options.plan);
   const std::optional<StatedTerms> stated = is_trajectory ? entries.front().stated : std::nullopt;
-  if (stated) state_terms(*stated, plan);  // for the robot's group and held joints
+  if (stated) {  // for the robot's group and held joints
+    state_terms(*stated, plan);
+    if (!has_group(options, plan.group)) plan.group.clear();
+  }
   const Robot robot = robot_to_check(options, plan);
   if (is_trajectory && !options.pick.empty())
     throw std::invalid_argument("--pick: " + quote_path(options.plan.string()) +
@@ -194,7 +208,9 @@ int run_check(const CheckOptions& options, Console& console) {
     cut_at_goals(report.contract, plan);
     adopt_terms(stated, !timed.empty(), report.contract, plan);
     require_base(entries.front(), report.contract.map_from_base.value, options.plan);
-    pad_by_slack(slack_of(entries, robot, report.contract.map_from_base.value), report.contract, plan);
+    pad_by_slack(slack_of(entries, with_all_loads(robot, report.contract.loads.value),
+                          report.contract.map_from_base.value),
+                 report.contract, plan);
     if (const std::string note = model_note(entries.front(), robot); !note.empty())
       report.contract.notes.push_back(note);
     if (!unnamed.empty())

@@ -55,7 +55,8 @@ Json describe_map(const InspectOptions& options, const MapLeaves& leaves) {
                     {"seen_free", counts.seen_free},
                     {"occupied", counts.occupied},
                     {"conflict", counts.conflict}};
-  if (const ScanAgreement& agreement = map.tree().agreement(); agreement.looked_up > 0) {
+  if (const ScanAgreement& agreement = map.tree().agreement();
+      agreement.looked_up > 0 || agreement.compared > 0) {
     json["hits_called_free"] = {{"share", agreement.share_called_free()},
                                 {"called_free", agreement.called_free},
                                 {"looked_up", agreement.looked_up},

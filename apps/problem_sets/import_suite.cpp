@@ -160,8 +160,9 @@ class SuiteWriter {
     if (world.touched.empty()) return world;
     std::vector<std::string> objects;
     for (const auto& [object, links] : world.touched) objects.push_back(object);
-    const bool has_problem = std::any_of(set_.problems.begin(), set_.problems.end(),
-                                         [&](const auto& problem) { return problem.world == index; });
+    const bool has_problem = std::any_of(ready_.begin(), ready_.end(), [&](const ReadyProblem& problem) {
+      return set_.problems[problem.index].world == index;
+    });
     if (has_problem) {
       outcome_.notes.push_back(
           "map " + quote(suite_.world_words.back()) + " lacks " + listed(objects) +

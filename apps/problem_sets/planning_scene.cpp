@@ -31,7 +31,11 @@ struct AllowedPairs {
     for (const std::string& name : names) is_object.push_back(objects.contains(name));
     for (std::size_t i = 0; i < names.size(); ++i)
       for (std::size_t k = 0; k < i; ++k) {
-        if (!(allows(i, k) && allows(k, i))) continue;  // MoveIt reads one side; where they differ, none is
+        if (!allows(i, k) && !allows(k, i)) continue;
+        if (!allows(i, k) || !allows(k, i)) {  // which side counts differs between programs
+          one_sided.emplace_back(names[k], names[i]);
+          continue;
+        }
         with[names[i]].push_back(names[k]);
         with[names[k]].push_back(names[i]);
         if (is_object[i] != is_object[k])
@@ -44,6 +48,7 @@ struct AllowedPairs {
 
   std::map<std::string, std::vector<std::string>> with;  ///< of each name those that it may collide with
   std::vector<std::pair<std::string, std::string>> of_objects;  ///< an object, and what is none
+  std::vector<std::pair<std::string, std::string>> one_sided;   ///< allowed by one of the two entries alone
   std::vector<std::string> by_default;  ///< objects that may collide with whatever no pair names
 };
 
@@ -271,6 +276,10 @@ class SceneReader {
     if (!left.empty())
       leave("its allowed_collision_matrix: " + std::to_string(left.size()) +
             " pairs with an object that may collide, the first " + left.front());
+    if (!pairs.one_sided.empty())
+      leave("its allowed_collision_matrix: " + counted(pairs.one_sided.size(), "pair") +
+            " that one of its two entries alone allows, the first " + quote(pairs.one_sided.front().first) +
+            " with " + quote(pairs.one_sided.front().second));
     if (!pairs.by_default.empty())
       leave("its allowed_collision_matrix: objects that may collide with everything: " +
             listed(pairs.by_default));
@@ -289,7 +298,7 @@ class SceneReader {
 
   void add_object(const YamlFields& object) {
     leave_keys(require_no_lost_keys(object, RosMessage::collision_object),
-               " of object " + quote(object.text("id", "")));
+               " of object " + quote(ros_word(object, "id")));
     const std::string operation = ros_operation(object);
     if (operation == "remove") return remove_object(object);
     const std::string name = object.text("id");

@@ -8,6 +8,7 @@
 #include "apps/python/records.hpp"
 #include "mapping/continued_map.hpp"
 #include "mapping/free_space_map.hpp"
+#include "mapping/history/paint_log.hpp"
 
 namespace clearway {
 namespace {
@@ -146,6 +147,8 @@ PaintCounts paint(GuardedMap& self, int volume, const py::object& center, const 
       throw std::invalid_argument("sphere " + std::to_string(i) +
                                   ": expected a finite center and time and a finite radius above 0, metres");
   return self.alone([&] {
+    for (std::size_t i = 0; i < centers.size(); ++i)
+      require_paintable({centers[i], radii[i]}, times[i], self.map.options().resolution);
     PaintCounts total;
     for (std::size_t i = 0; i < centers.size(); ++i) {
       const PaintCounts counts = self.map.paint(volume, {centers[i], radii[i]}, times[i]);

@@ -222,7 +222,8 @@ void BagFrames::note_origin(CloudFrame& cloud, const std::string& topic, const R
 
 bool BagFrames::is_bodys(const std::string& topic, const RosHeader& header, double recorded) {
   const auto [known, is_new] = mounted_.try_emplace(header.frame);
-  if (is_new) known->second = mounted_on(transforms_, header.frame, time_of(header, recorded), recorded);
+  if (is_new || known->second.names.empty())  // where nothing hangs on it, a transform may come later
+    known->second = mounted_on(transforms_, header.frame, time_of(header, recorded), recorded);
   const MountedFrames& mounted = known->second;
   const bool is_body = is_body_name(header.frame) && !mounted.names.empty();
   if (is_body || (mounted.are_sensors && !is_sensor_name(header.frame)))
