@@ -113,6 +113,15 @@ Eigen::Matrix<double, 2, kLensUnknowns> seen_by_coefficients(const Camera& camer
   return by;
 }
 
+Eigen::MatrixXd pixel_by_camera(const Camera& camera, const Eigen::Vector3d& point) {
+  const Eigen::Vector2d off = *camera.project(point) - Eigen::Vector2d(camera.cx, camera.cy);
+  Eigen::MatrixXd by = Eigen::MatrixXd::Zero(2, kSharedUnknowns);
+  by.leftCols<4>() << off.x(), 0.5 * off.x(), 1.0, 0.0, off.y(), -0.5 * off.y(), 0.0, 1.0;
+  by.middleCols<kLensUnknowns>(4) = Eigen::Vector2d(camera.fx, camera.fy).asDiagonal() *
+                                    seen_by_coefficients(camera, point.head<2>() / point.z());
+  return by;
+}
+
 std::array<double, kSharedUnknowns> camera_priors(const Camera& camera) {
   // What shifts the image's farthest corner by `distortion` pixels; see Camera::shift_by_errors.
   const double x = std::max(camera.cx, camera.width - camera.cx) / camera.fx;

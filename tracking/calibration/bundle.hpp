@@ -22,11 +22,13 @@ struct BoardView {
 /// log f (fx and fy together), log(fx / fy), cx, cy, then the coefficients of the lens in OpenCV's order;
 /// pixels where a length. Coefficients that a model does not have are known exactly: 0. Then, how far the
 /// edges of all tags are seen outside of where they are, as blur and a bent grey scale shift them: pixels,
-/// and pixels times the tag's side in pixels, for small tags are shifted more. Last, the board's curvatures.
-constexpr int kSharedUnknowns = 17;
+/// and pixels times the tag's side in pixels, for small tags are shifted more. Last, the board's curvatures,
+/// and how its print is stretched.
+constexpr int kSharedUnknowns = 18;
 constexpr int kLensUnknowns = 8;  ///< from the fifth on
 constexpr int kFirstOfGrowth = 4 + kLensUnknowns;
 constexpr int kFirstOfBend = kFirstOfGrowth + 2;
+constexpr int kStretchUnknown = kFirstOfBend + kBendUnknowns;
 /// Of each tag: log size, place in the board (metres), turn about the tag's axes (radians).
 constexpr int kTagUnknowns = 7;
 
@@ -75,6 +77,10 @@ struct BundleFit {
 /// does not have. @param ray (x/z, y/z), in sight
 Eigen::Matrix<double, 2, kLensUnknowns> seen_by_coefficients(const Camera& camera,
                                                              const Eigen::Vector2d& ray);
+
+/// The derivative of a pixel by the camera's unknowns; 0 by the others that are shared. @param point in the
+/// camera, in sight
+Eigen::MatrixXd pixel_by_camera(const Camera& camera, const Eigen::Vector3d& point);
 
 /// Standard deviations of a known camera's unknowns by its `errors`; k3 to k6 of a plumb bob or rational lens
 /// are taken as exact.

@@ -26,17 +26,6 @@ Eigen::Vector3d log_of(const Eigen::Matrix3d& turn) {
   return by.angle() * by.axis();
 }
 
-/// The derivative of a pixel by the camera's unknowns, 0 by the others that are shared. @param point in the
-/// camera, in sight
-Eigen::MatrixXd pixel_by_camera(const Camera& camera, const Eigen::Vector3d& point) {
-  const Eigen::Vector2d off = *camera.project(point) - Eigen::Vector2d(camera.cx, camera.cy);
-  Eigen::MatrixXd by = Eigen::MatrixXd::Zero(2, kSharedUnknowns);
-  by.leftCols<4>() << off.x(), 0.5 * off.x(), 1.0, 0.0, off.y(), -0.5 * off.y(), 0.0, 1.0;
-  by.middleCols<kLensUnknowns>(4) = Eigen::Vector2d(camera.fx, camera.fy).asDiagonal() *
-                                    seen_by_coefficients(camera, point.head<2>() / point.z());
-  return by;
-}
-
 void move_camera(Camera& camera, const Eigen::VectorXd& step) {
   camera.fx *= std::exp(step[0] + 0.5 * step[1]);
   camera.fy *= std::exp(step[0] - 0.5 * step[1]);
@@ -150,6 +139,7 @@ BundleState BundleProblem::moved(const BundleState& from, const Eigen::VectorXd&
   BundleState to = from;
   move_camera(to.camera, step);
   to.bend.curvatures += step.segment<kBendUnknowns>(kFirstOfBend);
+  to.bend.stretch += step[kStretchUnknown];
   to.shift += step.head(kSharedUnknowns);
   for (std::size_t t = 0; t < to.tags.size(); ++t) {
     const Eigen::VectorXd by = step.segment(column(static_cast<int>(t)), kTagUnknowns);
@@ -279,6 +269,7 @@ std::optional<BundleProblem::Block> BundleProblem::block_of(const BundleState& s
     block.by.block<2, 1>(2 * i, kFirstOfGrowth) = edges.outward[corner];
     block.by.block<2, 1>(2 * i, kFirstOfGrowth + 1) = edges.outward[corner] / edges.side;
     block.by.block<2, kBendUnknowns>(2 * i, kFirstOfBend) = by_point * state.bend.by_curvatures(flat);
+    block.by.block<2, 1>(2 * i, kStretchUnknown) = by_point * state.bend.by_stretch(flat);
     block.by.block<2, 1>(2 * i, kSharedUnknowns) = by_flat * (turn * in_tag);
     block.by.block<2, 3>(2 * i, kSharedUnknowns + 1) = by_flat;
     block.by.block<2, 3>(2 * i, kSharedUnknowns + 4) = -by_flat * turn * cross_matrix(in_tag);

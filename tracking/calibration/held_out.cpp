@@ -49,7 +49,7 @@ HeldOut test_held_out(const Bundle& fitted, const TagBody& reported, const Bundl
   for (std::size_t part = 0; part < parts; ++part) {
     Bundle others = fitted;
     others.board = reported;
-    others.bend.curvatures.setZero();
+    others.bend = {fitted.bend.board_from_plane};
     others.views.clear();
     for (std::size_t v = 0; v < fitted.views.size(); ++v)
       if (v % parts != part) others.views.push_back(fitted.views[v]);

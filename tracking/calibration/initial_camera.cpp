@@ -145,7 +145,8 @@ BoardPlane plane_of(const TagBody& board) {
   BoardPlane plane;
   Eigen::Vector3d normal = axes.col(0);
   if (normal.dot(board.tags.begin()->second.body_from_tag.linear().col(2)) < 0.0) normal = -normal;
-  const Eigen::Vector3d along = axes.col(2);
+  const Eigen::Vector3d side = board.tags.begin()->second.body_from_tag.linear().col(0);
+  const Eigen::Vector3d along = (side - normal.dot(side) * normal).normalized();
   plane.board_from_plane.linear() << along, normal.cross(along), normal;
   plane.board_from_plane.translation() = middle;
   for (const Eigen::Vector3d& point : points) {

@@ -11,7 +11,8 @@ struct BoardPlane {
   double reach = 0.0;      ///< metres, from its origin, the corners' middle, to the farthest corner
 };
 
-/// The plane through the corners of a board's tags that is nearest to them; its z as the first tag's.
+/// The plane through the corners of a board's tags that is nearest to them; its z as the first tag's, its
+/// x along that tag's sides.
 /// @pre a tag
 BoardPlane plane_of(const TagBody& board);
 

@@ -12,6 +12,7 @@ BoardBend drawn_bend() {
   bend.board_from_plane = Eigen::AngleAxisd(0.7, Eigen::Vector3d(0.2, -0.5, 1.0).normalized());
   bend.board_from_plane.translation() << 0.03, -0.02, 0.01;
   bend.curvatures << 0.8, -0.3, 0.5;
+  bend.stretch = 0.02;
   return bend;
 }
 
@@ -46,10 +47,20 @@ TEST(BoardBend, derivatives_equal_their_numeric_twins_and_no_bend_moves_nothing)
     const Eigen::Vector3d by_bend = (more.bent(point) - less.bent(point)) / (2.0 * step);
     EXPECT_LT((by_bend - bend.by_curvatures(point).col(i)).norm(), 1e-8) << i;
   }
-  BoardBend flat = bend;
-  flat.curvatures.setZero();
+  BoardBend longer = bend, shorter = bend;
+  longer.stretch += step;
+  shorter.stretch -= step;
+  const Eigen::Vector3d by_stretch = (longer.bent(point) - shorter.bent(point)) / (2.0 * step);
+  EXPECT_LT((by_stretch - bend.by_stretch(point)).norm(), 1e-8);
+  const BoardBend flat{bend.board_from_plane};
   EXPECT_EQ(flat.bent(point), point);
   EXPECT_TRUE(flat.by_point(point).isIdentity(1e-12));
+}
+
+TEST(BoardBend, stretched_print_is_longer_along_one_side_and_shorter_along_the_other) {
+  BoardBend bend;
+  bend.stretch = 0.01;
+  EXPECT_LT((bend.bent({0.2, 0.1, 0.0}) - Eigen::Vector3d(0.201, 0.0995, 0.0)).norm(), 1e-12);
 }
 
 }  // namespace board_bend_test
