@@ -92,6 +92,46 @@ std::string contradiction(const BoardCalibration& found) {
          ": measure a tag's side and the distance between two tags, and state what is measured";
 }
 
+/// "tags 3, 5"
+std::string tags_text(std::vector<int> ids) {
+  std::sort(ids.begin(), ids.end());
+  std::string text;
+  for (const int id : ids) text += (text.empty() ? (ids.size() == 1 ? "tag " : "tags ") : ", ") + words(id);
+  return text;
+}
+
+/// A sentence, when no more than half of the tags are of one size over the stated one, within `limit`: then
+/// no majority says which are as stated.
+std::string divided(std::vector<TagChange> tags, double limit) {
+  std::sort(tags.begin(), tags.end(),
+            [](const TagChange& a, const TagChange& b) { return a.size_ratio < b.size_ratio; });
+  std::size_t most = 0, first = 0;
+  for (std::size_t i = 0; i < tags.size(); ++i) {
+    std::size_t end = i;
+    while (end < tags.size() && std::log(tags[end].size_ratio / tags[i].size_ratio) <= limit) ++end;
+    if (end - i > most) {
+      most = end - i;
+      first = i;
+    }
+  }
+  if (2 * most > tags.size()) return "";
+  std::vector<int> ids, others;
+  double sum = 0.0, other_sum = 0.0;
+  for (std::size_t i = 0; i < tags.size(); ++i) {
+    const bool is_one = i >= first && i < first + most;
+    (is_one ? ids : others).push_back(tags[i].id);
+    (is_one ? sum : other_sum) += tags[i].size_ratio;
+  }
+  const double ratio =
+      sum / static_cast<double>(ids.size()) / (other_sum / static_cast<double>(others.size()));
+  return tags_text(ids) + " are " +
+         words(100.0 * std::abs(ratio - 1.0), ratio < 1.0 ? " % smaller" : " % larger") + " than " +
+         tags_text(others) +
+         " where their stated sizes agree, and neither are more than half: the images do not tell which are "
+         "as "
+         "stated; measure a tag of each with a ruler, and state what is measured";
+}
+
 double worst_of(const Eigen::VectorXd& variances, int first) {
   return std::sqrt(variances.segment<3>(first).maxCoeff());
 }
@@ -181,7 +221,8 @@ BoardCalibration calibrate_board(const Camera& camera, const TagBody& board, std
   // Which tag has the frame, and is known exactly, is arbitrary: places hold as well as the worst one.
   for (TagChange& tag : found.tags) tag.is_place_wrong = tag.moved > sigmas * std::hypot(stated_place, place);
   found.board.errors = {board.errors.scale, size, place, turn};
-  found.refusal = found.is_scale_contradicted ? contradiction(found) : blurred;
+  found.refusal = divided(found.tags, sigmas * std::hypot(std::sqrt(2.0) * stated_size, size));
+  if (found.refusal.empty()) found.refusal = found.is_scale_contradicted ? contradiction(found) : blurred;
   return found;
 }
 

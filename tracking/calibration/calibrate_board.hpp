@@ -44,8 +44,8 @@ struct BoardCalibration {
 /// are hardly held and sizes are held by what is stated, one that the others contradict by less and less
 /// (Cauchy weights): the stated sizes of the majority determine the scale. The board's frame stays where most
 /// tags' stated places have it. The common scale of sizes and places cannot be seen: it stays as stated; a
-/// scale of the places that is not that of the sizes is refused. How far stated places are off is taken from
-/// what is stated, or from how they scatter, where that is more.
+/// scale of the places that is not that of the sizes is refused, and sizes of which no more than half agree.
+/// How far stated places are off is taken from what is stated, or from how they scatter, where that is more.
 /// @param camera its errors count
 BoardCalibration calibrate_board(const Camera& camera, const TagBody& board, std::vector<BoardView> views,
                                  const BoardCalibrationOptions& options = {});

@@ -90,6 +90,20 @@ Change larger(const std::vector<int>& ids, double factor) {
   };
 }
 
+TEST(CalibrateBoard, sizes_in_two_groups_without_a_majority_are_refused_and_both_named) {
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    const DrawnBoard drawn = draw_board(seed, 20, larger({0, 1, 2}, 0.97));
+    const BoardCalibration found = calibrate_board(exact_camera(), drawn.stated, drawn.views);
+    EXPECT_EQ(found.refusal.find("tags 0, 1, 2 are "), 0U) << found.refusal;
+    EXPECT_NE(found.refusal.find(" % smaller than tags 3, 4, 5"), std::string::npos) << found.refusal;
+    EXPECT_NE(found.refusal.find("with a ruler"), std::string::npos) << found.refusal;
+  }
+  const DrawnBoard two = draw_board(4, 20, larger({0, 1}, 0.97));
+  const BoardCalibration found = calibrate_board(exact_camera(), two.stated, two.views);
+  EXPECT_EQ(found.refusal, "");
+  for (const TagChange& tag : found.tags) EXPECT_EQ(tag.is_size_wrong, tag.id < 2) << tag.id;
+}
+
 TEST(CalibrateBoard, sizes_and_places_that_contradict_each_other_are_refused_with_both_scales) {
   const TagErrors printed{0.002, 0.003, 0.0001, 0.002};
   for (const double factor : {0.95, 1.02, 1.05})
