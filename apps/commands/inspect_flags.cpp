@@ -36,8 +36,10 @@ Command add_inspect(CLI::App& app, Console& console) {
       "--age", options->age,
       "colour free voxels of the slices by age: the time from their last to the newest observation");
   command
-      ->add_option("--export", options->exports,
-                   "write .ot (coloured), .bt, .pcd or .ply for other programs; repeatable")
+      ->add_option(
+          "--export", options->exports,
+          "write .ot (all states, by colour), .bt (occupied and conflict against all that is free), .pcd or "
+          ".ply (centres of occupied and conflict voxels alone) for other programs; repeatable")
       ->type_name("FILE")
       ->allow_extra_args(false)
       ->take_all();

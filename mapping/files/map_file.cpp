@@ -139,6 +139,18 @@ CloudLooks looks_of_cloud(const Snapshot& map) {
   return looks;
 }
 
+/// The centres of what blocks. @throws std::invalid_argument where nothing does
+std::vector<Eigen::Vector3f> centers_to_export(const Snapshot& map, const fs::path& file) {
+  std::vector<Eigen::Vector3f> centers = occupied_centers(map.tree(), file);
+  if (!centers.empty()) return centers;
+  const VoxelCounts counts = map.counts();
+  throw std::invalid_argument("cannot export '" + file.string() + "': the map holds " +
+                              std::to_string(counts.painted) + " painted and " +
+                              std::to_string(counts.seen_free) +
+                              " seen-free voxels, expected an occupied or conflict one, of which a " +
+                              extension_of(file) + " file has the centres: take .ot or .bt");
+}
+
 }  // namespace
 
 Snapshot load_map(const fs::path& path, std::optional<double> cloud_resolution) {
@@ -252,10 +264,8 @@ void export_map(const Snapshot& map, const fs::path& file) {
   const std::string kind = extension_of(file);
   if (kind == ".ot") return save_file(file, format_color_tree(map.tree()));
   if (kind == ".bt") return save_file(file, format_binary_tree(map.tree()));
-  if (kind == ".pcd")
-    return save_file(file, format_pcd(occupied_centers(map.tree(), file), map.resolution()));
-  if (kind == ".ply")
-    return save_file(file, format_ply(occupied_centers(map.tree(), file), map.resolution()));
+  if (kind == ".pcd") return save_file(file, format_pcd(centers_to_export(map, file), map.resolution()));
+  if (kind == ".ply") return save_file(file, format_ply(centers_to_export(map, file), map.resolution()));
   throw std::invalid_argument("cannot export to '" + file.string() +
                               "': expected a .ot, .bt, .pcd or .ply file");
 }

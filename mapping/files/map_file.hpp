@@ -40,7 +40,8 @@ void save_map(const Snapshot& map, const std::filesystem::path& directory);
 
 /// Writes one file for other programs: .ot (octomap::ColorOcTree, coloured by state), .bt (occupied against
 /// free), .pcd or .ply (centres of occupied and conflict voxels, PCL).
-/// @throws std::invalid_argument for another extension, std::runtime_error when it cannot be written.
+/// @throws std::invalid_argument for another extension, and for a cloud of a map without such voxels;
+/// std::runtime_error when it cannot be written.
 void export_map(const Snapshot& map, const std::filesystem::path& file);
 
 /// SHA-256 of a file's bytes as 64 hexadecimal digits; for a map directory, of its map.ot.

@@ -71,6 +71,24 @@ TEST(MapFile, ExportedFilesKeepTheOccupiedVoxels) {
   EXPECT_THROW(export_map(map, folder / "a.stl"), std::invalid_argument);
 }
 
+TEST(MapFile, ACloudOfAMapThatIsOnlyPaintedIsRefusedAndNotWritten) {
+  const TemporaryFolder folder;
+  FreeSpaceMap painted({.resolution = 0.05});
+  painted.paint(painted.add_volume("all", {}), {{0.0, 0.0, 0.0}, 0.2});
+  const Snapshot map = painted.snapshot();
+  for (const char* name : {"a.pcd", "a.PLY"}) {
+    try {
+      export_map(map, folder / name);
+      FAIL() << name;
+    } catch (const std::invalid_argument& error) {
+      const std::string holds = "the map holds " + std::to_string(map.counts().painted) + " painted and 0";
+      EXPECT_NE(std::string(error.what()).find(holds), std::string::npos) << error.what();
+    }
+    EXPECT_FALSE(fs::exists(folder / name));
+  }
+  export_map(map, folder / "a.ot");
+}
+
 TEST(MapFile, SaysWhatIsWrongWithAPathThatIsNoMap) {
   const TemporaryFolder folder;
   write_file(folder / "a.stl", "x");
