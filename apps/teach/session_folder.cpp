@@ -1,5 +1,10 @@
 #include "apps/teach/session_folder.hpp"
 
+#include <fcntl.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -8,6 +13,7 @@
 #include "mapping/files/map_digest.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
+#include "mapping/system/file_descriptor.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/files/json_field.hpp"
@@ -21,13 +27,25 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* format = "clearway session 1";
 
+/// std::filesystem::copy_file calls a full disk an input/output error.
+void copy_bytes(const fs::path& from, const fs::path& to) {
+  std::ifstream source(from, std::ios::binary);
+  if (!source) throw std::runtime_error("'" + from.string() + "' cannot be read: " + std::strerror(errno));
+  const FileDescriptor copy(::open(to.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+  if (!copy.is_open()) fail_to_write(to);
+  std::string piece(1 << 20, '\0');
+  while (source) {
+    source.read(piece.data(), static_cast<std::streamsize>(piece.size()));
+    write_all(copy, std::string_view(piece).substr(0, static_cast<std::size_t>(source.gcount())), to);
+  }
+  if (source.bad()) throw std::runtime_error("'" + from.string() + "' cannot be read to its end");
+}
+
 /// A hard link, else a copy.
 void take_file(const fs::path& from, const fs::path& to) {
   std::error_code error;
   fs::create_hard_link(fs::canonical(from), to, error);
-  if (!error) return;
-  fs::copy_file(from, to, error);
-  if (error) throw std::runtime_error("'" + to.string() + "' cannot be written: " + error.message());
+  if (error) copy_bytes(from, to);
 }
 
 void take_source(const fs::path& from, const fs::path& to) {

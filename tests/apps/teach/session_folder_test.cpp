@@ -1,6 +1,11 @@
 #include "apps/teach/session_folder.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstring>
 
 #include "mapping/files/cloud_file.hpp"
 #include "tests/datasets/complaint.hpp"
@@ -51,6 +56,30 @@ TEST(SessionFolder, AFolderOfWhichAFileIsGoneOrAnotherOrMoreIsNotTheOneItWasMade
   std::filesystem::remove(kept / "more/2.pcd");
   folder.write("session/source/scans/more/2.pcd", format_pcd({{2.0F, 0.0F, 0.0F}}));
   EXPECT_NE(load(), "");
+}
+
+/// A limit on the size of files stands for a full disk: std::filesystem calls either an input/output error.
+TEST(SessionFolder, APictureThatCannotBeCopiedIsReportedWithTheReasonOfTheDisk) {
+  const std::filesystem::path memory = "/dev/shm";  // no links from there
+  if (!std::filesystem::is_directory(memory)) GTEST_SKIP() << "no other file system";
+  const TemporaryFolder folder;
+  const std::filesystem::path pictures = memory / folder.path().filename();
+  std::filesystem::create_directory(pictures);
+  write_file(pictures / "1.pcd", format_pcd(std::vector<Eigen::Vector3f>(40000, Eigen::Vector3f::Zero())));
+  RecordedSession session;
+  session.source = pictures;
+  rlimit unlimited{};
+  ::getrlimit(RLIMIT_FSIZE, &unlimited);
+  const rlimit small{100000, unlimited.rlim_max};
+  const auto before = std::signal(SIGXFSZ, SIG_IGN);
+  ::setrlimit(RLIMIT_FSIZE, &small);
+  const std::string reason =
+      complaint<std::runtime_error>([&] { save_session(session, {}, folder / "session"); });
+  ::setrlimit(RLIMIT_FSIZE, &unlimited);
+  std::signal(SIGXFSZ, before);
+  std::filesystem::remove_all(pictures);
+  EXPECT_NE(reason.find("cannot write"), std::string::npos) << reason;
+  EXPECT_NE(reason.find(std::strerror(EFBIG)), std::string::npos) << reason;
 }
 
 /// A question may end in a slash, names may be long, of dots alone, or no UTF-8.
