@@ -54,11 +54,20 @@ void describe_camera(const CameraCalibration& found, CalibrationReport& report) 
                             significant(100.0 * camera.errors.focal, 2) + " %)"},
        {"centre", significant(camera.cx, 5) + ", " + plus_minus(camera.cy, camera.errors.center, "px")},
        {"distortion", "+- " + significant(*camera.errors.distortion, 2) + " px in the image's corner"},
-       {"covered", std::to_string(std::lround(16.0 * found.coverage)) + " of 16 parts of the image"},
+       {"aspect", "fx / fy " + plus_minus(camera.fx / camera.fy, camera.errors.aspect, "")},
+       {"covered", std::to_string(std::lround(100.0 * found.coverage)) + " % of the image"},
        {"tilt", "up to " + std::to_string(std::lround(180.0 / M_PI * found.widest_tilt)) + " degrees"},
+       {"roll", "up to " + std::to_string(std::lround(180.0 / M_PI * found.widest_roll)) +
+                    " degrees from image to image, of at most 90"},
        {"bend", significant(1e3 * found.sag, 2) + " mm of the board's " +
                     std::to_string(std::lround(1e3 * found.width)) + " mm"},
        {"residuals", significant(found.rms_px, 3) + " px rms"}});
+  constexpr double enough_roll = M_PI / 4.0;
+  if (found.widest_roll < enough_roll)
+    report.rows.push_back({"note",
+                           "the board was never turned on its side: a print stretched along one side looks "
+                           "much like a camera whose fx is not fy, and the error of the aspect counts that; "
+                           "turn it on its side in half of the images"});
   constexpr double square = 0.003;  // few sensors' pixels are less so
   if (const double aspect = camera.fx / camera.fy - 1.0; std::abs(aspect) > square)
     report.rows.push_back({"note", "fx is " + significant(100.0 * std::abs(aspect), 2) + " % " +
@@ -76,10 +85,13 @@ void describe_camera(const CameraCalibration& found, CalibrationReport& report) 
                                            " mm at the board (rms of images not used)"});
   report.figures = {{"focal_px", f},
                     {"focal_sigma", camera.errors.focal},
+                    {"aspect_sigma", camera.errors.aspect},
                     {"center_sigma_px", camera.errors.center},
                     {"distortion_sigma_px", *camera.errors.distortion},
                     {"coverage", found.coverage},
                     {"tilt_rad", found.widest_tilt},
+                    {"roll_rad", found.widest_roll},
+                    {"print_stretch", found.stretch},
                     {"noise_px", found.noise_px},
                     {"rms_px", found.rms_px},
                     {"held_out_px", found.held_out_px},

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <random>
 #include <set>
 #include <string>
@@ -8,6 +10,8 @@
 #include "planning/geometry/turn_between.hpp"
 #include "tests/worlds/tag_scene.hpp"
 #include "tracking/calibration/bundle.hpp"
+#include "tracking/dense.hpp"
+#include "tracking/tag_pose.hpp"
 
 /// Views of a flat board for calibrations, drawn from a seed: camera, board, its errors, poses and noise.
 namespace clearway::scene {
@@ -22,6 +26,7 @@ struct DrawnViews {
 
 struct ViewsLook {
   double tilt = 0.7;     ///< radians, at most
+  double roll = M_PI;    ///< radians about the line of sight, at most
   double spread = 0.85;  ///< of the image that the board's middle may be in
   double share = 0.7;    ///< of the image's width that the board takes, at most
 };
@@ -119,8 +124,9 @@ inline DrawnViews draw_wide_views(Camera (*draw_camera)(std::mt19937&), unsigned
     const auto ray = drawn.camera.undistort(middle);
     if (!ray) continue;
     const double distance = 0.2 + 0.05 * unit(random);
-    const Eigen::Isometry3d ahead = tag_before_camera(distance, look.tilt * std::abs(unit(random)),
-                                                      M_PI * unit(random), M_PI * unit(random), 0.0, 0.0);
+    const Eigen::Isometry3d ahead =
+        tag_before_camera(distance, look.tilt * std::abs(unit(random)), M_PI * unit(random),
+                          look.roll * unit(random), 0.0, 0.0);
     const Eigen::Isometry3d pose = turn_between(Eigen::Vector3d::UnitZ(), ray->homogeneous()) * ahead;
     const auto tags = look_at_body(drawn.camera, drawn.true_board, pose, drawn.noise, random);
     if (tags.size() < 4) continue;
@@ -154,13 +160,54 @@ inline DrawnViews draw_views(unsigned seed, std::size_t count, const ViewsLook& 
     const double x = 0.5 * look.spread * unit(random) * drawn.camera.width / drawn.camera.fx * distance;
     const double y = 0.5 * look.spread * unit(random) * drawn.camera.height / drawn.camera.fy * distance;
     const Eigen::Isometry3d pose = tag_before_camera(distance, look.tilt * std::abs(unit(random)),
-                                                     M_PI * unit(random), M_PI * unit(random), x, y);
+                                                     M_PI * unit(random), look.roll * unit(random), x, y);
     const auto tags = look_at_body(drawn.camera, drawn.true_board, pose, drawn.noise, random);
     if (tags.size() < 4) continue;
     drawn.views.push_back({"view " + std::to_string(drawn.views.size()), tags});
     drawn.true_poses.push_back(pose);
   }
   return drawn;
+}
+
+/// How the image moves from the true camera to the one found, and where that is more than it states.
+struct Moves {
+  int outside = 0, asked = 0;
+
+  /// @param border share of the image's sides that is not asked
+  void add(const Camera& found, const Camera& truth, double border = 0.08) {
+    const double step = (1.0 - 2.0 * border) / 6.0;
+    for (int i = 0; i < 49; ++i) {
+      const Eigen::Vector2d pixel(truth.width * (border + step * (i % 7)),
+                                  truth.height * (border + step * (i / 7)));
+      const auto ray = truth.undistort(pixel);
+      if (!ray) continue;
+      const auto seen = found.project(ray->homogeneous());
+      ASSERT_TRUE(seen);
+      const auto shifts = found.shift_by_errors(pixel);
+      const Eigen::Matrix2d stated = shifts * shifts.transpose();
+      ++asked;
+      outside += Cholesky(stated).squared(*seen - pixel) > 11.8;  // 3 sigma of two
+    }
+  }
+};
+
+/// The same views of other corners: each is seen where `place` has it, by the camera of `camera_of(view)`.
+template <typename Place, typename CameraOf>
+void look_anew(DrawnViews& drawn, unsigned seed, const Place& place, const CameraOf& camera_of) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0.0, drawn.noise);
+  for (std::size_t v = 0; v < drawn.views.size(); ++v) {
+    const Camera camera = camera_of(v);
+    for (TagDetection& tag : drawn.views[v].tags) {
+      const MountedTag& mounted = drawn.true_board.tags.at(tag.id);
+      const auto corners = tag_corners(mounted.size);
+      for (std::size_t i = 0; i < 4; ++i) {
+        const auto pixel = camera.project(drawn.true_poses[v] * place(mounted.body_from_tag * corners[i]));
+        ASSERT_TRUE(pixel);
+        tag.corners[i] = *pixel + Eigen::Vector2d(noise(random), noise(random));
+      }
+    }
+  }
 }
 
 }  // namespace clearway::scene

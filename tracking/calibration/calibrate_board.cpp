@@ -127,9 +127,8 @@ std::string divided(std::vector<TagChange> tags, double limit) {
   return tags_text(ids) + " are " +
          words(100.0 * std::abs(ratio - 1.0), ratio < 1.0 ? " % smaller" : " % larger") + " than " +
          tags_text(others) +
-         " where their stated sizes agree, and neither are more than half: the images do not tell which are "
-         "as "
-         "stated; measure a tag of each with a ruler, and state what is measured";
+         ", compared with their stated sizes, and neither group has more than half of the tags: the images "
+         "do not tell which are as stated; measure a tag of each with a ruler, and state what is measured";
 }
 
 double worst_of(const Eigen::VectorXd& variances, int first) {

@@ -4,12 +4,13 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <set>
 #include <stdexcept>
 
+#include "tracking/calibration/camera_errors.hpp"
 #include "tracking/calibration/camera_judgement.hpp"
 #include "tracking/calibration/held_out.hpp"
 #include "tracking/calibration/initial_camera.hpp"
+#include "tracking/calibration/view_spread.hpp"
 #include "tracking/calibration/words.hpp"
 #include "tracking/dense.hpp"
 #include "tracking/pose_errors.hpp"
@@ -19,7 +20,6 @@ namespace clearway {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kCells = cells_a_side;
 
 using Lens = LensDistortion::Model;
 
@@ -52,6 +52,8 @@ BundlePriors priors_of(Camera camera, const TagBody& board, bool with_k3, double
   constexpr double usual_sag = 0.01;  // of paper on a clipboard, over its width
   for (int i = 0; i < kBendUnknowns; ++i)
     priors.shared[static_cast<std::size_t>(kFirstOfBend + i)] = 4.0 * usual_sag / plane_of(board).reach;
+  constexpr double usual_stretch = 0.005;  // of a print along one side
+  priors.shared[kStretchUnknown] = usual_stretch;
   const TagErrors& e = board.errors;
   priors.tags.assign(board.tags.size(), {e.size, e.place, e.place, e.place, e.turn, e.turn, e.turn});
   return priors;
@@ -136,61 +138,6 @@ BundleFit fit_all(Bundle& bundle, const BundlePriors& priors, const CameraCalibr
   }
 }
 
-double coverage_of(const Bundle& bundle) {
-  std::set<int> cells;
-  const Camera& camera = bundle.camera;
-  for (const BoardView& view : bundle.views)
-    for (const TagDetection& tag : view.tags)
-      for (const Eigen::Vector2d& corner : tag.corners) {
-        const int column =
-            std::clamp(static_cast<int>(kCells * (corner.x() + 0.5) / camera.width), 0, kCells - 1);
-        const int row =
-            std::clamp(static_cast<int>(kCells * (corner.y() + 0.5) / camera.height), 0, kCells - 1);
-        cells.insert(kCells * row + column);
-      }
-  return static_cast<double>(cells.size()) / (kCells * kCells);
-}
-
-/// The tilt against the image that one in ten views exceeds.
-double widest_tilt(const Bundle& bundle, const BoardPlane& plane) {
-  std::vector<double> tilts;
-  for (const BoardView& view : bundle.views) {
-    const Eigen::Vector3d normal = view.camera_from_board.linear() * plane.board_from_plane.linear().col(2);
-    tilts.push_back(std::acos(std::clamp(std::abs(normal.z()), 0.0, 1.0)));
-  }
-  std::sort(tilts.begin(), tilts.end());
-  return tilts[tilts.size() * 9 / 10];
-}
-
-/// Errors of the camera that move the image as the covariance does, or more.
-CameraErrors errors_of(const Camera& camera, const Eigen::MatrixXd& covariance) {
-  CameraErrors errors;
-  errors.focal = std::sqrt(covariance(0, 0));
-  errors.aspect = std::sqrt(covariance(1, 1));
-  errors.center = std::sqrt(std::max(covariance(2, 2), covariance(3, 3)));
-  // Distortion: its covariance alone, what centre and focal length explain of it taken away (Schur).
-  const Eigen::MatrixXd own = covariance.block(4, 4, kLensUnknowns, kLensUnknowns);
-  const Eigen::MatrixXd cross = covariance.block(4, 0, kLensUnknowns, 4);
-  const Eigen::MatrixXd known = solve_symmetric(covariance.topLeftCorner(4, 4), cross.transpose());
-  const Eigen::MatrixXd left = own - product(cross, known);
-  errors.distortion = 1.0;
-  Camera unit = camera;
-  unit.errors = {0.0, 0.0, 0.0, 1.0};
-  double most = 0.0;
-  const double f = std::sqrt(camera.fx * camera.fy);
-  for (int i = 0; i <= 12; ++i)
-    for (int j = 0; j <= 12; ++j) {
-      const Eigen::Vector2d pixel(camera.width * i / 12.0 - 0.5, camera.height * j / 12.0 - 0.5);
-      const auto ray = camera.undistort(pixel);
-      if (!ray || ray->norm() < 1e-3) continue;
-      const double actual = f * f * sandwich(seen_by_coefficients(camera, *ray), left).trace();
-      const double stated = unit.shift_by_errors(pixel).squaredNorm();
-      if (stated > 1e-4) most = std::max(most, actual / stated);
-    }
-  errors.distortion = std::sqrt(most);
-  return errors;
-}
-
 /// How far the bend takes corners of the board apart, along its normal.
 double sag_of(const Bundle& bundle) {
   double least = kInfinity, most = -kInfinity;
@@ -210,15 +157,40 @@ struct Fitted {
   BundleFit fit;
 };
 
-/// The same with k3 as one more unknown, where the images show that it is not 0.
+/// The camera's unknowns, for differences.
+Eigen::VectorXd unknowns_of(const Camera& camera) {
+  Eigen::VectorXd unknowns(4 + kLensUnknowns);
+  unknowns << 0.5 * std::log(camera.fx * camera.fy), std::log(camera.fx / camera.fy), camera.cx, camera.cy,
+      Eigen::Map<const Eigen::VectorXd>(camera.distortion.data(), kLensUnknowns);
+  return unknowns;
+}
+
+/// The covariance of a camera whose k3 is taken as 0, of what it may be instead.
+Eigen::MatrixXd covariance_without_k3(const Fitted& without, const Fitted& with) {
+  if (!with.fit.is_converged) {
+    Eigen::MatrixXd covariance = without.fit.covariance;
+    covariance(8, 8) = with.priors.shared[8] * with.priors.shared[8];
+    return covariance;
+  }
+  Eigen::MatrixXd covariance = with.fit.covariance;
+  const Eigen::VectorXd off = unknowns_of(with.bundle.camera) - unknowns_of(without.bundle.camera);
+  covariance.topLeftCorner(off.size(), off.size()) += off * off.transpose();
+  return covariance;
+}
+
+/// The same with k3 as one more unknown, where the images show that it is not 0; else k3 stays 0, and the
+/// covariance counts what it may be.
 void free_k3_where_it_shows(const TagBody& board, double edge_bias, Fitted& fitted) {
   Fitted freed{fitted.bundle, {}, {}};
   freed.bundle.board = board;
-  freed.bundle.bend.curvatures.setZero();
+  freed.bundle.bend = {fitted.bundle.bend.board_from_plane};
   freed.priors = priors_of(freed.bundle.camera, board, true, fitted.priors.shared[kFirstOfGrowth]);
   freed.fit = adjust(freed.bundle, freed.priors, fitted.fit.noise_px, edge_bias);
   const double sigma = freed.fit.is_converged ? std::sqrt(freed.fit.covariance(8, 8)) : kInfinity;
-  if (std::abs(freed.bundle.camera.distortion[4]) > 4.0 * sigma) fitted = std::move(freed);
+  if (std::abs(freed.bundle.camera.distortion[4]) > 4.0 * sigma)
+    fitted = std::move(freed);
+  else
+    fitted.fit.covariance = covariance_without_k3(fitted, freed);
 }
 
 /// Where a bundle adjustment begins.
@@ -247,7 +219,7 @@ double held_out_by(Lens lens, const Fitted& fitted, const TagBody& board, const 
   bundle.camera.lens = lens;
   bundle.camera.distortion = {};
   bundle.board = board;
-  bundle.bend.curvatures.setZero();
+  bundle.bend = {plane.board_from_plane};
   if (!find_initial(bundle, plane)) return kInfinity;
   std::erase_if(bundle.views, [&](const BoardView& view) { return !has_sight(bundle, view); });
   if (tags_of(bundle.views) < tags_of(fitted.bundle.views)) return kInfinity;
@@ -285,9 +257,12 @@ void note_fit(const Fitted& fitted, const BoardPlane& plane, CameraCalibration& 
   c.noise_px = fit.noise_px;
   c.rms_px = fit.rms_px;
   c.views = bundle.views.size();
-  c.coverage = coverage_of(bundle);
-  c.widest_tilt = widest_tilt(bundle, plane);
+  c.coverage = coverage_of(bundle.camera, bundle.views);
+  c.widest_tilt = widest_tilt(bundle.views, plane);
+  c.widest_roll = widest_roll(bundle.views, plane);
+  c.stretch = bundle.bend.stretch;
   c.camera.errors = errors_of(c.camera, c.covariance);
+  c.corner_errors = corner_errors(c.camera, c.covariance);
   c.sag = sag_of(bundle);
   c.width = 2.0 * plane.reach;
 }
@@ -319,14 +294,14 @@ CameraCalibration calibrate_camera(int width, int height, const TagBody& board, 
   const std::size_t may = views.size() / 3;
   Fitted fitted{{calibration.camera, board, std::move(views), {plane.board_from_plane}}, {}, {}};
   Bundle& bundle = fitted.bundle;
-  calibration.coverage = coverage_of(bundle);
+  calibration.coverage = coverage_of(bundle.camera, bundle.views);
   if (!find_initial(bundle, plane)) return refused(calibration, judge_images(calibration, options));
   std::erase_if(bundle.views, [&](const BoardView& view) { return !has_sight(bundle, view); });
   fitted.priors = priors_of(bundle.camera, board, false, options.edge_bias);
   fitted.fit = fit_all(bundle, fitted.priors, options, may, calibration.refused);
   if (!fitted.fit.is_converged || bundle.views.size() < options.least_views) {
     if (bundle.views.empty()) return refused(calibration, judge_images(calibration, options));
-    calibration.widest_tilt = widest_tilt(bundle, plane);
+    calibration.widest_tilt = widest_tilt(bundle.views, plane);
     if (options.lens == Lens::rational) add_simpler(fitted, board, plane, options, calibration);
     return refused(calibration, judge_failed_fit(calibration, options));
   }
@@ -341,7 +316,7 @@ CameraCalibration calibrate_camera(int width, int height, const TagBody& board, 
     if (calibration.refusal.empty()) calibration.refusal = judge_rational(calibration);
   }
   if (calibration.refusal.empty()) calibration.refusal = judge(calibration, options);
-  if (calibration.refusal.empty() && is_rational) calibration.refusal = judge_corners(calibration);
+  if (calibration.refusal.empty()) calibration.refusal = judge_corners(calibration);
   if (calibration.focal_scatter.is_likely) {  // the next image has a focal length of its own
     double& focal = calibration.camera.errors.focal;
     focal = std::hypot(focal, calibration.focal_scatter.sigma);

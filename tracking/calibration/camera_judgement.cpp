@@ -42,10 +42,8 @@ const OtherLens& best_of(const std::vector<OtherLens>& lenses) {
 
 std::string judge_coverage(const CameraCalibration& c, const CameraCalibrationOptions& options) {
   if (c.coverage < options.least_coverage)
-    return words("the board was seen in ", std::lround(cells_a_side * cells_a_side * c.coverage), " of ",
-                 cells_a_side * cells_a_side, " parts of the image, expected ",
-                 std::ceil(cells_a_side * cells_a_side * options.least_coverage),
-                 " or more: hold it into the corners, too");
+    return words("the board was seen in ", std::lround(100.0 * c.coverage), " % of the image, expected ",
+                 std::lround(100.0 * options.least_coverage), " % or more: hold it into the corners, too");
   return "";
 }
 
@@ -97,10 +95,13 @@ std::string judge_rational(const CameraCalibration& c) {
 
 std::string judge_corners(const CameraCalibration& c) {
   const double most = 0.005 * std::hypot(c.camera.width, c.camera.height);  // of a lens that is not known
-  if (*c.camera.errors.distortion <= most) return "";
-  return words("the rational lens is known to +- ", *c.camera.errors.distortion,
-               " px in the image's corners only, expected ", most, " px or better",
-               ": hold the board into the corners, too");
+  if (c.camera.lens == LensDistortion::Model::fisheye || *c.camera.errors.distortion <= most) return "";
+  const auto worst = std::max_element(c.corner_errors.begin(), c.corner_errors.end());
+  const char* const names[] = {"upper left", "upper right", "lower right", "lower left"};
+  return words("the lens is known to +- ", *c.camera.errors.distortion,
+               " px in the image's corners only, expected ", most,
+               " px or better: hold the board into the corners, too, above all into the ",
+               names[worst - c.corner_errors.begin()], " one");
 }
 
 std::string judge_images(const CameraCalibration& c, const CameraCalibrationOptions& options) {

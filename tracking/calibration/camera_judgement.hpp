@@ -8,8 +8,6 @@
 
 namespace clearway {
 
-constexpr int cells_a_side = 4;  ///< of the parts of an image in which the board is looked for
-
 /// Whether the board was seen all over the image.
 std::string judge_coverage(const CameraCalibration& c, const CameraCalibrationOptions& options);
 
@@ -25,8 +23,8 @@ std::string judge(const CameraCalibration& c, const CameraCalibrationOptions& op
 /// that does as well. @pre c.simpler holds a plumb bob, then others
 std::string judge_rational(const CameraCalibration& c);
 
-/// Whether the corners of an image are known that a rational lens sees: what is far from all that was seen
-/// may be anywhere.
+/// Whether the image's corners are known, but those of a fisheye: what is far from all that was seen may be
+/// anywhere.
 std::string judge_corners(const CameraCalibration& c);
 
 /// Why no camera was found at all; never empty.

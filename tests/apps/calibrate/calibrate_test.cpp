@@ -70,6 +70,9 @@ TEST_F(CalibratePictures, CameraIsFoundWithinItsErrorsAndTheCopyOfTheSetupReadsB
   const Json json = Json::parse(run_command(as_json).out);
   EXPECT_EQ(json["accepted"], true);
   EXPECT_LT(json["held_out_m"].get<double>(), 0.0005);
+  EXPECT_LT(json["aspect_sigma"].get<double>(), 0.001);
+  EXPECT_LT(std::abs(json["print_stretch"].get<double>()), 0.002);
+  EXPECT_GT(json["roll_rad"].get<double>(), M_PI / 4.0);
   EXPECT_NE(read_file(folder_.file("mine.yaml")).find(json["setup"].get<std::string>().substr(0, 60)),
             std::string::npos);  // the same on any threads
 }
