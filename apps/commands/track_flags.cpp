@@ -8,8 +8,11 @@ namespace clearway {
 
 Command add_track(CLI::App& app, Console& console) {
   auto options = std::make_shared<TrackOptions>();
-  CLI::App* command = add_command(
-      app, "track", "estimate poses of tags and boards in images, with their covariance", console);
+  CLI::App* command = add_command(app, "track",
+                                  "estimate poses of tags and boards in images, with their covariance (of "
+                                  "the corners' noise alone) and a "
+                                  "bound that counts errors of calibration and boards, too",
+                                  console);
   add_source(*command, options->source, options->camera_seconds, "source",
              "a recording with images; see replay");
   command
