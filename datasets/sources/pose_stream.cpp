@@ -282,12 +282,11 @@ std::optional<Columns> columns_by_name(std::string line) {
   return is_whole ? std::optional(columns) : std::nullopt;
 }
 
-/// Time, x, y, z, qx, qy, qz and qw of a line; as it is where it is too short.
+/// Time, x, y, z, qx, qy, qz and qw of a line; fewer words where it is too short.
 std::vector<std::string> in_order(const std::vector<std::string>& words, const Columns& columns) {
   std::vector<std::string> ordered;
   for (const std::size_t column : columns) {
-    if (column >= words.size()) return words;
-    ordered.push_back(words[column]);
+    if (column < words.size()) ordered.push_back(words[column]);
   }
   return ordered;
 }
@@ -381,7 +380,8 @@ PoseStream parse_tum_poses(const std::string& text, const std::string& name, dou
     if (const auto head = head_of(line); head && poses.empty()) {
       const auto said = is_w_first_in(*head);
       before_nanoseconds = columns_before_nanoseconds(line);
-      by_name = said || before_nanoseconds > 0 ? std::nullopt : columns_by_name(line);
+      by_name = before_nanoseconds > 0 ? std::nullopt : columns_by_name(line);
+      if (said && by_name && by_name->front() == 0) by_name.reset();  // time, then a pose as it is usual
       if (!said && !by_name)
         refuse(
             "expected columns x y z and then a quaternion as qx qy qz qw or qw qx qy qz, or columns "
@@ -389,11 +389,11 @@ PoseStream parse_tum_poses(const std::string& text, const std::string& name, dou
             quote(head->letters));
       if (const auto unit = other_unit(line))
         refuse("expected metres and a quaternion, got columns in " + *unit);
-      is_w_first = said.value_or(false);
+      is_w_first = !by_name && said.value_or(false);
       const bool is_pose_first = head->letters.starts_with(is_w_first ? "xyzwxyz" : "xyzxyzw");
       const auto commas = static_cast<std::size_t>(std::count(line.begin(), line.end(), ','));
       const std::size_t with_one_time = commas + 1 - std::min(commas, before_nanoseconds);
-      columns = is_pose_first && with_one_time > 8 ? with_one_time : 0;
+      columns = !by_name && is_pose_first && with_one_time > 8 ? with_one_time : 0;
       continue;
     }
     line.resize(std::min(line.find('#'), line.size()));

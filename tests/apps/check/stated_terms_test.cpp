@@ -99,6 +99,25 @@ TEST_F(CheckExports, WhatDiffersIsRefusedUnlessItIsAccepted) {
   }
 }
 
+/// As exports of JSON were until they named it.
+TEST_F(CheckExports, AScaleThatIsNotStatedIsNotCompared) {
+  Json json = Json::parse(read_file(folder_.file("way.json")));
+  json.erase("scale");
+  folder_.write("older.json", json.dump());
+  folder_.write("half.yaml", "urdf: arm.urdf\nscale: 0.5\nsrdf: arm.srdf\n");
+  const CommandRun run = check("older.json", {}, "half.yaml");
+  for (const std::string& term : refused_terms(run)) EXPECT_NE(term, "scale") << run.out;
+  EXPECT_EQ(Json::parse(run.out)["contract"]["scale"]["value"], 0.5);
+}
+
+/// Then the joints that it holds, and flags, say what stands still.
+TEST_F(CheckExports, AStatedGroupThatTheRobotHasNotSaysNothing) {
+  std::filesystem::remove(folder_.path() / "arm.srdf");
+  for (const char* file : {"way.yaml", "way.json"})
+    EXPECT_EQ(check(file, {"--fix", "grip=0.03"}).status, exit_done)
+        << check(file, {"--fix", "grip=0.03"}).log;
+}
+
 /// Of other programs: comments that are none of ours, and none at all.
 TEST_F(CheckExports, AFileThatStatesNothingIsJudgedAsBefore) {
   const std::string text = read_file(folder_.file("way.yaml"));

@@ -196,6 +196,39 @@ TEST_F(CheckTimed, OfAnEndlessJointBothWaysFromTheStartAreJudged) {
   EXPECT_NE(far.out.find("arm comes too near to a voxel that is unknown"), std::string::npos) << far.out;
 }
 
+/// An obstacle beside the long way counts for the clearance, and that way's speed for the shares.
+TEST_F(CheckTimed, FiguresAreThoseOfTheWorstWayFromTheStart) {
+  FreeSpaceMap map({.resolution = 0.02});
+  map.insert({.points = {{-0.5F, 0.0F, 0.0F}}});
+  save_map(map.snapshot(), folder_.path() / "post");
+  const std::string ball = "<sphere radius='0.05'/>",
+                    urdf = folder_.write("turn.urdf",
+                                         "<robot name='turn'>" + worlds::urdf_link("base", "0 0 0", ball) +
+                                             worlds::urdf_link("arm", "0.3 0 0", ball) +
+                                             worlds::urdf_joint("wheel", "continuous", "base", "arm", "0 0 0",
+                                                                "0 0 1", worlds::urdf_limit(-9, 9)) +
+                                             "</robot>");
+  const auto from = [&](double start) {
+    Json points = message({{8, {0.0}}, {9, {0.05}}});
+    points["joint_names"] = {"wheel"};
+    const Json before{{"joint_state", {{"name", {"wheel"}}, {"position", {start}}}}};
+    const CommandRun run = run_command(
+        {"check",
+         folder_.write(
+             "turn.json",
+             Json{{"trajectory", {{{"joint_trajectory", points}}}}, {"trajectory_start", before}}.dump()),
+         "--map", folder_.file("post"), "--robot", urdf, "--policy", "not_occupied", "--allow-outside", "all",
+         "--json"});
+    EXPECT_EQ(run.status, exit_done) << run.out << run.log;
+    return Json::parse(run.out);
+  };
+  const Json near = from(-0.083), far = from(-0.083 + 2.0 * std::numbers::pi);
+  EXPECT_GT(near["min_clearance_m"].get<double>(), 0.3);
+  EXPECT_LT(far["min_clearance_m"].get<double>(), 0.16);  // the arm's ball comes to 0.15 m from the post
+  EXPECT_LT(near["motion"]["velocity_share"].get<double>(), 0.06);
+  EXPECT_GT(far["motion"]["velocity_share"].get<double>(), 6.2 / 8.0);
+}
+
 TEST_F(CheckTimed, TimesAreReadByTheirNamesOrRefused) {
   const auto at = [&](const Json& first, const Json& second) {
     Json file = message({{0.0, {0, 0}}, {1.0, {0.4, 0}}});

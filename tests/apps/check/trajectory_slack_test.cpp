@@ -82,6 +82,17 @@ TEST(TrajectorySlack, IsOfFollowersAndTheirRatesAndOfTheBase) {
   EXPECT_LT(slack_of({elsewhere}, robot, *elsewhere.map_from_base), 1e-12);
 }
 
+TEST(TrajectorySlack, OfABaseInOneTrajectoryAndAJointInTheNextIsBoth) {
+  const Robot& robot = crane().robot();
+  ForeignTrajectory first{{"luff", "slew", "follow"}, {{0.2, 0.0, 1.1}}}, second = first;
+  first.map_from_base = Eigen::Isometry3d(Eigen::Translation3d(0, 0, 5e-5));
+  second.points[0][2] += 3e-4;
+  const double both = slack_of({first, second}, robot, robot.map_from_base);
+  EXPECT_NEAR(both,
+              slack_of({first}, robot, robot.map_from_base) + slack_of({second}, robot, robot.map_from_base),
+              1e-12);
+}
+
 TEST_F(Check, ATrajectoryALittleBesideIsPaddedByWhatThatMoves) {
   const std::string urdf = folder_.write("arm.urdf", worlds::arm_with_finger());
   const auto run = [&](double grip) {

@@ -86,6 +86,8 @@ class Painting(unittest.TestCase):
                 fused.paint(volume, [[0, 0, 0], [1, 0, 0]], radii)
         with self.assertRaisesRegex(ValueError, "^sphere 1: expected"):
             fused.paint(volume, [[0, 0, 0], [1, 0, 0]], 0.2, [0.0, np.nan])
+        with self.assertRaisesRegex(ValueError, "at most .* 1000 voxels"):
+            fused.paint(volume, [[0, 0, 0], [1, 0, 0]], [0.2, 1e4])
         self.assertEqual(fused.snapshot().counts().painted, 0)
 
 

@@ -208,6 +208,8 @@ TEST(PoseStream, AHeadNamesColumnsInAnyOrder) {
            {"timestamp,qw,qx,qy,qz,x,y,z", "1,0.5,0.1,-0.7,0.5,1,2,3"},
            {"# t qw qx qy qz tx ty tz", "1 0.5 0.1 -0.7 0.5 1 2 3"},
            {"# t x y z qy qx qz qw", "1 1 2 3 -0.7 0.1 0.5 0.5"},
+           {"x,y,z,qx,qy,qz,qw,time", "1,2,3,0.1,-0.7,0.5,0.5,1"},
+           {"frame,timestamp,x,y,z,qw,qx,qy,qz", "12,1,1,2,3,0.5,0.1,-0.7,0.5"},
            {"n,time [s],q_w [],q_x [],q_y [],q_z [],p_z [m],p_y [m],p_x [m]", "7,1,0.5,0.1,-0.7,0.5,3,2,1"},
            {"orientation.x,orientation.y,orientation.z,orientation.w,time,position.x,position.y,position.z",
             "0.1,-0.7,0.5,0.5,1,1,2,3"}}) {
@@ -219,6 +221,10 @@ TEST(PoseStream, AHeadNamesColumnsInAnyOrder) {
               1e-9)
         << head;
   }
+  // A line that was cut has no pose, though as many words as one.
+  EXPECT_THROW(
+      parse_tum_poses("frame,timestamp,x,y,z,qx,qy,qz,qw\n1,1,0,0,0,0,0,0,1\n2,2,0,0,0,0,0,1\n", "t", 5.0),
+      std::invalid_argument);
 }
 
 TEST(PoseStream, LinesWithoutAPoseAreLeftOutAndCountedWhereThatIsAskedFor) {
