@@ -112,6 +112,7 @@ Json sensors_of(FrameSource& frames, std::vector<std::vector<std::string>>& rows
 Json pictures_of(const DepthLayout& layout, std::vector<std::vector<std::string>>& rows, Console& console) {
   Json json = Json::array();
   rows = {{"sensor", "kind", "frames", "from s", "to s"}};
+  std::string caveat;  // that was told
   const auto add = [&](const char* name, const std::vector<std::filesystem::path>& pictures,
                        const std::optional<ImageSize>& size) {
     if (pictures.empty()) return;
@@ -126,7 +127,8 @@ Json pictures_of(const DepthLayout& layout, std::vector<std::vector<std::string>
                     {"last_s", last}});
     rows.push_back({name, kind, std::to_string(timed.files.size()), "0", short_text(last - first, 6)});
     for (const std::string& warning : timed.warnings) console.warn(warning);
-    if (!timed.time_caveat.empty()) console.warn(timed.time_caveat);
+    if (timed.time_caveat != caveat && !timed.time_caveat.empty()) console.warn(timed.time_caveat);
+    caveat = timed.time_caveat;
   };
   const auto head = depth_picture_head(in_order_of_names(layout.depth));
   add("depth", layout.depth, head ? std::optional(head->size) : std::nullopt);

@@ -81,7 +81,8 @@ TEST(InspectRecording, ListsFramesAndEncodingsOfABagsTopics) {
   const CommandRun run = run_command({"inspect", bag, "--json"});
   ASSERT_EQ(run.status, 0) << run.log;
   std::set<std::string> frames, encodings;
-  for (const Json& topic : Json::parse(run.out).at("topics")) {
+  const Json json = Json::parse(run.out);
+  for (const Json& topic : json.at("topics")) {
     frames.insert(topic.value("frame", ""));
     encodings.insert(topic.value("encoding", ""));
   }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
 
 #include "mapping/maps/map_difference.hpp"
 #include "mapping/voxels/fused_tree.hpp"
@@ -371,10 +372,9 @@ TEST(Coarsen, SaysOfACoarseVoxelOnlyWhatHoldsForAllOfIt) {
 }
 
 TEST(Coarsen, KeepsCubesThatOneLeafStandsFor) {
-  FreeSpaceMap map({.resolution = 0.01});
-  map.add_volume("v", {});
-  map.paint(0, {{0.0, 0.0, 0.0}, 1000.0});  // every voxel of the tree
-  const Snapshot coarse = coarsen(map.snapshot(), 0.04);
+  const auto tree = std::make_shared<FusedTree>(0.01);
+  tree->paint(0, {{0.0, 0.0, 0.0}, 1000.0});  // every voxel
+  const Snapshot coarse = coarsen({tree, {PaintedVolume{"v", {}}}, nullptr}, 0.04);
   EXPECT_EQ(coarse.counts().painted, std::size_t{1} << 42U);
   EXPECT_EQ(coarse.state({327.0, -327.0, 327.0}), VoxelState::painted);
   EXPECT_EQ(coarse.state({328.0, 0.0, 0.0}), VoxelState::unknown);
