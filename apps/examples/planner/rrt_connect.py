@@ -18,21 +18,22 @@ MARGIN = 1.0  # rad or m about the box of start and goal, from which most sample
 SHARE = 0.8  # of the samples that are
 
 
-def ways_to_blocked(blocked, most):
-    """Voxels along x, y, z from each voxel to the nearest blocked one; far away where none is within `most`."""
-    far = 3 * (most + 1) ** 2
-    distance, ways = np.where(blocked, 0, far), np.zeros((*blocked.shape, 3), np.int16)
-    for axis in range(3):  # a step along this axis, then the way along those before
-        least, best = distance.copy(), ways.copy()
-        for step in (sign * k for k in range(1, most + 1) for sign in (-1, 1)):
-            there = np.roll(distance, -step, axis) + step**2
-            nearer = there < least
-            least[nearer] = there[nearer]
-            best[nearer] = np.roll(ways, -step, axis)[nearer]
-            best[nearer, axis] = step
-        distance, ways = least, best
-    ways[distance >= far] = 1000
-    return ways
+def nearest_blocked(blocked, most):
+    """Of each voxel the place of the nearest blocked one in the flattened grid; -1: none is within `most` voxels."""
+    distance = np.where(blocked, 0, 3 * (most + 1) ** 2).astype(np.int32)  # squared
+    nearest = np.where(blocked, np.arange(blocked.size).reshape(blocked.shape), -1).astype(np.int32)
+    for axis in range(3):  # a step along this axis, then what is the nearest from there along those before
+        before, known = np.moveaxis(distance, axis, 0), np.moveaxis(nearest, axis, 0)
+        least, best = before.copy(), known.copy()
+        for step in range(1, most + 1):
+            ahead, behind = slice(step, None), slice(None, -step)
+            for here, there in ((ahead, behind), (behind, ahead)):
+                steps = before[there] + step**2
+                nearer = steps < least[here]
+                np.copyto(least[here], steps, where=nearer)
+                np.copyto(best[here], known[there], where=nearer)
+        distance, nearest = np.moveaxis(least, 0, axis), np.moveaxis(best, 0, axis)
+    return nearest
 
 
 class Region:
@@ -48,17 +49,18 @@ class Region:
         blocked = np.full((lows + sizes[:, None]).max(axis=0, initial=1) + most - self.low, all_blocked)
         for (x, y, z), n in zip(lows - self.low, sizes):
             blocked[x : x + n, y : y + n, z : z + n] = not all_blocked
-        self.ways, self.beyond = ways_to_blocked(blocked, most), 0 if all_blocked else 1000
+        self.nearest, self.beyond = nearest_blocked(blocked, most), 0.0 if all_blocked else np.inf
 
     def clearances(self, points):
-        """Distances of points (..., 3) to the nearest voxel that blocks."""
-        cells = np.floor(points / self.edge).astype(int)
-        places = cells - self.low
-        inside = ((places >= 0) & (places < self.ways.shape[:3])).all(axis=-1)
-        ways = np.full(points.shape, self.beyond)
-        ways[inside] = self.ways[tuple(places[inside].T)]
-        gaps = np.abs(points - (cells + ways + 0.5) * self.edge) - self.edge / 2
-        return np.linalg.norm(np.maximum(gaps, 0.0), axis=-1)
+        """Distances of points (..., 3) to the nearest voxel that blocks; infinite where none is near."""
+        cells = np.floor(points / self.edge).astype(int) - self.low
+        inside = ((cells >= 0) & (cells < self.nearest.shape)).all(axis=-1)
+        place = np.full(inside.shape, -1)
+        place[inside] = self.nearest[tuple(cells[inside].T)]
+        blocked = np.stack(np.unravel_index(np.maximum(place, 0), self.nearest.shape), axis=-1) + self.low
+        gaps = np.abs(points - (blocked + 0.5) * self.edge) - self.edge / 2
+        distances = np.where(place < 0, np.inf, np.linalg.norm(np.maximum(gaps, 0.0), axis=-1))
+        return np.where(inside, distances, self.beyond)
 
 
 class World:
