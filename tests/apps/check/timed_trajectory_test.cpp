@@ -199,7 +199,9 @@ TEST_F(CheckTimed, OfAnEndlessJointBothWaysFromTheStartAreJudged) {
 /// An obstacle beside the long way counts for the clearance, and that way's speed for the shares.
 TEST_F(CheckTimed, FiguresAreThoseOfTheWorstWayFromTheStart) {
   FreeSpaceMap map({.resolution = 0.02});
-  map.insert({.points = {{-0.5F, 0.0F, 0.0F}}});
+  Scan scan;
+  scan.points = {{-0.5F, 0.0F, 0.0F}};
+  map.insert(scan);
   save_map(map.snapshot(), folder_.path() / "post");
   const std::string ball = "<sphere radius='0.05'/>",
                     urdf = folder_.write("turn.urdf",
