@@ -12,7 +12,8 @@ namespace clearway {
 /// them.
 std::string manual_page(const CLI::App& app);
 
-/// A script that completes commands, flags, values of which there are few or that have names, and files. @param shell "bash" or "zsh"
+/// A script that completes commands, flags, values of which there are few or that have names, and files.
+/// @param shell "bash" or "zsh"
 std::string completion(const CLI::App& app, const std::string& shell);
 
 }  // namespace clearway

@@ -30,7 +30,8 @@ struct MapSetup {
   std::optional<OutlierSetup> outliers;        ///< left out: all points count
   std::optional<bool> discretize;              ///< one ray per end voxel: faster, same end voxels
   std::optional<std::string> integration;      ///< "safe" or "compatible": what a scan frees
-  std::optional<double> safe_band;  ///< m, around a scan's hits, which safe integration does not free; 0: none
+  std::optional<double>
+      safe_band;  ///< m, around a scan's hits, which safe integration does not free; 0: none
 };
 
 /// Families of tags that are read, and how many ids each has.

@@ -250,10 +250,6 @@ std::unique_ptr<FrameSource> open_video(const std::filesystem::path& file, const
       });
 }
 
-bool is_camera_name(const std::filesystem::path& path) {
-  return path.parent_path() == "/dev" && path.filename().string().starts_with("video");
-}
-
 std::unique_ptr<FrameSource> open_camera(const std::filesystem::path& device, const SourceOptions& options) {
   if (!is_camera(device))
     throw std::invalid_argument("camera " + quote_path(device.string()) + ": there is no such camera");

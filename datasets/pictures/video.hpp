@@ -16,8 +16,11 @@ bool is_video_file(const std::filesystem::path& file);
 /// @throws std::invalid_argument when it cannot be read
 std::unique_ptr<FrameSource> open_video(const std::filesystem::path& file, const SourceOptions& options);
 
-/// True for names as Linux gives them to cameras: /dev/video0.
-bool is_camera_name(const std::filesystem::path& path);
+/// True for names as Linux gives them to cameras: /dev/video0. Inline: who asks need not link the video
+/// library.
+inline bool is_camera_name(const std::filesystem::path& path) {
+  return path.parent_path() == "/dev" && path.filename().string().starts_with("video");
+}
 
 /// What a camera shows for `options.camera_seconds` (OpenCV's videoio, in a DecodingChild). Times are those
 /// of the wall clock, seconds since 1970. While next() is not called pictures are dropped, not kept.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "mapping/system/plain_text.hpp"
@@ -38,9 +39,30 @@ bool continues(std::string_view a, std::string_view b) {
          std::string_view("_-. ").find(b[b.size() - a.size() - 1]) != std::string_view::npos;
 }
 
+std::string_view last_word(std::string_view name) {
+  const std::size_t end = name.find_last_of("_-. ");
+  return end == std::string_view::npos ? name : name.substr(end + 1);
+}
+
 /// Edits that still leave a name of so many letters recognizable.
 std::size_t most_edits(std::size_t letters) {
   return letters < 2 ? 0 : std::max<std::size_t>(1, letters / 3);
+}
+
+/// How one name is like another, then by how many edits: the less the nearer.
+using Nearness = std::pair<int, std::size_t>;
+
+/// None: they share too little.
+std::optional<Nearness> nearness(const std::string& name, const std::string& known) {
+  const auto are_near = [](std::string_view a, std::string_view b) {
+    return edit_distance(a, b) <= most_edits(std::min(a.size(), b.size()));
+  };
+  if (continues(name, known)) return Nearness{0, edit_distance(name, known)};
+  if (are_near(name, known)) return Nearness{1, edit_distance(name, known)};
+  const std::string_view a = last_word(name), b = last_word(known);
+  const bool is_one_word = a.size() == name.size() || b.size() == known.size();
+  if (is_one_word && are_near(a, b)) return Nearness{2, edit_distance(a, b)};
+  return std::nullopt;
 }
 
 }  // namespace
@@ -63,12 +85,10 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 std::string nearest_name(std::string_view name, const std::vector<std::string>& known) {
   const std::string small = lower_case(name.substr(0, 100));
   const std::string* nearest = nullptr;
-  std::pair<bool, std::size_t> least{true, 0};
+  Nearness least;
   for (const std::string& one : known) {
-    const std::string other = lower_case(one);
-    const std::pair key{!continues(small, other), edit_distance(small, other)};
-    if (key.first && key.second > most_edits(std::min(small.size(), other.size()))) continue;
-    if (nearest == nullptr || key < least) nearest = &one, least = key;
+    const std::optional<Nearness> near = nearness(small, lower_case(one));
+    if (near && (nearest == nullptr || *near < least)) nearest = &one, least = *near;
   }
   return nearest == nullptr ? std::string() : *nearest;
 }

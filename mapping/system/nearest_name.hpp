@@ -13,7 +13,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b);
 
 /// The known name that goes on where `name` ends, or ends in it as a word, or the other way round (rate,
 /// rate_hz); else the one that takes the fewest edits to reach, in whatever case, at most one for each three
-/// letters of the shorter one; the first of equals; empty when none is so near.
+/// letters of the shorter one; else the one whose last word is so near where one of the two is a single word
+/// (panda_hnd, hand); the first of equals; empty when none is near.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& known);
 
 /// The end of a sentence about a name that is not known: "did you mean 'beam'?" where one is near, else

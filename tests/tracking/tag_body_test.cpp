@@ -376,7 +376,7 @@ TEST(BodyPose, is_never_where_its_tags_would_be_smaller_than_a_pixel) {
       const Eigen::Vector2d middle(across(random) * camera.width, across(random) * camera.height);
       const double half = 0.7 * side(random), angle = turn(random);
       for (std::size_t k = 0; k < 4; ++k) {
-        const double to_corner = angle - 0.5 * M_PI * static_cast<double>(k);
+        const double to_corner = angle + 0.5 * M_PI * static_cast<double>(k);
         tag.corners[k] = middle + half * Eigen::Vector2d(std::cos(to_corner), std::sin(to_corner));
       }
       tags.push_back(tag);

@@ -223,7 +223,7 @@ TEST_F(ReportPageInChromium, TellsOfWordsOfItsAddressThatItDoesNotKnow) {
       dom.find(
           "The address asks for #plna, ?opne, which this page does not know. Expected behind '#': plan, t, "),
       std::string::npos);
-  EXPECT_EQ(open(html, "#nowebgl&plan=1").find("The address asks for"), std::string::npos);
+  EXPECT_EQ(open(html, "#nowebgl&plan=1").find("The address asks for #"), std::string::npos);
 }
 
 TEST_F(ReportPageInChromium, NamesItsPicturesAndTheColumnsOfItsTables) {

@@ -350,7 +350,11 @@ TEST_F(Import, WhatASceneSaysOfContactsPaddingsAndTheRobotIsSaidToBeLeftOut) {
     EXPECT_EQ(
         left_out_of("allowed_collision_matrix: {entry_names: [upper, mug, pan, lower], entry_values: [" +
                     values + "], default_entry_names: [pan, upper], default_entry_values: [true, true]}"),
-        (Json{"s.yaml: its allowed_collision_matrix: objects that may collide with everything: pan"}));
+        (Json{"s.yaml: its allowed_collision_matrix: 1 pair that one of its two entries alone allows, the "
+              "first 'mug' with 'lower'",
+              "s.yaml: its allowed_collision_matrix: objects that may collide with everything: pan",
+              "s: which links may touch mug, pan (allowed_collision_matrix): without a request they block "
+              "all"}));
   }
   EXPECT_EQ(left_out_of("link_padding: [{link_name: upper, padding: 0}, {link_name: lower, padding: 0.01}]\n"
                         "link_scale: [{link_name: upper, scale: 1.1}, {link_name: lower, scale: 1}]"),

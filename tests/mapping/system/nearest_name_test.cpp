@@ -30,6 +30,9 @@ TEST(NearestName, GoesOnWhereTheNameEndsOrHoldsItAsItsLastWord) {
   EXPECT_EQ(nearest_name("tolerance", {"tip", "turn-tolerance"}), "turn-tolerance");
   EXPECT_EQ(nearest_name("out-folder", {"map", "out"}), "out");
   EXPECT_EQ(nearest_name("ance", {"turn-tolerance"}), "");
+  EXPECT_EQ(nearest_name("panda_hnd", {"base", "link7", "hand"}), "hand");
+  EXPECT_EQ(nearest_name("kitchn", {"laser", "miniature_kitchen"}), "miniature_kitchen");
+  EXPECT_EQ(nearest_name("upper_arm", {"lower_rod_arm"}), "");
 }
 
 TEST(NearestName, IsNoneOfThoseThatShareLittle) {

@@ -106,7 +106,7 @@ TEST(PathCheckUrdf, RefusesARobotThatIsNotWhatItsFileSaysAndNamesTheLink) {
       names(altered([](Robot& r) { r.links[5].parent_from_link.translation().y() = NAN; }), "link 'e'"));
   EXPECT_TRUE(names(altered([](Robot& r) { r.bodies[6].link_from_shape.translation().z() += 1e-6; }),
                     "a body of link 'f'"));
-  EXPECT_TRUE(names(altered([](Robot& r) { r.bodies.pop_back(); }), "link 'h' has 1 bodies, not 0"));
+  EXPECT_TRUE(names(altered([](Robot& r) { r.bodies.pop_back(); }), "link 'h' has 1 body, not 0"));
   EXPECT_TRUE(names(altered([](Robot& r) { r.bodies.push_back(r.bodies.back()); }), "link 'h' has only 1"));
   EXPECT_TRUE(names(altered([](Robot& r) { r.joints[0].upper += 1e-6; }), "joint 'turn' may move to"));
   EXPECT_TRUE(names(altered([](Robot& r) { r.scale = 1.1; }), ""));

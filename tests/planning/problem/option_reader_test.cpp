@@ -6,7 +6,6 @@
 #include <functional>
 #include <stdexcept>
 
-
 namespace clearway {
 namespace option_reader_test {
 
