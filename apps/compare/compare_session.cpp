@@ -84,7 +84,8 @@ void print_experiment(const CompareExperiment& experiment, Console& console) {
   console.out() << "== " << experiment.setup.name << title << '\n';
   print_table(console.out(), summary_table(experiment));
   if (experiment.setup.teams)
-    console.out() << "  Least separation, below d_s and top acceleration are of the runs that were not outrun.\n";
+    console.out()
+        << "  Least separation, below d_s and top acceleration are of the runs that were not outrun.\n";
   console.out() << '\n' << std::flush;
 }
 

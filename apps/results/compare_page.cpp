@@ -171,9 +171,9 @@ std::string team_note(const CompareResults& results) {
   const bool is_of_teams =
       std::any_of(results.experiments.begin(), results.experiments.end(),
                   [](const CompareExperiment& experiment) { return experiment.setup.teams.has_value(); });
-  return is_of_teams
-             ? " Least separation, below d_s and top acceleration of teams are of the runs that were not outrun."
-             : "";
+  return is_of_teams ? " Least separation, below d_s and top acceleration of teams are of the runs that were "
+                       "not outrun."
+                     : "";
 }
 
 /// The flags that name planners of other programs, which a repeated run needs, too.
