@@ -76,7 +76,7 @@ TEST_F(CheckExports, TheyAreJudgedForTheRobotThatTheyState) {
 TEST_F(CheckExports, WhatDiffersIsRefusedUnlessItIsAccepted) {
   folder_.write("other.urdf", worlds::arm_with_finger());
   folder_.write("other.srdf", read_file(folder_.file("arm.srdf")));
-  save_map_of({3.0F, -3.0F, 3.0F}, "later");
+  save_map_of({3.0F, 3.2F, 3.0F}, "later");
   for (const char* file : {"way.yaml", "way.json"}) {
     const auto expect_refused = [&](const std::vector<std::string>& flags, const std::string& term,
                                     const std::string& words, const std::string& robot = "arm.urdf",
@@ -87,7 +87,8 @@ TEST_F(CheckExports, WhatDiffersIsRefusedUnlessItIsAccepted) {
       EXPECT_NE(run.out.find(words), std::string::npos) << run.out;
       std::vector<std::string> accepting = flags;
       accepting.push_back("--accept-" + term);
-      EXPECT_EQ(check(file, accepting, robot, in).status, exit_done) << file << words;
+      const CommandRun accepted = check(file, accepting, robot, in);
+      EXPECT_EQ(accepted.status, exit_done) << file << words << accepted.out;
     };
     expect_refused({"--fix", "grip=0.05"}, "held",
                    "joint grip: expected to stand at 0.05, the plan says 0.03");

@@ -43,7 +43,11 @@ TEST_F(CheckEntries, TheyAreJudgedAsOneThatRestsWhereTheyMeet) {
     const CommandRun two = run({entry(both, {rest0, rest1}, seconds), entry(both, {rest1, rest2}, seconds)});
     const CommandRun one = run({entry(both, {rest0, rest1, rest2}, seconds)});
     ASSERT_EQ(two.status, exit_done) << two.out << two.log;
-    EXPECT_EQ(Json::parse(two.out), Json::parse(one.out));
+    Json told = Json::parse(two.out), expected = Json::parse(one.out);
+    for (Json* json : {&told, &expected})
+      for (Json& rate : (*json)["motion"]["not_judged"])
+        rate.erase("sentence");  // names the entry of several
+    EXPECT_EQ(told, expected);
   }
 }
 
