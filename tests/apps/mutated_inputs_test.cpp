@@ -77,7 +77,7 @@ class MutatedInputs : public ::testing::Test {
       for (std::size_t at = 0; (at = run.log.find("clearway: ", at)) != std::string::npos; ++at) ++sentences;
       // What is read as sound is worked with: reading alone is bounded where the file is refused. A damaged
       // recording (status 3) is worked with as far as it goes, beside libraries of some 128 MB.
-      const long least_mb = run.status == 3 ? 144 : 128;
+      const long least_mb = run.status == 3 ? 132 : 128;
       const long most_kb =
           run.status < 2 ? 512 * 1024 : least_mb * 1024 + 20 * static_cast<long>(bytes.size()) / 1024;
       const bool is_modest = is_sanitized || (run.seconds <= 5.0 && run.memory_kb <= most_kb);
