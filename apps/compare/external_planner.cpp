@@ -54,8 +54,26 @@ std::vector<Configuration> path_of(const Json& path, const PlanProblem& problem,
   return waypoints;
 }
 
-bool is_at(const Configuration& a, const Configuration& b) {
-  return (a - b).cwiseAbs().maxCoeff() <= contract_tolerance;
+/// Rad or m: programs may round configurations, and check their goals by a tolerance.
+constexpr double most_rounding = 1e-3;
+
+/// The path with both ends exact, or the reason why its ends are elsewhere. An end that is beside by more
+/// than `contract_tolerance` stays, and an edge leads to it, which is judged like the others.
+std::string join_ends(std::vector<Configuration>& waypoints, const PlanProblem& problem) {
+  const auto off = [](const Configuration& a, const Configuration& b) {
+    return (a - b).cwiseAbs().maxCoeff();
+  };
+  const double first = off(waypoints.front(), problem.start), last = off(waypoints.back(), problem.goal);
+  if (first > most_rounding || last > most_rounding)
+    return "The program's path " + std::string(first > most_rounding ? "begins " : "ends ") +
+           short_text(first > most_rounding ? first : last) + " (rad or m, of one joint) from the " +
+           (first > most_rounding ? "start" : "goal") + ": expected at most " + short_text(most_rounding) +
+           ".";
+  if (first > contract_tolerance) waypoints.insert(waypoints.begin(), problem.start);
+  if (last > contract_tolerance) waypoints.push_back(problem.goal);
+  waypoints.front() = problem.start;
+  if (waypoints.size() > 1) waypoints.back() = problem.goal;
+  return "";
 }
 
 void read_answer(const std::string& line, const PlanProblem& problem, PlanResult& result) {
@@ -69,13 +87,11 @@ void read_answer(const std::string& line, const PlanProblem& problem, PlanResult
   }
   if (!answer.contains("path")) refuse(line, "'path' or 'failed'");
   std::vector<Configuration> waypoints = path_of(answer["path"], problem, line);
-  if (!is_at(waypoints.front(), problem.start) || !is_at(waypoints.back(), problem.goal)) {
-    result.explanation = "The program's path does not lead from the start to the goal.";
+  result.explanation = join_ends(waypoints, problem);
+  if (!result.explanation.empty()) {
     result.explored = std::move(waypoints);
     return;
   }
-  waypoints.front() = problem.start;
-  if (waypoints.size() > 1) waypoints.back() = problem.goal;
   result.status = PlanStatus::solved;
   result.waypoints = std::move(waypoints);
   result.search_steps = static_cast<int>(result.waypoints.size()) - 1;

@@ -61,11 +61,25 @@ TEST_F(ExternalPlannerOf, ReturnsThePathWithItsEndsExact) {
   EXPECT_EQ(result.search_steps, 2);
 }
 
+TEST_F(ExternalPlannerOf, JoinsEndsThatAProgramRoundedByEdges) {
+  const PlanResult result = planned("{\\\"path\\\": [[0.2, 0.00001], [0.4, 0.1], [0.5009, 0.25]]}");
+  ASSERT_EQ(result.status, PlanStatus::solved) << result.explanation;
+  ASSERT_EQ(result.waypoints.size(), 5u);
+  EXPECT_EQ(result.waypoints[0], start_);
+  EXPECT_EQ(result.waypoints[1], Configuration(Eigen::Vector2d(0.2, 0.00001)));
+  EXPECT_EQ(result.waypoints[3], Configuration(Eigen::Vector2d(0.5009, 0.25)));
+  EXPECT_EQ(result.waypoints[4], goal_);
+  EXPECT_EQ(planned("{\\\"path\\\": [[0.2, 0.0011], [0.5, 0.25]]}").status, PlanStatus::no_path);
+  const PlanResult of_one = planned("{\\\"path\\\": [[0.2, 0]]}");
+  EXPECT_NE(of_one.explanation.find("from the goal"), std::string::npos) << of_one.explanation;
+}
+
 TEST_F(ExternalPlannerOf, TellsWhyThereIsNoPath) {
   EXPECT_EQ(planned("{\\\"failed\\\": \\\"no luck\\\"}").explanation, "no luck");
   const PlanResult elsewhere = planned("{\\\"path\\\": [[0.2, 0], [0.6, 0.25]]}");
   EXPECT_EQ(elsewhere.status, PlanStatus::no_path);
-  EXPECT_NE(elsewhere.explanation.find("from the start to the goal"), std::string::npos);
+  EXPECT_NE(elsewhere.explanation.find("ends 0.1 (rad or m, of one joint) from the goal"), std::string::npos)
+      << elsewhere.explanation;
   int asked = 0;
   const ExternalPlanner deaf("sh -c 'read world; echo \"{\\\"ready\\\": true}\"; sleep 1000'");
   EXPECT_EQ(deaf.plan({space_, cost_, start_, goal_, 1, [&] { return ++asked > 3; }}).status,
