@@ -153,38 +153,49 @@ class SuiteWriter {
     return ready;
   }
 
+  bool has_problem(std::size_t world) const {
+    return std::any_of(ready_.begin(), ready_.end(), [&](const ReadyProblem& problem) {
+      return set_.problems[problem.index].world == world;
+    });
+  }
+
   /// Objects that links may touch are bodies of a suite's problems, and in no map. Where there is no problem
   /// they are voxels, as all others, and block those links, too.
-  ForeignWorld blocking_world(std::size_t index) {
+  Snapshot map_of_world(std::size_t index) {
     ForeignWorld world = set_.worlds[index];
-    if (world.touched.empty()) return world;
+    if (!has_problem(index)) world.touched.clear();
+    return map_of_foreign_world(world, import_.resolution, suite_.cells.back());
+  }
+
+  void tell_of_touched_objects(std::size_t index) {
+    const ForeignWorld& world = set_.worlds[index];
+    if (world.touched.empty()) return;
     std::vector<std::string> objects;
     for (const auto& [object, links] : world.touched) objects.push_back(object);
-    const bool has_problem = std::any_of(ready_.begin(), ready_.end(), [&](const ReadyProblem& problem) {
-      return set_.problems[problem.index].world == index;
-    });
-    if (has_problem) {
+    if (has_problem(index))
       outcome_.notes.push_back(
           "map " + quote(suite_.world_words.back()) + " lacks " + listed(objects) +
           ", which may be touched and so are bodies of the suite's problems: who plans in the "
           "map alone does not see them");
-      return world;
-    }
-    world.touched.clear();
-    outcome_.left_out.push_back(world.name + ": which links may touch " + listed(objects) +
-                                " (allowed_collision_matrix): without a request they block all");
-    return world;
+    else
+      outcome_.left_out.push_back(world.name + ": which links may touch " + listed(objects) +
+                                  " (allowed_collision_matrix): without a problem they block all");
   }
 
   void write_maps() {
     for (std::size_t i = 0; i < set_.worlds.size(); ++i) {
       suite_.world_words.push_back(words_.of(set_.worlds[i].name));
       suite_.cells.emplace_back();
-      const Snapshot map = map_of_foreign_world(blocking_world(i), import_.resolution, suite_.cells.back());
-      save_map(map, import_.out / "maps" / suite_.world_words.back());
-      std::erase_if(ready_, [&](ReadyProblem& problem) {
+      Snapshot map = map_of_world(i);
+      const std::size_t left_out = std::erase_if(ready_, [&](ReadyProblem& problem) {
         return set_.problems[problem.index].world == i && !is_goal_chosen(problem, map);
       });
+      if (left_out > 0 && !has_problem(i)) {
+        suite_.cells.back() = {};
+        map = map_of_world(i);
+      }
+      save_map(map, import_.out / "maps" / suite_.world_words.back());
+      tell_of_touched_objects(i);
     }
   }
 

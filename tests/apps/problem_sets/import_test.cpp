@@ -353,7 +353,7 @@ TEST_F(Import, WhatASceneSaysOfContactsPaddingsAndTheRobotIsSaidToBeLeftOut) {
         (Json{"s.yaml: its allowed_collision_matrix: 1 pair that one of its two entries alone allows, the "
               "first 'mug' with 'lower'",
               "s.yaml: its allowed_collision_matrix: objects that may collide with everything: pan",
-              "s: which links may touch mug, pan (allowed_collision_matrix): without a request they block "
+              "s: which links may touch mug, pan (allowed_collision_matrix): without a problem they block "
               "all"}));
   }
   EXPECT_EQ(left_out_of("link_padding: [{link_name: upper, padding: 0}, {link_name: lower, padding: 0.01}]\n"

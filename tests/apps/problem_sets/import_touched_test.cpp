@@ -94,5 +94,30 @@ TEST_F(ImportTouched, WithoutARequestAnObjectThatMayBeTouchedIsInTheMap) {
       << run.out;
 }
 
+TEST_F(ImportTouched, WithoutAProblemThatIsLeftAnObjectThatMayBeTouchedIsInTheMap) {
+  const std::string scene = "allowed_collision_matrix: {entry_names: [finger, mug], entry_values: " + both +
+                            "}\nworld: {collision_objects: [{id: mug, " + sphere + "}]}\n";
+  const auto request = [](const std::string& goal) {
+    return "start_state: {joint_state: {name: [shoulder, elbow, grip], position: [0, 0, 0]}}\n"
+           "goal_constraints: [{" +
+           goal + "}]";
+  };
+  const CommandRun run = import(
+      "mbm",
+      {folder_.write("scene0001.yaml", scene), folder_.write("scene0002.yaml", scene),
+       folder_.write(
+           "request0001.yaml",
+           request("position_constraints: [{link_name: finger, constraint_region: {primitives: "
+                   "[{type: sphere, dimensions: [0.01]}], primitive_poses: [{position: [9, 0, 0]}]}}]")),
+       folder_.write("request0002.yaml",
+                     request("joint_constraints: [{joint_name: shoulder, position: 1}, {joint_name: elbow, "
+                             "position: 0}]"))},
+      {"--json"});
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  EXPECT_EQ(Json::parse(run.out)["problems"], 1) << run.out;
+  EXPECT_EQ(map("scene0001").state({0.93, 0.0, 0.0}), VoxelState::occupied) << run.out;
+  EXPECT_EQ(map("scene0002").state({0.93, 0.0, 0.0}), VoxelState::unknown);
+}
+
 }  // namespace import_test
 }  // namespace clearway
