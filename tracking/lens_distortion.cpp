@@ -87,9 +87,13 @@ std::array<double, N> bernstein_to(const std::array<double, N>& polynomial, doub
   return bernstein;
 }
 
-/// Whether a polynomial is positive from 0 to `t`: asked in stages, so that halves are small near 0.
+/// Whether a polynomial is positive from 0 to `t`: so it is where its first coefficient outweighs all others;
+/// else asked in stages, so that halves are small near 0.
 template <std::size_t N>
 bool is_positive_to(const std::array<double, N>& polynomial, double t) {
+  double others = 0.0;
+  for (std::size_t i = N; i-- > 1;) others = (others + std::abs(polynomial[i])) * t;
+  if (polynomial[0] > others) return true;
   constexpr int halvings = 40;
   for (double end = 1.0; end < t; end *= 16.0)
     if (!is_positive(bernstein_to(polynomial, end), halvings)) return false;
