@@ -29,7 +29,8 @@ RecordQuestion question_of(const CheckOptions& options, const Plan& plan, const 
                           .scale = options.robot.scale.value_or(robot.scale),
                           .start = plan.start,
                           .goals = plan.goals};
-  const ChosenStops stops = choose_stops(options.start, options.goals, robot, options.degrees, plan.start);
+  const ChosenStops stops = choose_stops(
+      options.start, options.goals, scaled(robot, question.scale / robot.scale), options.degrees, plan.start);
   question.start = turned_to(plan, robot, stops.start);
   if (!options.goals.empty()) question.goals = stops.goals;
   return question;
@@ -113,7 +114,7 @@ class Statement {
       for (auto& [part, term] : terms) term = {flags.other.value_or(term.value), TermSource::flag};
     }
     take(flags.parts, TermSource::flag);
-    restrict_loads(loaded, terms);
+    state_loads(loaded, flags, terms);
     for (const auto& [part, term] : terms)
       if (term.source == TermSource::plan && term.value > by_default.at(part))
         notes.push_back("the policy of " + shortened(part) + " is the plan's, " +
@@ -162,9 +163,10 @@ class Statement {
     return {plan_.seen_within, TermSource::plan};
   }
 
-  /// What the flags say of start and goals.
+  /// What the flags say of start and goals; named states slide as far as the robot's size says.
   ChosenStops stops(const Configuration& before) const {
-    return choose_stops(options_.start, options_.goals, robot_, options_.degrees, before);
+    return choose_stops(options_.start, options_.goals, scaled(robot_, scale().value / robot_.scale),
+                        options_.degrees, before);
   }
 
   Term<Configuration> start() const {
@@ -233,11 +235,18 @@ class Statement {
     }
   }
 
-  /// A plan does not loosen what a load must lie in.
-  static void restrict_loads(const Robot& loaded, std::map<std::string, Term<Policy>>& terms) {
+  /// A load that neither flags nor record name must lie in what its holders must; a plan does not loosen
+  /// that.
+  void state_loads(const Robot& loaded, const Policies& flags,
+                   std::map<std::string, Term<Policy>>& terms) const {
+    Policies of_parts{.other = Policy::not_occupied};  // as loaded_policies
+    for (const Body& body : robot_.bodies) of_parts.parts[body.part] = terms.at(body.part).value;
+    const auto usual = part_policies(loaded, map_, of_parts);
     for (const Load& load : loaded.loads) {
       Term<Policy>& term = terms.at(load.name);
-      if (term.source != TermSource::plan && term.source != TermSource::by_default) continue;
+      const bool is_of_record = flags.critical_by_default && term.source == TermSource::map;
+      if (flags.parts.contains(load.name) || is_of_record) continue;
+      if (term.source != TermSource::plan) term = {usual.at(load.name), TermSource::by_default};
       for (const std::string& holder : holders_of(loaded, load.name))
         if (terms.at(holder).value < term.value) term = {terms.at(holder).value, TermSource::by_default};
     }

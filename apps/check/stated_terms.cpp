@@ -7,6 +7,7 @@
 
 #include "mapping/files/number_words.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "planning/files/load_json.hpp"
 
 namespace clearway {
 namespace {
@@ -47,6 +48,10 @@ class Comments {
       } else if (begins("# held: ")) {
         const std::string joint = name_before(" at ");
         stated_.held[joint] = number();
+      } else if (begins("# carries: ")) {
+        read_loads();
+      } else if (begins("# payload: ")) {
+        stated_.payload = number();
       } else if (begins("# map: ")) {
         name_before(", sha256 ");
         stated_.map_sha256 = name_before("");
@@ -93,6 +98,12 @@ class Comments {
     stated_.scale = number();
   }
 
+  void read_loads() {
+    const auto json = nlohmann::ordered_json::parse(rest_, nullptr, false);
+    if (json.is_discarded()) refuse("expected loads as JSON, as --trajectory ros writes them");
+    stated_.loads = loads_of(JsonField(json, file_.string() + ": comment '# carries'"));
+  }
+
   void read_base() {
     std::string text = rest_;
     std::vector<double> at, turn;
@@ -131,7 +142,8 @@ std::optional<StatedTerms> stated_in_comments(const std::string& text, const std
   return Comments(text, file).read();
 }
 
-std::optional<StatedTerms> stated_in_json(const YamlFields& root) {
+std::optional<StatedTerms> stated_in_json(const YamlFields& root, const std::string& text,
+                                          const std::filesystem::path& file) {
   if (!root.is_map("base")) return std::nullopt;
   StatedTerms stated;
   const YamlFields base = root.map("base");
@@ -146,6 +158,12 @@ std::optional<StatedTerms> stated_in_json(const YamlFields& root) {
     const YamlFields held = root.map("held");
     for (const std::string& joint : held.keys()) stated.held[joint] = held.number(joint, any_length);
   }
+  if (root.has("loads")) {
+    const auto json = nlohmann::ordered_json::parse(text, nullptr, false);
+    if (json.is_discarded()) root.fail("loads", "expected JSON, as --trajectory json writes it");
+    stated.loads = loads_of(JsonField(json, "trajectory " + file.string()).at("loads"));
+  }
+  stated.payload = root.number("payload_kg", {0.0, 1e6}, 0.0);
   if (root.is_map("map")) stated.map_sha256 = root.map("map").prose("sha256", "");
   return stated;
 }
@@ -156,6 +174,8 @@ void state_terms(const StatedTerms& stated, Plan& plan) {
   plan.map_from_base = stated.map_from_base;
   plan.group = stated.group;
   plan.held = stated.held;
+  plan.loads = stated.loads;
+  plan.payload = stated.payload;
   plan.map_sha256 = stated.map_sha256;
 }
 

@@ -18,6 +18,8 @@ struct StatedTerms {
   Eigen::Isometry3d map_from_base = Eigen::Isometry3d::Identity();
   std::string group{};                   ///< planning group; empty: all joints but those held
   std::map<std::string, double> held{};  ///< joints that stand still, rad or m at full size
+  std::vector<LegLoad> loads{};          ///< that ride all the way
+  double payload = 0.0;                  ///< kg at full size
   std::string map_sha256{};              ///< empty: not said
 };
 
@@ -26,8 +28,10 @@ struct StatedTerms {
 /// says that a load is taken or left on the way
 std::optional<StatedTerms> stated_in_comments(const std::string& text, const std::filesystem::path& file);
 
-/// Of the keys of our JSON; none unless it has `base`. @throws std::invalid_argument as YamlFields
-std::optional<StatedTerms> stated_in_json(const YamlFields& root);
+/// Of the keys of our JSON; none unless it has `base`. @param text that `root` was read from
+/// @throws std::invalid_argument as YamlFields and JsonField
+std::optional<StatedTerms> stated_in_json(const YamlFields& root, const std::string& text,
+                                          const std::filesystem::path& file);
 
 /// States them in the plan that is made of the trajectory.
 void state_terms(const StatedTerms& stated, Plan& plan);

@@ -159,10 +159,11 @@ std::vector<std::vector<double>> rates_in(const YamlFields& root, const std::str
 }
 
 /// What `plan --export json` writes: a list for each quantity.
-ForeignTrajectory own_export(const YamlFields& root) {
+ForeignTrajectory own_export(const YamlFields& root, const std::string& text,
+                             const std::filesystem::path& file) {
   if (root.has("events")) root.fail("events", expected_no_events);
   ForeignTrajectory trajectory;
-  trajectory.stated = stated_in_json(root);
+  trajectory.stated = stated_in_json(root, text, file);
   trajectory.joints = root.texts("joints");
   if (trajectory.joints.empty()) root.fail("joints", "expected at least one");
   trajectory.times = root.numbers("times_s", {0.0, 1e9});
@@ -214,7 +215,7 @@ std::vector<ForeignTrajectory> read_trajectories(const std::filesystem::path& fi
                       text.find("\"legs\"") == std::string::npos;
   if (!is_yaml && !is_own && text.find("\"joint_names\"") == std::string::npos) return {};
   const YamlFields whole(text, "trajectory " + quote_path(file.string()));
-  if (is_own) return {own_export(whole)};
+  if (is_own) return {own_export(whole, text, file)};
   const YamlFields root = unwrapped(whole);
   std::vector<ForeignTrajectory> entries;
   for (const YamlFields& found : innermost(root)) entries.push_back(trajectory_of(found));

@@ -238,16 +238,20 @@ void adopt_terms(const std::optional<StatedTerms>& stated, bool is_timed, Contra
   plan.policies = policies_of(contract);
   plan.padding = contract.padding.value;
   plan.seen_within = contract.seen_within.value;
-  plan.payload = contract.payload.value;
+  if (!stated || stated->payload == 0.0) {
+    plan.payload = contract.payload.value;
+    take_default(contract.payload);
+  }
+  if (!stated || stated->loads.empty()) {
+    plan.loads = contract.loads.value;
+    take_default(contract.loads);
+  }
   plan.gravity = contract.gravity.value;
   if (plan.map_sha256.empty()) plan.map_sha256 = contract.map_sha256.value;
-  plan.loads = contract.loads.value;
   for (auto& [part, term] : contract.policies) take_default(term);
   take_default(contract.padding);
   take_default(contract.seen_within);
-  take_default(contract.payload);
   take_default(contract.gravity);
-  take_default(contract.loads);
   if (is_timed) return;
   contract.notes.push_back(
       "the points of the trajectory, which have no times, are checked as joined by straight edges; where a "

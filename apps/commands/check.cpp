@@ -133,7 +133,10 @@ void take_start(const CheckOptions& options, const Robot& robot, ForeignTrajecto
   const bool is_known = std::all_of(trajectory.joints.begin(), trajectory.joints.end(),
                                     [&](const std::string& name) { return trajectory.start.contains(name); });
   if (options.start.empty() || !has_time || is_known) return;
-  const Configuration q = choose_stops(options.start, {}, robot, options.degrees).start;
+  const Configuration q =
+      choose_stops(options.start, {}, scaled(robot, options.robot.scale.value_or(robot.scale) / robot.scale),
+                   options.degrees)
+          .start;
   if (q.cwiseAbs().maxCoeff() > largest_joint_value)
     throw std::invalid_argument("--start: expected joint values of at most " +
                                 significant(largest_joint_value) + ", beyond which angles lose their digits");

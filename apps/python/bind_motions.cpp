@@ -302,7 +302,8 @@ void bind_gate(py::module_& module) {
                 robot = with_load(robot, load.load);
               }
               ConfigurationSpace made(std::move(robot), space->map(),
-                                      {space->policies(), std::nullopt, false}, space->options());
+                                      {.parts = space->policies(), .other = Policy::not_occupied},
+                                      space->options());
               const std::lock_guard lock(self.publishing);
               return self.gate.publish(std::move(made),
                                        taken.value_or(std::numeric_limits<double>::quiet_NaN()));

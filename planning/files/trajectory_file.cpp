@@ -1,5 +1,6 @@
 #include "planning/files/trajectory_file.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -10,6 +11,7 @@
 #include "mapping/system/plain_text.hpp"
 #include "planning/files/csv_field.hpp"
 #include "planning/files/json_field.hpp"
+#include "planning/files/load_json.hpp"
 #include "planning/problem/option_reader.hpp"
 #include "planning/robot/joint_names.hpp"
 
@@ -46,8 +48,19 @@ std::string events_text(const Trajectory& trajectory) {
   return text;
 }
 
-/// What the motion was proved for beside its joints: where the base is, and those that stand still.
-std::string standing_text(const Plan& plan) {
+/// Loads that ride from the first point to the last: no event says so.
+std::vector<LegLoad> carried_throughout(const Plan& plan, const Trajectory& trajectory) {
+  std::vector<LegLoad> loads;
+  for (const LegLoad& load : plan.loads)
+    if (std::none_of(trajectory.events.begin(), trajectory.events.end(),
+                     [&](const TrajectoryEvent& event) { return event.load == load.load.name; }))
+      loads.push_back({load.load, {}});
+  return loads;
+}
+
+/// What the motion was proved for beside its joints: where the base is, those that stand still, and what
+/// rides.
+std::string standing_text(const Plan& plan, const Trajectory& trajectory) {
   const Eigen::Vector3d& at = plan.map_from_base.translation();
   const Eigen::Quaterniond turn(plan.map_from_base.linear());
   std::string text = "\n# base: at " + to_text(at.x()) + ", " + to_text(at.y()) + ", " + to_text(at.z()) +
@@ -55,15 +68,19 @@ std::string standing_text(const Plan& plan) {
                      to_text(turn.z()) + ", " + to_text(turn.w());
   if (!plan.group.empty()) text += "\n# group: " + quoted(plan.group);
   for (const auto& [joint, value] : plan.held) text += "\n# held: " + quoted(joint) + " at " + to_text(value);
+  if (const auto loads = carried_throughout(plan, trajectory); !loads.empty())
+    text += "\n# carries: " +
+            json_of(loads).dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  if (plan.payload > 0.0) text += "\n# payload: " + to_text(plan.payload);
   return text;
 }
 
 std::string heading(const Plan& plan, const Trajectory& trajectory) {
-  return "# robot: " + quoted(plan.robot) + ", scale " + to_text(plan.robot_scale) + standing_text(plan) +
-         "\n# planner: " + quoted(plan.planner) + ", seed " + std::to_string(plan.seed) +
-         "\n# map: " + quoted(plan.map_file) + ", sha256 " + quoted(plan.map_sha256) +
-         "\n# points: " + std::to_string(trajectory.points.size()) + ", one every " +
-         to_text(trajectory.sampling_period) + " s\n" + events_text(trajectory);
+  return "# robot: " + quoted(plan.robot) + ", scale " + to_text(plan.robot_scale) +
+         standing_text(plan, trajectory) + "\n# planner: " + quoted(plan.planner) + ", seed " +
+         std::to_string(plan.seed) + "\n# map: " + quoted(plan.map_file) + ", sha256 " +
+         quoted(plan.map_sha256) + "\n# points: " + std::to_string(trajectory.points.size()) +
+         ", one every " + to_text(trajectory.sampling_period) + " s\n" + events_text(trajectory);
 }
 
 std::string no_refusal(const Robot&) { return {}; }
@@ -120,6 +137,8 @@ std::string write_json(const Robot& robot, const Plan& plan, const Trajectory& t
                   {"quaternion_xyzw", {turn.x(), turn.y(), turn.z(), turn.w()}}};
   if (!plan.group.empty()) json["group"] = plan.group;
   if (!plan.held.empty()) json["held"] = plan.held;
+  if (const auto loads = carried_throughout(plan, trajectory); !loads.empty()) json["loads"] = json_of(loads);
+  if (plan.payload > 0.0) json["payload_kg"] = plan.payload;
   for (const char* name : {"times_s", "positions", "velocities", "accelerations"})
     json[name] = nlohmann::ordered_json::array();
   for (const TrajectoryPoint& point : trajectory.points) {

@@ -31,12 +31,13 @@ struct TrajectoryFormat {
 /// - `csv`: a table with a heading: time, then positions, velocities and accelerations of all joints.
 /// Events (a load is grasped or let go) are comments of `ros`, calls of functions that the user fills of
 /// `urscript`, an array of `json`, a last column of `csv`; the message of `ros-json` has no place for them,
-/// and the arm rests there all the same. Joints are the robot's own: those of its planning group.
-/// Accelerations are written where the trajectory has them. A smooth motion (trajectory_of) goes by cubics
-/// between its points: controllers that interpolate positions and velocities by cubics, or accelerations too
-/// by quintics, follow the proved curve itself. servoj is given the positions at their rate; between them the
-/// robot's own controller interpolates, and its lag and smoothing are not part of the proof. Every number
-/// reads back to the same double.
+/// and the arm rests there all the same. A load that rides all the way is a comment of `ros` and `urscript`,
+/// a key of `json`; `ros-json` and `csv` have no place for it. Joints are the robot's own: those of its
+/// planning group. Accelerations are written where the trajectory has them. A smooth motion (trajectory_of)
+/// goes by cubics between its points: controllers that interpolate positions and velocities by cubics, or
+/// accelerations too by quintics, follow the proved curve itself. servoj is given the positions at their
+/// rate; between them the robot's own controller interpolates, and its lag and smoothing are not part of the
+/// proof. Every number reads back to the same double.
 const std::vector<TrajectoryFormat>& trajectory_formats();
 
 /// The format `name` for the robot. @throws std::invalid_argument when there is no such format, naming the

@@ -145,7 +145,7 @@ ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies
   if (model.options.max_distance == 0.0) {
     model.options.max_distance = chosen_max_distance(model.robot, model.map.resolution());
   }
-  model.policies = part_policies(model.robot, model.map, policies);
+  model.policies = part_policies(model.given, model.map, policies);  // holders of loads are links' own bodies
   require_seen_within(options.seen_within, model.map, model.policies);
   std::vector<std::pair<Requirement, Eigen::AlignedBox3d>> reaches;  // one region for each requirement
   const auto reach_of = [&](const Requirement& requirement) -> Eigen::AlignedBox3d& {
@@ -155,7 +155,7 @@ ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies
     return reaches.emplace_back(requirement, Eigen::AlignedBox3d()).second;
   };
   const auto requirement_of = [&](const Body& body) {
-    return part_requirement(model.robot, model.map, body.part, model.policies.at(body.part),
+    return part_requirement(model.given, model.map, body.part, model.policies.at(body.part),
                             options.seen_within);
   };
   for (const RobotGeometry::Policed& policed : geometry->policed)

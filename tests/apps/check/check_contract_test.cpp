@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "mapping/free_space_map.hpp"
 #include "planning/robot_files/load_robot.hpp"
 
 namespace clearway {
@@ -27,6 +28,7 @@ struct Question {
   Plan plan{};
   QueryTerms query{};
   bool has_record = true;
+  Snapshot map{};
 
   Question() {
     options.robot.robot = "point";
@@ -53,7 +55,7 @@ struct Question {
 
   Contract contract() const {
     const auto record = has_record ? std::optional(QueryRecord{"digest", {query}}) : std::nullopt;
-    return state_contract(options, plan, robot, Snapshot(), "digest", record, false);
+    return state_contract(options, plan, robot, map, "digest", record, false);
   }
   std::vector<AcceptedTerm> deviating() const {
     std::vector<AcceptedTerm> terms;
@@ -143,6 +145,43 @@ TEST(CheckContract, APlanLoosensNotWhatItsLoadMustLieIn) {
   question.query.loads = question.plan.loads;
   question.query.policies["box"] = Policy::not_occupied;
   EXPECT_EQ(policy(), Policy::not_occupied);
+}
+
+/// As a planner does, whichever flags say what holds it.
+TEST(CheckContract, ALoadThatNoFlagNamesMustLieInWhatItsHolderMust) {
+  Question question;
+  question.has_record = false;
+  question.plan.policies.clear();
+  question.plan.loads = {{box("box", "base"), {}}};
+  FreeSpaceMap painted({.resolution = 0.1});
+  painted.add_volume("floor", {"base"});
+  question.map = painted.snapshot();
+  const auto expect = [&](const std::vector<std::string>& flags, Policy expected) {
+    question.options.robot.policies = flags;
+    EXPECT_EQ(question.contract().policies.at("box").value, expected) << flags.size();
+  };
+  expect({"not_occupied", "base=known_free"}, Policy::known_free);
+  expect({"known_free", "base=painted"}, Policy::painted);
+  expect({"painted", "base=not_occupied"}, Policy::not_occupied);
+  expect({"base=not_occupied"}, Policy::not_occupied);
+  expect({}, Policy::painted);  // the volume names its holder
+  expect({"not_occupied", "box=painted"}, Policy::painted);
+  question.plan.policies["box"] = Policy::not_occupied;
+  expect({"not_occupied", "base=known_free"}, Policy::known_free);
+}
+
+/// A state's joints that slide do so in proportion to the robot's size.
+TEST(CheckContract, StatesAreThoseOfTheRobotAtTheContractsScale) {
+  Question question;
+  question.has_record = false;
+  question.robot.states.push_back({"home", {{"x", 1.0}, {"y", -0.5}}});
+  question.options.start = "home";
+  question.options.goals = {"home"};
+  question.options.robot.scale = 0.5;
+  const Contract contract = question.contract();
+  EXPECT_TRUE(contract.start.value.isApprox(at(0.5, -0.25)));
+  ASSERT_EQ(contract.goals.value.size(), 1U);
+  EXPECT_TRUE(contract.goals.value[0].isApprox(at(0.5, -0.25)));
 }
 
 /// On each leg by itself, the first and the last.

@@ -100,6 +100,51 @@ TEST_F(CheckExports, WhatDiffersIsRefusedUnlessItIsAccepted) {
   }
 }
 
+/// A bar that reaches across to a voxel that the arm alone never comes near.
+TEST_F(CheckExports, ALoadThatRidesAllTheWayDoesSoAtTheCheckToo) {
+  folder_.write("bar.yaml", "{name: bar, link: lower, box: [0.04, 0.6, 0.04], pose: [0.2, 0.3, 0, 0, 0, 0]}");
+  std::vector<std::string> flags{"plan",
+                                 "--map",
+                                 folder_.file("map"),
+                                 "--robot",
+                                 folder_.file("arm.urdf"),
+                                 "--policy",
+                                 "not_occupied",
+                                 "--group",
+                                 "arm",
+                                 "--fix",
+                                 "grip=0.03",
+                                 "--base=0,0,0.05",
+                                 "--start=0,0.1",
+                                 "--goal=0.5,-0.1",
+                                 "--attach",
+                                 folder_.file("bar.yaml"),
+                                 "--payload",
+                                 "0.5"};
+  for (const char* format : {"ros", "json"})
+    flags.insert(flags.end(), {"--trajectory", format, folder_.file(std::string("bar.") + format)});
+  const CommandRun planned = run_command(flags);
+  ASSERT_EQ(planned.status, exit_done) << planned.out << planned.log;
+  std::filesystem::rename(folder_.file("bar.ros"), folder_.file("carries.yaml"));
+  std::filesystem::rename(folder_.file("bar.json"), folder_.file("carries.json"));
+  save_map_of({0.32F, 0.8F, 0.05F}, "beside");
+  for (const char* file : {"carries.yaml", "carries.json"}) {
+    const CommandRun run = check(file);
+    EXPECT_EQ(run.status, exit_done) << run.out << run.log;
+    const Json said = Json::parse(run.out);
+    EXPECT_NE(said["contract"]["loads"].dump().find("\"bar\""), std::string::npos) << run.out;
+    const CommandRun hit = check(file, {"--accept-map", "--allow-outside", "all"}, "arm.urdf", "beside");
+    EXPECT_EQ(hit.status, exit_no) << hit.out;
+    EXPECT_NE(hit.out.find("bar comes too near"), std::string::npos) << hit.out;
+    EXPECT_EQ(check(file, {"--attach", folder_.file("bar.yaml")}).status, exit_done);
+    folder_.write("long.yaml",
+                  "{name: bar, link: lower, box: [0.04, 0.7, 0.04], pose: [0.2, 0.3, 0, 0, 0, 0]}");
+    EXPECT_EQ(refused_terms(check(file, {"--attach", folder_.file("long.yaml")})), Terms{"load"});
+  }
+  const CommandRun bare = check("way.yaml", {"--accept-map", "--allow-outside", "all"}, "arm.urdf", "beside");
+  EXPECT_EQ(bare.status, exit_done) << bare.out;
+}
+
 /// As exports of JSON were until they named it.
 TEST_F(CheckExports, AScaleThatIsNotStatedIsNotCompared) {
   Json json = Json::parse(read_file(folder_.file("way.json")));
@@ -186,6 +231,15 @@ TEST(StatedTerms, AreReadBackAsTheyWereWritten) {
   plan.map_sha256 = std::string(64, 'e');
   plan.map_from_base =
       Eigen::Translation3d(0.1, -2e-9, 3.0) * Eigen::AngleAxisd(1.0, Eigen::Vector3d(1, -2, 3).normalized());
+  Load can;
+  can.name = "can \"1\"\n";
+  can.link = "hand";
+  can.link_from_load = plan.map_from_base;
+  can.shape = Shape::cylinder(0.03, 1.0 / 7.0);
+  can.mass = 0.3;
+  can.touches = {"finger, left"};
+  plan.loads = {{can, {}}};
+  plan.payload = 1.0 / 3.0;
   Trajectory trajectory;
   trajectory.sampling_period = 0.008;
   trajectory.points.push_back({0.0, Configuration::Zero(1), Configuration::Zero(1), {}});
@@ -193,7 +247,7 @@ TEST(StatedTerms, AreReadBackAsTheyWereWritten) {
     return trajectory_format(format, robot).write(robot, plan, trajectory);
   };
   const auto yaml = stated_in_comments(written("ros"), "t.yaml"),
-             json = stated_in_json(YamlFields(written("json"), "t.json"));
+             json = stated_in_json(YamlFields(written("json"), "t.json"), written("json"), "t.json");
   for (const auto& stated : {yaml, json}) {
     ASSERT_TRUE(stated);
     Plan read;
@@ -204,6 +258,9 @@ TEST(StatedTerms, AreReadBackAsTheyWereWritten) {
     EXPECT_EQ(read.held, plan.held);
     EXPECT_EQ(read.map_sha256, plan.map_sha256);
     EXPECT_TRUE(read.map_from_base.isApprox(plan.map_from_base, 1e-12));
+    ASSERT_EQ(read.loads.size(), 1U);
+    EXPECT_TRUE(is_same(read.loads[0].load, can));
+    EXPECT_EQ(read.payload, plan.payload);
   }
 }
 

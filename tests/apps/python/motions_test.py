@@ -195,6 +195,19 @@ class Gates(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "expected no legs"):
             cw.Gate().publish(self.space(), loads=[cw.Load("rod", "link6", box=[0.03, 0.03, 0.4], legs=[0])])
 
+    def test_a_volume_that_names_a_load_counts_for_it(self):
+        robot = cw.load_robot("puma560")
+        q = np.array([-0.8, -0.8, 0.3, 0.0, 0.4, 0.0])
+        at = (robot.tip_pose(q) @ worlds.pose(0.0, 0.0, 0.1))[:3, 3]
+        for center, passes in ((at, True), (at + [0.0, 0.0, 0.5], False)):
+            fused = cw.FreeSpaceMap()
+            fused.paint(fused.add_volume("of the rod", ["rod"]), center, 0.3)
+            gate = cw.Gate()
+            load = cw.Load("rod", "tool", worlds.pose(0.0, 0.0, 0.1), box=[0.03, 0.03, 0.03])
+            gate.publish(cw.ConfigurationSpace(robot, fused.snapshot(), "not_occupied"), loads=[load])
+            verdict = gate.judge([0.0, 1.0], np.tile(q, (2, 1)))
+            self.assertEqual(verdict.is_passed, passes, verdict)
+
     def test_mistakes_are_one_sentence(self):
         gate = cw.Gate(max_velocity=[1.0] * 6, deceleration=3.0)
         for make in (

@@ -120,6 +120,40 @@ TEST(PartPolicies, AreAsTheirDefinitionSaysForAnyChoiceOfPartsVolumesAndLoads) {
   EXPECT_EQ(of_loads.size(), 3U);
 }
 
+/// Also where bodies that turn about their own axis count as parts of the link before: what holds a load does
+/// not change by that.
+TEST(PartPolicies, OfASpaceAreThoseOfItsRobotForALoadOnAnyLink) {
+  for (const char* name : {"puma560", "panda", "arm6"}) {
+    const Robot plain = load_robot(name);
+    for (const Link& link : plain.links) {
+      Load load;
+      load.name = "box";
+      load.shape = Shape::box({0.05, 0.05, 0.05});
+      load.link = link.name;
+      load.link_from_load.translation() = Eigen::Vector3d(0.0, 0.2, 0.05);
+      const Robot robot = with_load(plain, load);
+      const std::vector<std::string> holders = holders_of(robot, "box");
+      if (holders.empty()) continue;
+      std::vector<std::string> others;
+      for (const Body& body : plain.bodies)
+        if (std::find(holders.begin(), holders.end(), body.part) == holders.end())
+          others.push_back(body.part);
+      FreeSpaceMap map({.resolution = 0.1});
+      map.paint(map.add_volume("of holders", holders), {{0.5, 0.0, 0.5}, 0.3});
+      map.paint(map.add_volume("of others", others), {{-0.5, 0.0, 0.5}, 0.3});
+      Policies policies{.parts = {}, .other = Policy::not_occupied, .critical_by_default = false};
+      for (const std::string& holder : holders) policies.parts[holder] = Policy::painted;
+      const ConfigurationSpace space(robot, map.snapshot(), policies);
+      EXPECT_EQ(space.policies(), part_policies(robot, space.map(), policies)) << name << " " << link.name;
+      EXPECT_EQ(space.policies().at("box"), Policy::painted) << name << " " << link.name;
+      const BlockedSpace* const blocked = space.blocked_space(static_cast<int>(robot.bodies.size()) - 1);
+      if (!blocked) continue;
+      EXPECT_FALSE(blocked->is_blocked({0.5, 0.0, 0.5})) << name << " " << link.name;
+      EXPECT_TRUE(blocked->is_blocked({-0.5, 0.0, 0.5})) << name << " " << link.name;
+    }
+  }
+}
+
 TEST(PartPolicies, OfAPartThatTheRobotLacksAreRefusedNamingThoseThatItHas) {
   const Robot robot = load_robot("point");
   try {
