@@ -181,10 +181,11 @@ void report_default_policy(const PlanOptions& options, const Plan& plan, const C
   const bool is_known_free = std::any_of(plan.policies.begin(), plan.policies.end(),
                                          [](const auto& part) { return part.second == Policy::known_free; });
   if (!is_known_free) return;
-  console.log("note: " + space.robot().name +
-              " names no critical part, so all of it must lie in known free space; with --policy "
-              "not_occupied unknown "
-              "counts as free");
+  const bool has_critical = std::any_of(plan.policies.begin(), plan.policies.end(),
+                                        [](const auto& part) { return part.second == Policy::painted; });
+  console.log("note: " + space.robot().name + " names no critical part, so " +
+              (has_critical ? "what no painted volume names" : "all of it") +
+              " must lie in known free space; with --policy not_occupied unknown counts as free");
 }
 
 /// A wheel on its floor, say: no planned joint moves what blocks the start.

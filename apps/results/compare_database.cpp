@@ -22,7 +22,7 @@ CREATE TABLE suites(
 CREATE TABLE experiments(
   id INTEGER PRIMARY KEY, suite INTEGER NOT NULL REFERENCES suites(id), name TEXT NOT NULL, title TEXT, paper TEXT,
   notes TEXT, robot TEXT, scale REAL, policies TEXT, padding_m REAL, payload_kg REAL, gravity TEXT, time_limit_s REAL, runs INTEGER,
-  joints TEXT, plots TEXT, robot_sha256 TEXT);
+  joints TEXT, plots TEXT, robot_sha256 TEXT, problems_sha256 TEXT);
 CREATE TABLE problems(
   id INTEGER PRIMARY KEY, experiment INTEGER NOT NULL REFERENCES experiments(id), name TEXT NOT NULL, world TEXT,
   map_file TEXT, map_sha256 TEXT, resolution_m REAL, start TEXT, goals TEXT);
@@ -132,10 +132,11 @@ void insert_all(Database& database, const CompareResults& results) {
   for (const CompareExperiment& experiment : results.experiments) {
     const SuiteExperiment& setup = experiment.setup;
     const std::int64_t id = database.insert(
-        "experiments", {suite, setup.name, setup.title, setup.paper, setup.notes, experiment.robot_file,
-                        experiment.scale, Json(setup.policies), setup.padding.value_or(0.0), setup.payload,
-                        numbers(setup.gravity), number_or_null(experiment.time_limit), setup.runs,
-                        Json(experiment.joints), Json(setup.plots), experiment.robot_sha256});
+        "experiments",
+        {suite, setup.name, setup.title, setup.paper, setup.notes, experiment.robot_file, experiment.scale,
+         Json(setup.policies), setup.padding.value_or(0.0), setup.payload, numbers(setup.gravity),
+         number_or_null(experiment.time_limit), setup.runs, Json(experiment.joints), Json(setup.plots),
+         experiment.robot_sha256, experiment.problems_sha256});
     for (const CompareProblem& problem : experiment.problems) {
       insert_problem(database, id, experiment, problem);
     }

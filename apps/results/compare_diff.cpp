@@ -35,7 +35,7 @@ struct StoredResults {
   fs::path file;
   std::string host, processor, jobs, seed;
   std::map<std::pair<std::string, std::string>, std::string> maps;  ///< SHA-256, by experiment and problem
-  std::map<std::string, std::string> robots;                        ///< SHA-256, by experiment; may lack all
+  std::map<std::string, std::string> robots, problems;              ///< SHA-256, by experiment; may lack all
   /// Of each experiment what it asked, by what sentences call it, as its database has it; the same of
   /// problems.
   std::map<std::string, std::map<std::string, std::string>> settings;
@@ -102,6 +102,17 @@ class StoredQuery {
   std::unique_ptr<sqlite3_stmt, int (*)(sqlite3_stmt*)> statement_{nullptr, sqlite3_finalize};
 };
 
+/// A column of SHA-256 of the experiments, by name; none of older results, which lack it.
+std::map<std::string, std::string> digests(const fs::path& file, const std::string& column) {
+  std::map<std::string, std::string> found;
+  const std::string is_there = "SELECT 1 FROM pragma_table_info('experiments') WHERE name = '" + column + "'";
+  if (!StoredQuery(file, is_there.c_str()).next()) return found;
+  const std::string all = "SELECT name, " + column + " FROM experiments";
+  StoredQuery experiments(file, all.c_str());
+  while (experiments.next()) found[experiments.text(0)] = experiments.text(1);
+  return found;
+}
+
 StoredResults load_results(const fs::path& given) {
   StoredResults results;
   results.file = fs::is_directory(given) ? given / "results.sqlite" : given;
@@ -126,12 +137,8 @@ StoredResults load_results(const fs::path& given) {
   while (experiments.next())
     for (std::size_t i = 0; i < names.size(); ++i)
       results.settings[experiments.text(0)][names[i]] = experiments.text(static_cast<int>(i) + 1);
-  StoredQuery has_robots(results.file,  // older ones have not
-                         "SELECT 1 FROM pragma_table_info('experiments') WHERE name = 'robot_sha256'");
-  if (has_robots.next()) {
-    StoredQuery robots(results.file, "SELECT name, robot_sha256 FROM experiments");
-    while (robots.next()) results.robots[robots.text(0)] = robots.text(1);
-  }
+  results.robots = digests(results.file, "robot_sha256");
+  results.problems = digests(results.file, "problems_sha256");
   StoredQuery runs(
       results.file,
       "SELECT experiments.name, label, problems.name, run, runs.seed, valid, cpu_s, cost_joules, "
@@ -320,6 +327,16 @@ void add_other_settings(const StoredResults& before, const StoredResults& after,
   }
 }
 
+/// Experiments of both whose digests differ.
+std::vector<std::string> differing(const std::map<std::string, std::string>& before,
+                                   const std::map<std::string, std::string>& after) {
+  std::vector<std::string> names;
+  for (const auto& [experiment, digest] : before)
+    if (const auto found = after.find(experiment); found != after.end() && found->second != digest)
+      names.push_back(experiment);
+  return names;
+}
+
 std::vector<std::string> notes_on(const StoredResults& before, const StoredResults& after) {
   std::vector<std::string> notes;
   if (before.host != after.host || before.processor != after.processor)
@@ -328,14 +345,16 @@ std::vector<std::string> notes_on(const StoredResults& before, const StoredResul
   if (before.jobs != after.jobs)
     notes.push_back("--jobs differ (" + before.jobs + ", " + after.jobs +
                     "): planners that share a machine slow each other down.");
-  for (const auto& [experiment, robot] : before.robots)
-    if (const auto found = after.robots.find(experiment);
-        found != after.robots.end() && found->second != robot)
-      notes.push_back("The robots of experiment '" + plain(experiment) +
-                      "' differ, as its files say something else: what changed may be theirs.");
-  for (const std::string& other : {other_of_problems("maps", before.maps, after.maps),
-                                   other_of_problems("starts or goals", before.ends, after.ends)})
+  for (const std::string& experiment : differing(before.robots, after.robots))
+    notes.push_back("The robots of experiment '" + plain(experiment) +
+                    "' differ, as its files say something else: what changed may be theirs.");
+  const std::string other_ends = other_of_problems("starts or goals", before.ends, after.ends);
+  for (const std::string& other : {other_of_problems("maps", before.maps, after.maps), other_ends})
     if (!other.empty()) notes.push_back(other);
+  if (other_ends.empty())
+    for (const std::string& experiment : differing(before.problems, after.problems))
+      notes.push_back("The problems of experiment '" + plain(experiment) +
+                      "' differ, in their loads or in which there are: what changed may be theirs.");
   add_other_settings(before, after, notes);
   add_other_options(before, after, notes);
   const auto report_missing = [&](const StoredResults& from, const StoredResults& in) {

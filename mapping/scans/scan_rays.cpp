@@ -40,7 +40,11 @@ class EndChooser {
       if ((points.has_cell >> i & 1U) == 0) {
         add_without_cell(points.point(i), (points.finite >> i & 1U) != 0);
       } else if (insertion_.discretize) {
-        add_cell(points.cell(i));
+        if (insertion_.integration == Integration::safe && max_range_ > 0.0) {
+          add_safe_cell(points.point(i), points.cell(i));
+        } else {
+          add_cell(points.cell(i));
+        }
       } else {
         add_point(points.point(i), points.cell(i), false);
       }
@@ -69,8 +73,27 @@ class EndChooser {
       ++*last_count_;
       return;
     }
-    const Eigen::Array3d centre = (cell.cast<double>().array() + 0.5) * tree_.getResolution();  // keyToCoord
-    last_count_ = add_point(centre.cast<float>(), cell, repeated);
+    last_count_ = add_point(centre_of(cell), cell, repeated);
+  }
+
+  /// A return within range blocks its voxel, wherever the centre lies that its ray ends at.
+  void add_safe_cell(const Eigen::Vector3f& point, const Eigen::Vector3i& cell) {
+    const bool is_near = !is_beyond(point);
+    ++(is_near ? out_.counts.inserted : out_.counts.beyond_range);
+    if (is_near && cell != last_hit_) {
+      out_.hits.set_occupied(cell);
+      last_hit_ = cell;
+    }
+    if (cell == last_cell_) return;
+    last_cell_ = cell;
+    if (!out_.seen.set_occupied(cell)) return;
+    const ScanCounts counts = out_.counts;
+    add_point(centre_of(cell), cell, false);
+    out_.counts = counts;
+  }
+
+  Eigen::Vector3f centre_of(const Eigen::Vector3i& cell) const {  // as OctoMap's keyToCoord
+    return ((cell.cast<double>().array() + 0.5) * tree_.getResolution()).cast<float>();
   }
 
   /// Returns what counts points like this one.

@@ -256,12 +256,15 @@ TEST(CompareDiff, CountsOtherPathsAndNamesWhatCannotBeCompared) {
   EXPECT_NE(diff.notes[1].find("'two' in experiment 'e'"), std::string::npos);
   after.experiments[0].problems[3].map_sha256 = "01";
   after.experiments[0].robot_sha256 = "02";
+  after.experiments[0].problems_sha256 = "03";
   save_database(after, folder.path() / "new.sqlite");
   const CompareDiff others = compare_diff(folder.path() / "old.sqlite", folder.path() / "new.sqlite");
-  ASSERT_EQ(others.notes.size(), 4U);
+  ASSERT_EQ(others.notes.size(), 5U);
   EXPECT_NE(others.notes[1].find("robots of experiment 'e' differ"), std::string::npos) << others.notes[1];
   EXPECT_NE(others.notes[2].find("maps of 1 problem differ, as in 'p3'"), std::string::npos)
       << others.notes[2];
+  EXPECT_NE(others.notes[3].find("problems of experiment 'e' differ, in their loads"), std::string::npos)
+      << others.notes[3];
   for (CompareProblem& problem : after.experiments[0].problems) problem.name += "x";
   save_database(after, folder.path() / "new.sqlite");
   EXPECT_THROW(compare_diff(folder.path() / "old.sqlite", folder.path() / "new.sqlite"),

@@ -162,6 +162,39 @@ TEST(SafeScan, OfOneScanSafeFreesASubsetOfWhatCompatibleFreesAndHitsTheSame) {
   }
 }
 
+/// Also where the voxel's centre, at which its one ray ends, is farther: whatever the threads.
+TEST(SafeScan, DiscretizedAReturnWithinRangeBlocksItsVoxel) {
+  constexpr double resolution = 0.1, max_range = 1.0;
+  int beside = 0;
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    Dice dice(seed);
+    Scan scan;
+    scan.map_from_sensor.translation() = dice.point(0.3);
+    for (int i = 0; i < 400; ++i)
+      scan.points.emplace_back((dice.point(1.0).normalized() * dice.uniform(0.85, 1.1)).cast<float>());
+    std::vector<Snapshot> maps;
+    for (const int threads : {1, 3}) {
+      FreeSpaceMap map({.resolution = resolution, .discretize = true, .threads = threads});
+      const ScanCounts counts = map.insert(scan, {.max_range = max_range});
+      const auto near = std::count_if(scan.points.begin(), scan.points.end(),
+                                      [](const Eigen::Vector3f& point) { return point.norm() <= max_range; });
+      EXPECT_NEAR(static_cast<double>(counts.inserted), static_cast<double>(near), 2.0);
+      EXPECT_EQ(counts.inserted + counts.beyond_range, scan.points.size());
+      maps.push_back(map.snapshot());
+    }
+    for (const Eigen::Vector3f& point : scan.points) {
+      if (!(point.norm() < max_range - 1e-6)) continue;
+      const Eigen::Vector3d at = scan.map_from_sensor * point.cast<double>();
+      EXPECT_EQ(maps[0].state(at), VoxelState::occupied) << seed;
+      const Eigen::Vector3d centre = ((at / resolution).array().floor() + 0.5) * resolution;
+      beside += (centre - scan.map_from_sensor.translation()).norm() > max_range ? 1 : 0;
+    }
+    EXPECT_EQ(maps[0].counts().seen_free, maps[1].counts().seen_free);
+    EXPECT_EQ(maps[0].counts().occupied, maps[1].counts().occupied);
+  }
+  EXPECT_GT(beside, 100);
+}
+
 /// Rays to a slanted plane, from a place on its upper side, at a grid of points shifted at random.
 Scan look_at_plane(Dice& dice, const Eigen::Isometry3d& map_from_plane) {
   Scan scan;
