@@ -65,6 +65,11 @@ void take_times(const fs::path& file, std::vector<TimedFile>& scans) {
                                   ": expected seconds, each later than the one before");
     times.push_back(*time);
   }
+  constexpr double hours = 1e4;  // s: a tenth of a second as microseconds is more
+  const double span = times.size() < 2 ? 0.0 : times.back() - times.front();
+  if (const double gap = span / (static_cast<double>(times.size()) - 1.0); gap > hours)
+    throw std::invalid_argument(name + ": expected seconds, got " + short_text(gap) +
+                                " from one scan to the next: are these nanoseconds or microseconds?");
   const std::vector<std::size_t> lines = lines_of(scans, times.size(), name);
   for (std::size_t i = 0; i < scans.size(); ++i) scans[i].time = times[lines[i]];
 }

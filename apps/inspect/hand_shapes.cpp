@@ -13,7 +13,7 @@
 namespace clearway {
 namespace {
 
-constexpr double most_cells = 25e6, farthest_middle = 1e3, largest = 1e3;  // m
+constexpr double most_cells = 25e6, farthest_middle = 1e5, largest = 1e3;  // m
 constexpr double cells_a_side = 32768;  ///< of a map, from its origin, as OctoMap's keys
 
 struct PlacedShape {
@@ -43,7 +43,7 @@ PlacedShape parse_shape(const std::string& text, const std::string& flag) {
                             : kind + (kind == "box" ? ":X,Y,Z,SX,SY,SZ" : ":X,Y,Z,R,H") +
                                   ", and then YAW, or ROLL,PITCH,YAW, or nothing");
   const Eigen::Vector3d middle(n[0], n[1], n[2]);
-  if (!(middle.cwiseAbs().maxCoeff() <= farthest_middle)) refuse("a middle within 1000 m");
+  if (!(middle.cwiseAbs().maxCoeff() <= farthest_middle)) refuse("a middle within 100 km");
   for (std::size_t i = 3; i < 3 + count; ++i)
     if (!(n[i] >= tiny && n[i] <= largest)) refuse("sizes above 0, at most 1000 m");
   for (std::size_t i = 3 + count; i < n.size(); ++i)

@@ -10,6 +10,7 @@
 #include "mapping/maps/map_damage.hpp"
 #include "mapping/maps/map_integration.hpp"
 #include "mapping/stamps/seen_stamps.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 
 namespace clearway {
@@ -115,8 +116,8 @@ void print_map(const Json& json, std::ostream& out) {
     const Json& box = json["bounds"];
     const char* names[] = {"x", "y", "z"};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      rows.emplace_back(names[axis], significant(box["min"][axis].get<double>()) + " to " +
-                                         significant(box["max"][axis].get<double>()) + " m");
+      rows.emplace_back(names[axis], place_text(box["min"][axis].get<double>()) + " to " +
+                                         place_text(box["max"][axis].get<double>()) + " m");
     }
   }
   if (json.contains("hits_called_free")) {

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "apps/console/parse.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 
 namespace clearway {
@@ -45,9 +46,9 @@ void require_plane(const MapLeaves& map, const SlicePlane& plane, const std::str
   const Eigen::AlignedBox3d bounds = map.bounds();
   if (bounds.isEmpty()) throw std::invalid_argument(flag + ": the map is empty");
   if (plane.value >= bounds.min()[plane.axis] && plane.value <= bounds.max()[plane.axis]) return;
-  throw std::invalid_argument(flag + ": " + significant(plane.value) + " m misses the map, which spans " +
-                              significant(bounds.min()[plane.axis]) + " to " +
-                              significant(bounds.max()[plane.axis]) + " m on that axis");
+  throw std::invalid_argument(flag + ": " + place_text(plane.value) + " m misses the map, which spans " +
+                              place_text(bounds.min()[plane.axis]) + " to " +
+                              place_text(bounds.max()[plane.axis]) + " m on that axis");
 }
 
 std::string spoken(std::string_view name) {

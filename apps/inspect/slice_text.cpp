@@ -2,6 +2,7 @@
 
 #include "apps/console/parse.hpp"
 #include "apps/inspect/slice_states.hpp"
+#include "mapping/system/number_text.hpp"
 
 namespace clearway {
 namespace {
@@ -85,10 +86,10 @@ std::string slice_caption(const MapLeaves& map, const SlicePlane& plane) {
   const Eigen::AlignedBox3d bounds = map.bounds();
   const auto name = [](int axis) { return std::string(1, static_cast<char>('x' + axis)); };
   const auto span = [&](int axis) {
-    return name(axis) + ", " + significant(bounds.min()[axis]) + " to " + significant(bounds.max()[axis]) +
+    return name(axis) + ", " + place_text(bounds.min()[axis]) + " to " + place_text(bounds.max()[axis]) +
            " m";
   };
-  return name(plane.axis) + " = " + significant(plane.value) + " m; to the right " + span(frame.right) +
+  return name(plane.axis) + " = " + place_text(plane.value) + " m; to the right " + span(frame.right) +
          "; upwards " + span(frame.up) + "\n";
 }
 

@@ -1,6 +1,7 @@
 #include "mapping/system/number_text.hpp"
 
 #include <charconv>
+#include <cmath>
 
 namespace clearway {
 
@@ -21,6 +22,12 @@ std::string short_text(double value, int digits) {
   char buffer[40];
   const auto end = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, digits);
   return std::string(buffer, end.ptr);
+}
+
+std::string place_text(double metres) {
+  int digits = 4;
+  for (double reach = 10.0; digits < 17 && std::abs(metres) >= reach; reach *= 10.0) ++digits;
+  return short_text(metres, digits);
 }
 
 std::string grouped(std::size_t number) {

@@ -49,11 +49,6 @@ Lattice::Lattice(const PlanProblem& problem, const BeamOptions& options)
     step_[j] = step_of(robot, joint, options);
     lower_[j] = robot.joints[joint].lower;
     upper_[j] = robot.joints[joint].upper;
-    if (upper_[j] > lower_[j] && upper_[j] - lower_[j] < step_[j]) {
-      throw std::invalid_argument("beam: joint " + quote(robot.joints[joint].name) + " moves by " +
-                                  short_text(upper_[j] - lower_[j]) +
-                                  " at most, expected at least its step, " + short_text(step_[j]));
-    }
   }
 }
 

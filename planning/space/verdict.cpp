@@ -7,6 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/space/collision_model.hpp"
 
@@ -139,8 +140,8 @@ std::string Verdict::sentence() const {
   std::ostringstream text;
   text.imbue(std::locale::classic());
   const auto place = [&] {
-    text << " at (" << std::setprecision(4) << point.x() << ", " << point.y() << ", " << point.z() << "), "
-         << std::setprecision(3);
+    text << " at (" << place_text(point.x()) << ", " << place_text(point.y()) << ", " << place_text(point.z())
+         << "), " << std::setprecision(3);
     if (gap > 0.0)
       text << "with its padding alone: it is " << gap * 1000.0 << " mm away";
     else

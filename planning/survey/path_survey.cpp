@@ -180,7 +180,7 @@ std::string unknown_sentence(const PathSurvey& survey) {
   if (survey.unknown_free.empty()) return {};
   const std::string parts = listed(survey.unknown_free);
   return survey.is_of_obstacles_alone
-             ? "the map holds obstacles alone: unknown space counts as free for " + parts
+             ? "nothing in the map is known to be free: unknown space counts as free for " + parts
              : "unknown space counts as free for " + parts + " (policy not_occupied)";
 }
 

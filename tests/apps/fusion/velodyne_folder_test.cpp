@@ -180,6 +180,9 @@ TEST_F(VelodyneFolders, WhatDoesNotSayWhereTheScannerWasIsRefused) {
   folder_.write("times.txt", "0.1\n0.1\n");
   EXPECT_NE(complaint([&] { points(folder_.path()); }).find("number 2: expected seconds, each later"),
             std::string::npos);
+  folder_.write("times.txt", "1764441600123456789\n1764441600223456789\n");
+  EXPECT_NE(complaint([&] { points(folder_.path()); }).find("are these nanoseconds or microseconds?"),
+            std::string::npos);
 }
 
 TEST_F(VelodyneFolders, ADamagedScanIsNamedAndTheOthersAreFusedWithPointsAtTheOriginCounted) {

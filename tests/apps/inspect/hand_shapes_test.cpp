@@ -256,7 +256,7 @@ TEST_F(HandEdits, RefuseWhatIsNoShapeInOneSentence) {
   refused("sphere:1,2,3,1,0.5", "expected sphere:X,Y,Z,R");
   refused("sphere:1,2,3,-1", "sizes above 0");
   refused("sphere:1,2,a,1", "--occupy");
-  refused("sphere:1,2,30000,1", "a middle within 1000 m");
+  refused("sphere:1,2,300000,1", "a middle within 100 km");
   refused("box:1,2,3,1,1,1,90", "angles in radians, each within a whole turn");
   refused("cylinder:1,2,3,1,1,0,0,-7", "angles in radians, each within a whole turn");
   refused("box:0,0,0,900,900,900", "more than 25000000 voxels");

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace clearway {
 namespace number_text_test {
 
@@ -12,6 +14,13 @@ TEST(NumberText, OptionsReadBackToTheSameAndSentencesHaveFewDigits) {
   EXPECT_EQ(short_text(0.67082, 3), "0.671");
   EXPECT_EQ(short_text(1234567.0, 3), "1.23e+06");
   EXPECT_EQ(short_text(-0.5, 3), "-0.5");
+  EXPECT_EQ(place_text(0.123456), "0.1235");
+  EXPECT_EQ(place_text(-9.98765), "-9.988");
+  EXPECT_EQ(place_text(30.12345), "30.123");
+  EXPECT_EQ(place_text(-3001.4249), "-3001.425");
+  EXPECT_EQ(place_text(1000.0), "1000");
+  EXPECT_EQ(place_text(0.0), "0");
+  EXPECT_EQ(place_text(HUGE_VAL), "inf");
 }
 
 TEST(NumberText, WhatIsCountedIsOneOrMany) {
