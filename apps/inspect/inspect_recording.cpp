@@ -47,24 +47,23 @@ std::string kind_of(const Frame& frame) {
   return std::holds_alternative<OdometryFrame>(frame.content) ? "odometry" : "comment";
 }
 
-Json topics_of(const InspectOptions& options, std::vector<std::vector<std::string>>& rows) {
+Json topics_of(const BagListing& bag, std::vector<std::vector<std::string>>& rows) {
   Json topics = Json::array();
   rows = {{"topic", "type", "messages", "frame", "encoding", "from s", "to s"}};
-  const std::map<std::string, TopicContent> contents = list_contents(options.map);
   double begin = HUGE_VAL;
-  for (const auto& [name, content] : contents) begin = std::min(begin, content.first);
+  for (const auto& [name, content] : bag.contents) begin = std::min(begin, content.recorded.first);
   const auto shown = [](const std::string& text) { return text.empty() ? "-" : plain(text); };
-  for (const BagTopic& topic : list_bag(options.map)) {
+  for (const BagTopic& topic : bag.topics) {
     Json json{{"name", topic.name}, {"type", topic.type}, {"messages", topic.count}};
     std::vector<std::string> row{plain(topic.name), plain(topic.type), std::to_string(topic.count)};
-    if (const auto found = contents.find(topic.name); found != contents.end()) {
-      const TopicContent& content = found->second;
-      if (!content.frame.empty()) json["frame"] = content.frame;
-      if (!content.encoding.empty()) json["encoding"] = content.encoding;
-      json["first_s"] = content.first;
-      json["last_s"] = content.last;
-      row.insert(row.end(), {shown(content.frame), shown(content.encoding),
-                             short_text(content.first - begin, 6), short_text(content.last - begin, 6)});
+    if (const auto found = bag.contents.find(topic.name); found != bag.contents.end()) {
+      const auto& [frame, encoding, recorded] = found->second;
+      if (!frame.empty()) json["frame"] = frame;
+      if (!encoding.empty()) json["encoding"] = encoding;
+      json["first_s"] = recorded.first;
+      json["last_s"] = recorded.last;
+      row.insert(row.end(), {shown(frame), shown(encoding), short_text(recorded.first - begin, 6),
+                             short_text(recorded.last - begin, 6)});
     }
     row.resize(rows.front().size(), "-");
     topics.push_back(std::move(json));
@@ -73,10 +72,10 @@ Json topics_of(const InspectOptions& options, std::vector<std::vector<std::strin
   return topics;
 }
 
-Json frames_of(const InspectOptions& options, std::vector<std::vector<std::string>>& rows) {
+Json frames_of(const BagListing& bag, std::vector<std::vector<std::string>>& rows) {
   Json frames = Json::array();
   rows = {{"frame", "parent", "moves"}};
-  for (const BagFrame& frame : list_frames(options.map)) {
+  for (const BagFrame& frame : bag.frames) {
     frames.push_back({{"name", frame.name}, {"parent", frame.parent}, {"moves", !frame.is_fixed}});
     rows.push_back({plain(frame.name), plain(frame.parent), frame.is_fixed ? "no" : "yes"});
   }
@@ -176,9 +175,10 @@ int inspect_recording(const InspectOptions& options, Console& console) {
   std::optional<std::string> damage;
   if (is_bag(options.map)) {
     json["bag"] = name;
-    json["topics"] = topics_of(options, rows);
-    json["frames"] = frames_of(options, frame_rows);
-    damage = bag_damage(options.map);
+    const BagListing bag = list_contents(options.map);
+    json["topics"] = topics_of(bag, rows);
+    json["frames"] = frames_of(bag, frame_rows);
+    damage = bag.damage;
     if (!damage && is_bag_folder(options.map)) damage = missing_parts(options.map, listed_parts(options.map));
   } else if (const auto layout = depth_in(options.map)) {
     json["recording"] = name;

@@ -58,20 +58,21 @@ class JoinedBag final : public MessageBag {
   }
 
   void visit(const std::vector<bool>& wanted, const std::function<bool(const BagMessage&)>& take) override {
-    done_ = 0;
-    bool goes_on = true;
-    for (at_ = 0; at_ < parts_.size() && goes_on; ++at_) {
-      const Part& part = parts_[at_];
-      std::vector<bool> of_part;
-      for (const std::size_t topic : part.topics) of_part.push_back(wanted[topic]);
-      part.bag->visit(of_part, [&](BagMessage message) {
-        message.topic = part.topics[message.topic];
-        message.place.part = part.number;
-        return goes_on = take(message);
-      });
-      note_damage(part);
-      done_ += part.input->size();
+    visit_parts(&MessageBag::visit, wanted, take);
+  }
+  void visit_by_index(const std::vector<bool>& wanted,
+                      const std::function<bool(const BagMessage&)>& take) override {
+    visit_parts(&MessageBag::visit_by_index, wanted, take);
+  }
+  /// Where each of the parts has an index.
+  std::optional<std::vector<TopicSpan>> spans() const override {
+    std::vector<TopicSpan> spans(topics_.size());
+    for (const Part& part : parts_) {
+      const auto of_part = part.bag->spans();
+      if (!of_part) return std::nullopt;
+      for (std::size_t i = 0; i < of_part->size(); ++i) spans[part.topics[i]].add((*of_part)[i]);
     }
+    return spans;
   }
   std::optional<double> first_time() const override {
     for (const Part& part : parts_)  // one without messages comes first
@@ -90,6 +91,25 @@ class JoinedBag final : public MessageBag {
     std::vector<std::size_t> topics;  ///< numbers of its topics here
     std::size_t number = 0;           ///< in the order of names
   };
+
+  using Visit = void (MessageBag::*)(const std::vector<bool>&, const std::function<bool(const BagMessage&)>&);
+  void visit_parts(Visit visit, const std::vector<bool>& wanted,
+                   const std::function<bool(const BagMessage&)>& take) {
+    done_ = 0;
+    bool goes_on = true;
+    for (at_ = 0; at_ < parts_.size() && goes_on; ++at_) {
+      const Part& part = parts_[at_];
+      std::vector<bool> of_part;
+      for (const std::size_t topic : part.topics) of_part.push_back(wanted[topic]);
+      (*part.bag.*visit)(of_part, [&](BagMessage message) {
+        message.topic = part.topics[message.topic];
+        message.place.part = part.number;
+        return goes_on = take(message);
+      });
+      note_damage(part);
+      done_ += part.input->size();
+    }
+  }
 
   void add(const std::filesystem::path& file) {
     Part part{quote_path(file.filename().string()), std::make_unique<InputFile>(file, "bag"), nullptr, {}};

@@ -152,33 +152,18 @@ std::vector<Line> ask(const std::filesystem::path& file,
   }
 }
 
-}  // namespace
-
-std::optional<std::string> missing_parts(const std::filesystem::path& folder,
-                                         const std::vector<std::string>& parts) {
-  const std::string missing = BagFiles(folder).missing(parts);
-  if (missing.empty()) return std::nullopt;
-  return bag_sentence(folder, "is damaged: " + missing) + ".";
+void tell_topics(MessageBag& bag, const Tell& tell) {
+  for (const BagTopic& topic : bag.topics()) {
+    const char wire = topic.wire == RosWire::ros1 ? '1' : topic.wire == RosWire::cdr ? '2' : '0';
+    tell(topic.count, wire + topic.type + '\n' + topic.name);
+  }
 }
 
-std::optional<std::string> bag_damage(const std::filesystem::path& file) {
-  const auto lines = ask(file, [](MessageBag& bag, const Tell& tell) {
-    bag.visit(std::vector<bool>(bag.topics().size(), true), [](const BagMessage&) { return true; });
-    if (!bag.damage().empty()) tell(0, "0" + bag.damage() + '\n');
-  });
-  if (lines.empty()) return std::nullopt;
-  return bag_sentence(file, "is damaged: " + lines.front().first) + ".";
-}
-
-std::vector<BagTopic> list_bag(const std::filesystem::path& file) {
-  const auto lines = ask(file, [](MessageBag& bag, const Tell& tell) {
-    for (const BagTopic& topic : bag.topics()) {
-      const char wire = topic.wire == RosWire::ros1 ? '1' : topic.wire == RosWire::cdr ? '2' : '0';
-      tell(topic.count, wire + topic.type + '\n' + topic.name);
-    }
-  });
+/// In the order of their names.
+std::vector<BagTopic> topics_of(const std::vector<Line>& lines) {
   std::vector<BagTopic> topics;
   for (const Line& line : lines) {
+    if (line.mark < '0' || line.mark > '2') continue;
     topics.push_back({line.second, line.first, std::nullopt, line.number});
     if (line.mark == '1') topics.back().wire = RosWire::ros1;
     if (line.mark == '2') topics.back().wire = RosWire::cdr;
@@ -188,39 +173,59 @@ std::vector<BagTopic> list_bag(const std::filesystem::path& file) {
   return topics;
 }
 
-std::map<std::string, TopicContent> list_contents(const std::filesystem::path& file) {
-  // Of each topic its frame and encoding, then when it began and ended, and then its name.
-  const auto lines = ask(file, [](MessageBag& bag, const Tell& tell) {
-    const std::vector<TopicContent> contents = contents_of(bag);
-    for (std::size_t i = 0; i < contents.size(); ++i) {
-      const TopicContent& content = contents[i];
-      if (content.last < content.first) continue;
-      tell(i, "f" + content.frame + '\n' + content.encoding);
-      tell(i, "t" + short_text(content.first, 17) + '\n' + short_text(content.last, 17));
-      tell(i, "n\n" + bag.topics()[i].name);
-    }
-  });
+/// Of each topic its frame and encoding, then when it began and ended, and then its name.
+void tell_contents(MessageBag& bag, const Tell& tell) {
+  const std::vector<TopicContent> contents = contents_of(bag);
+  for (std::size_t i = 0; i < contents.size(); ++i) {
+    const auto& [frame, encoding, recorded] = contents[i];
+    if (recorded.last < recorded.first) continue;
+    tell(i, "f" + frame + '\n' + encoding);
+    tell(i, "t" + short_text(recorded.first, 17) + '\n' + short_text(recorded.last, 17));
+    tell(i, "n\n" + bag.topics()[i].name);
+  }
+}
+
+std::map<std::string, TopicContent> contents_from(const std::vector<Line>& lines) {
   std::map<std::string, TopicContent> contents;
   TopicContent next;
   for (const Line& line : lines) {
-    if (line.mark == 'f') next = {.frame = line.first, .encoding = line.second};
+    if (line.mark == 'f') next = {line.first, line.second, {}};
     if (line.mark == 't') {
-      next.first = finite_number(line.first).value_or(0.0);
-      next.last = finite_number(line.second).value_or(0.0);
+      next.recorded.first = finite_number(line.first).value_or(0.0);
+      next.recorded.last = finite_number(line.second).value_or(0.0);
     }
     if (line.mark == 'n') contents[line.second] = next;
   }
   return contents;
 }
 
-std::vector<BagFrame> list_frames(const std::filesystem::path& file) {
-  const auto lines = ask(file, [](MessageBag& bag, const Tell& tell) {
+}  // namespace
+
+std::optional<std::string> missing_parts(const std::filesystem::path& folder,
+                                         const std::vector<std::string>& parts) {
+  const std::string missing = BagFiles(folder).missing(parts);
+  if (missing.empty()) return std::nullopt;
+  return bag_sentence(folder, "is damaged: " + missing) + ".";
+}
+
+std::vector<BagTopic> list_bag(const std::filesystem::path& file) {
+  return topics_of(ask(file, tell_topics));
+}
+
+BagListing list_contents(const std::filesystem::path& file) {
+  const std::vector<Line> lines = ask(file, [](MessageBag& bag, const Tell& tell) {
+    tell_topics(bag, tell);
+    tell_contents(bag, tell);
     for (const BagFrame& frame : frames_of(bag))
-      tell(0, (frame.is_fixed ? '1' : '0') + frame.parent + '\n' + frame.name);
+      tell(frame.is_fixed ? 1 : 0, "r" + frame.parent + '\n' + frame.name);
+    if (!bag.damage().empty()) tell(0, "d" + bag.damage() + '\n');
   });
-  std::vector<BagFrame> frames;
-  for (const Line& line : lines) frames.push_back({line.second, line.first, line.mark == '1'});
-  return frames;
+  BagListing listing{topics_of(lines), contents_from(lines), {}, std::nullopt};
+  for (const Line& line : lines) {
+    if (line.mark == 'r') listing.frames.push_back({line.second, line.first, line.number == 1});
+    if (line.mark == 'd') listing.damage = bag_sentence(file, "is damaged: " + line.first) + ".";
+  }
+  return listing;
 }
 
 std::unique_ptr<FrameSource> open_bag(const std::filesystem::path& file, const SourceOptions& options) {

@@ -58,20 +58,20 @@ inline bool is_bag(const std::filesystem::path& path) { return is_bag_file(path)
 /// @throws std::invalid_argument naming the file when it is no bag.
 std::vector<BagTopic> list_bag(const std::filesystem::path& file);
 
-/// What the messages of each topic are like, by its name, but of those without messages.
-/// @throws std::invalid_argument as list_bag
-std::map<std::string, TopicContent> list_contents(const std::filesystem::path& file);
-
-/// One sentence about what is damaged in a bag, all of which is read for that; nothing: it is whole.
-/// @throws std::invalid_argument as list_bag
-std::optional<std::string> bag_damage(const std::filesystem::path& file);
+/// What a bag holds, its messages included.
+struct BagListing {
+  std::vector<BagTopic> topics;                  ///< in the order of names
+  std::map<std::string, TopicContent> contents;  ///< of topics by their name, but of those without messages
+  std::vector<BagFrame> frames;                  ///< that its transforms join, in the order of names
+  std::optional<std::string> damage;  ///< one sentence about what of that which was read is damaged
+};
+/// Reads what the bag's index leads to: of each topic its first message, and all transforms; all of a bag
+/// that has no index, or a damaged one. @throws std::invalid_argument as list_bag
+BagListing list_contents(const std::filesystem::path& file);
 
 /// One sentence when the folder of a bag lacks some of these parts, which its metadata.yaml lists.
 std::optional<std::string> missing_parts(const std::filesystem::path& folder,
                                          const std::vector<std::string>& parts);
-
-/// The frames that its transforms join, in the order of names. @throws std::invalid_argument as list_bag.
-std::vector<BagFrame> list_frames(const std::filesystem::path& file);
 
 /// The topics of a bag that the options name, as frames in the order of their times, in tf's
 /// poses; the time of a frame is that of its header, where it has one. Sensors are called like their topics.

@@ -1,8 +1,6 @@
 // MCAP, version 0: https://mcap.dev/spec. A file is a row of records; messages are in chunks, or between
 // them.
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -12,92 +10,15 @@
 
 #include "datasets/bags/mcap_chunk.hpp"
 #include "datasets/bags/mcap_format.hpp"
+#include "datasets/bags/mcap_index.hpp"
+#include "datasets/bags/mcap_records.hpp"
 #include "datasets/ros/message_bag.hpp"
 #include "datasets/ros/ros_messages.hpp"
 
 namespace clearway {
 namespace {
 
-using Bytes = std::span<const std::uint8_t>;
-
-constexpr std::size_t record_head = 9;  ///< an opcode and a size of 8 bytes
-
-/// Fields of a record: numbers little-endian and packed, as ROS 1 has them.
-class Fields {
- public:
-  explicit Fields(Bytes bytes) : in_(bytes, RosWire::ros1), bytes_(bytes) {}
-  template <class Number>
-  Number number() {
-    at_ += sizeof(Number);
-    return in_.number<Number>();
-  }
-  std::string text() {
-    std::string result = in_.text();
-    at_ += 4 + result.size();
-    return result;
-  }
-  Bytes rest() const { return bytes_.subspan(at_); }
-
- private:
-  WireReader in_;
-  Bytes bytes_;
-  std::size_t at_ = 0;
-};
-
-struct Record {
-  std::uint8_t opcode = 0;
-  Bytes content;
-};
-
-/// The records of a chunk.
-class Records {
- public:
-  explicit Records(Bytes bytes) : bytes_(bytes) {}
-  bool is_at_end() const { return at_ == bytes_.size(); }
-  /// Nothing: what is left is not a whole record.
-  std::optional<Record> next() {
-    if (bytes_.size() - at_ < record_head) return std::nullopt;
-    std::uint64_t size = 0;
-    std::memcpy(&size, &bytes_[at_ + 1], sizeof size);
-    if (size > bytes_.size() - at_ - record_head) return std::nullopt;
-    const Record record{bytes_[at_], bytes_.subspan(at_ + record_head, size)};
-    at_ += record_head + size;
-    return record;
-  }
-
- private:
-  Bytes bytes_;
-  std::size_t at_ = 0;
-};
-
-/// The file, a part at a time.
-class File {
- public:
-  File(int descriptor, std::uint64_t size) : descriptor_(descriptor), size_(size) {}
-  std::uint64_t size() const { return size_; }
-
-  /// Valid until the next call. @throws std::runtime_error when the file does not have them.
-  Bytes read(std::uint64_t at, std::uint64_t count) {
-    if (at > size_ || count > size_ - at) throw std::runtime_error("the file ends early");
-    if (at < begin_ || at + count > begin_ + part_.size()) {
-      constexpr std::uint64_t ahead = 1U << 16U;
-      part_.resize(std::min(std::max(count, ahead), size_ - at));
-      begin_ = at;
-      for (std::size_t done = 0; done < part_.size();) {
-        const ssize_t got =
-            ::pread(descriptor_, part_.data() + done, part_.size() - done, static_cast<off_t>(at + done));
-        if (got <= 0) throw std::runtime_error("the file cannot be read");
-        done += static_cast<std::size_t>(got);
-      }
-    }
-    return Bytes(part_).subspan(at - begin_, count);
-  }
-
- private:
-  int descriptor_;
-  std::uint64_t size_, begin_ = 0;
-  std::vector<std::uint8_t> part_;
-};
+using mcap::Bytes, mcap::Fields, mcap::File, mcap::Record, mcap::Records, mcap::record_head;
 
 struct Message {
   std::size_t topic = 0;
@@ -119,6 +40,9 @@ class McapBag final : public MessageBag {
         std::memcmp(file_.read(0, mcap::magic.size()).data(), mcap::magic.data(), mcap::magic.size()) != 0)
       throw std::runtime_error("it does not begin as an MCAP file");
     list_places();
+    is_indexed_ = damage_.empty() && has_statistics_ && !has_loose_messages_ && index_.lists(counts_) &&
+                  std::all_of(counts_.begin(), counts_.end(),
+                              [this](const auto& count) { return topic_of_.contains(count.first); });
     if (topics_.empty() || counts_.empty()) look_into_chunks();
     for (const auto& [id, topic] : topic_of_) {
       const auto count = counts_.find(id);
@@ -135,6 +59,29 @@ class McapBag final : public MessageBag {
   }
 
   void visit(const std::vector<bool>& wanted, const std::function<bool(const BagMessage&)>& take) override {
+    visit_places(&McapBag::messages_at, wanted, take);
+  }
+  void visit_by_index(const std::vector<bool>& wanted,
+                      const std::function<bool(const BagMessage&)>& take) override {
+    visit_places(is_indexed_ ? &McapBag::indexed_messages_at : &McapBag::messages_at, wanted, take);
+  }
+
+  std::optional<std::vector<TopicSpan>> spans() const override {
+    if (!is_indexed_) return std::nullopt;
+    std::vector<TopicSpan> spans(topics_.size());
+    for (const auto& [channel, times] : index_.times()) {
+      spans[topic_of_.at(channel)].add(1e-9 * static_cast<double>(times.first));
+      spans[topic_of_.at(channel)].add(1e-9 * static_cast<double>(times.second));
+    }
+    return spans;
+  }
+
+ private:
+  using MessagesAt = std::vector<Message> (McapBag::*)(const Place&, const std::vector<bool>& wanted,
+                                                       std::vector<std::uint8_t>& bytes);
+
+  void visit_places(MessagesAt messages, const std::vector<bool>& wanted,
+                    const std::function<bool(const BagMessage&)>& take) {
     struct Open {
       std::vector<std::uint8_t> bytes;
       std::vector<Message> messages;
@@ -150,7 +97,7 @@ class McapBag final : public MessageBag {
           (queue.empty() || places_[next_place].first_time <= queue.top().first)) {
         offset_ = std::max<std::uint64_t>(offset_, places_[next_place].at);
         Open& place = open[next_place];
-        place.messages = messages_at(places_[next_place], wanted, place.bytes);
+        place.messages = (this->*messages)(places_[next_place], wanted, place.bytes);
         if (place.messages.empty()) {
           open.erase(next_place);
         } else {
@@ -174,7 +121,6 @@ class McapBag final : public MessageBag {
     offset_ = file_.size();
   }
 
- private:
   /// The opcode and size of the record at a place.
   std::pair<std::uint8_t, std::uint64_t> head_at(std::uint64_t at) {
     const Bytes head = file_.read(at, record_head);
@@ -211,15 +157,19 @@ class McapBag final : public MessageBag {
       Fields in(file_.read(at + record_head, std::min(size, message_head)));
       if (opcode == mcap::message) in.number<std::uint16_t>(), in.number<std::uint32_t>();
       places_.push_back({in.number<std::uint64_t>(), at});
+      has_loose_messages_ |= opcode == mcap::message;
+    } else if (opcode == mcap::message_index && !places_.empty()) {
+      if (size <= most) index_.add(places_.back().at, file_.read(at + record_head, size), at + record_head);
     } else if (opcode == mcap::schema || opcode == mcap::channel || opcode == mcap::statistics) {
       if (size > most) throw std::runtime_error("it is too large");
       const Record record{opcode, file_.read(at + record_head, size)};
-      if (opcode != mcap::statistics) return learn(record);
-      note_counts(record);
+      if (opcode == mcap::statistics) return note_counts(record);
+      learn(record);
     }
   }
 
   void note_counts(const Record& record) {
+    has_statistics_ = true;
     Fields in(record.content);
     in.number<std::uint64_t>(), in.number<std::uint16_t>();
     for (int i = 0; i < 4; ++i) in.number<std::uint32_t>();
@@ -312,16 +262,77 @@ class McapBag final : public MessageBag {
     return messages;
   }
 
+  /// As messages_at, but of a chunk that is not packed only what its index leads to.
+  std::vector<Message> indexed_messages_at(const Place& place, const std::vector<bool>& wanted,
+                                           std::vector<std::uint8_t>& bytes) {
+    std::vector<McapIndex::Entry> entries;
+    for (const McapIndex::Channel& channel : index_.channels_at(place.at))
+      if (wanted[topic_of_.at(channel.id)])
+        McapIndex::read(file_.read(channel.at, channel.size),
+                        [&](const McapIndex::Entry& entry) { entries.push_back(entry); });
+    std::sort(entries.begin(), entries.end(),
+              [](const McapIndex::Entry& a, const McapIndex::Entry& b) { return a.offset < b.offset; });
+    if (entries.empty()) return {};
+    try {
+      return listed_messages(place, entries, bytes);
+    } catch (const std::runtime_error&) {  // packed, or its index is wrong
+      return messages_at(place, wanted, bytes);
+    }
+  }
+
+  /// @param entries in the order in which the messages lie in the chunk
+  /// @throws std::runtime_error where it is packed, or one of its messages is not where it should be
+  std::vector<Message> listed_messages(const Place& place, const std::vector<McapIndex::Entry>& entries,
+                                       std::vector<std::uint8_t>& bytes) {
+    constexpr std::uint64_t message_head = 22, chunk_head = 40;  // of a chunk that is not packed
+    const std::uint64_t end = place.at + record_head + head_at(place.at).second;
+    Fields chunk(file_.read(place.at + record_head, chunk_head));
+    for (int i = 0; i < 3; ++i) chunk.number<std::uint64_t>();
+    chunk.number<std::uint32_t>();
+    if (!chunk.text().empty()) throw std::runtime_error("it is packed");
+    std::vector<std::size_t> begins;
+    bytes.clear();
+    for (const McapIndex::Entry& entry : entries) {
+      const std::uint64_t at = place.at + record_head + chunk_head + entry.offset;
+      if (at >= end) throw std::runtime_error("a message is beyond its chunk");
+      const auto [opcode, size] = head_at(at);
+      if (size < message_head || size > end - at || size > most_chunk_bytes)
+        throw std::runtime_error("another record is there");
+      const Bytes content = file_.read(at + record_head, size);
+      Fields in(content);
+      const bool is_of_channel = in.number<std::uint16_t>() == entry.channel;
+      in.number<std::uint32_t>();
+      if (opcode != mcap::message || !is_of_channel || in.number<std::uint64_t>() != entry.time)
+        throw std::runtime_error("another record is there");
+      begins.push_back(bytes.size());
+      bytes.insert(bytes.end(), content.begin(), content.end());
+    }
+    begins.push_back(bytes.size());
+    std::vector<Message> messages;
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+      const Bytes content = Bytes(bytes).subspan(begins[i], begins[i + 1] - begins[i]);
+      messages.push_back({topic_of_.at(entries[i].channel),
+                          entries[i].time,
+                          content.subspan(message_head),
+                          {0, place.at, i}});
+    }
+    std::stable_sort(messages.begin(), messages.end(),
+                     [](const Message& a, const Message& b) { return a.time < b.time; });
+    return messages;
+  }
+
   void report_damage(const std::string& what) {
     if (damage_.empty()) damage_ = what;
   }
 
   File file_;
   std::vector<Place> places_;
+  McapIndex index_;
   std::map<std::uint16_t, std::string> schemas_;
   std::map<std::uint16_t, std::size_t> topic_of_;
   std::map<std::uint16_t, std::uint64_t> counts_;
   std::uint64_t offset_ = 0;
+  bool has_statistics_ = false, has_loose_messages_ = false, is_indexed_ = false;
 };
 
 }  // namespace

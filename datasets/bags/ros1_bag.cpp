@@ -6,7 +6,6 @@
 #include <rosbag/view.h>
 
 #include <algorithm>
-#include <cstring>
 #include <exception>
 #include <list>
 #include <map>
@@ -16,6 +15,7 @@
 #include <utility>
 
 #include "datasets/bags/mcap_chunk.hpp"
+#include "datasets/bags/ros1_records.hpp"
 #include "datasets/ros/message_bag.hpp"
 #include "mapping/system/input_file.hpp"
 
@@ -31,7 +31,12 @@ class Ros1Bag final : public MessageBag {
       bag_.open(path, rosbag::bagmode::Read);
       rosbag::View view(bag_);
       for (const rosbag::ConnectionInfo* connection : view.getConnections()) learn(*connection);
-      for (const rosbag::MessageInstance& message : view) ++topics_[topic_of(message)].count;
+      spans_.resize(topics_.size());
+      for (const rosbag::MessageInstance& message : view) {
+        const std::size_t topic = topic_of(message);
+        ++topics_[topic].count;
+        spans_[topic].add(message.getTime().toSec());
+      }
       if (view.size() > 0) first_time_ = view.getBeginTime().toSec();
     } catch (const rosbag::BagUnindexedException&) {
       throw std::runtime_error(
@@ -44,6 +49,7 @@ class Ros1Bag final : public MessageBag {
   }
 
   std::optional<double> first_time() const override { return first_time_; }
+  std::optional<std::vector<TopicSpan>> spans() const override { return spans_; }
 
   std::uint64_t offset() const override {
     return static_cast<std::uint64_t>(share_ * static_cast<double>(bag_.getSize()));
@@ -101,62 +107,9 @@ class Ros1Bag final : public MessageBag {
   rosbag::Bag bag_;
   std::map<std::pair<std::string, std::string>, std::size_t> topic_of_;
   std::optional<double> first_time_;
+  std::vector<TopicSpan> spans_;
   double share_ = 0.0;
 };
-
-constexpr std::string_view ros1_magic = "#ROSBAG V2.0\n";
-enum Ros1Record : std::uint8_t { op_message = 2, op_bag = 3, op_chunk = 5, op_connection = 7 };
-
-template <class Number>
-Number ros1_number(std::string_view bytes, std::size_t at = 0) {
-  Number number;
-  if (bytes.size() < at + sizeof number) throw std::runtime_error("a record is cut off");
-  std::memcpy(&number, bytes.data() + at, sizeof number);
-  return number;
-}
-
-/// The fields "name=value" of a record's head, each behind its length.
-std::map<std::string, std::string> ros1_fields(std::string_view head) {
-  std::map<std::string, std::string> fields;
-  for (std::size_t at = 0; at < head.size();) {
-    const auto length = ros1_number<std::uint32_t>(head, at);
-    at += sizeof length;
-    if (length > head.size() - at) throw std::runtime_error("a record is cut off");
-    const std::string_view field = head.substr(at, length);
-    const std::size_t equals = field.find('=');
-    if (equals == std::string_view::npos) throw std::runtime_error("a record has a field without a value");
-    fields.emplace(field.substr(0, equals), field.substr(equals + 1));
-    at += length;
-  }
-  return fields;
-}
-
-/// One record of a bag, or of a chunk.
-struct Ros1Head {
-  std::map<std::string, std::string> fields;
-  std::uint64_t data = 0;  ///< where its data begin
-  std::uint32_t size = 0;  ///< of them, bytes
-
-  std::string_view at(const std::string& name) const {
-    const auto found = fields.find(name);
-    if (found == fields.end()) throw std::runtime_error("a record has no field " + name);
-    return found->second;
-  }
-  std::uint8_t op() const { return ros1_number<std::uint8_t>(at("op")); }
-};
-
-/// @param read gives so many bytes from a place, or throws
-template <class Read>
-Ros1Head ros1_head(std::uint64_t at, const Read& read) {
-  const auto length = ros1_number<std::uint32_t>(read(at, sizeof(std::uint32_t)));
-  constexpr std::uint32_t most = 1U << 20U;
-  if (length > most) throw std::runtime_error("a record is damaged");
-  Ros1Head head;
-  head.fields = ros1_fields(read(at + sizeof length, length));
-  head.data = at + 2 * sizeof length + length;
-  head.size = ros1_number<std::uint32_t>(read(head.data - sizeof length, sizeof length));
-  return head;
-}
 
 /// The chunks of a bag, one after the other, without an index.
 class Ros1Chunks {
@@ -261,6 +214,12 @@ class Ros1RecordsBag final : public MessageBag {
 
   std::optional<double> first_time() const override {
     return entries_.empty() ? std::nullopt : std::optional(entries_.front().time);
+  }
+  /// The chunks have all been unpacked once, for want of an index.
+  std::optional<std::vector<TopicSpan>> spans() const override {
+    std::vector<TopicSpan> spans(topics_.size());
+    for (const Entry& entry : entries_) spans[entry.topic].add(entry.time);
+    return spans;
   }
   std::uint64_t offset() const override {
     return static_cast<std::uint64_t>(share_ * static_cast<double>(chunks_->size()));

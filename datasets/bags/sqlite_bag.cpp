@@ -44,6 +44,13 @@ class SqliteBag final : public MessageBag {
     if (entries_.empty()) return std::nullopt;
     return seconds(entries_.front());
   }
+  /// The rows have all been listed; a packed file is unpacked for each visit.
+  std::optional<std::vector<TopicSpan>> spans() const override {
+    if (!open_) return std::nullopt;
+    std::vector<TopicSpan> spans(topics_.size());
+    for (const Entry& entry : entries_) spans[entry.topic].add(seconds(entry));
+    return spans;
+  }
   std::uint64_t offset() const override {
     return entries_.empty()
                ? size_

@@ -20,11 +20,32 @@ bool has_header(const std::string& type) {
          (type.starts_with("geometry_msgs/") && type.ends_with("Stamped"));
 }
 
-void read_head(const BagTopic& topic, const BagMessage& message, TopicContent& content) {
-  WireReader in(message.bytes, *topic.wire), again(message.bytes, *topic.wire);
-  content.frame = read_header(in).frame;
-  if (topic.type == "sensor_msgs/Image") content.encoding = read_image(again).encoding;
-  if (topic.type == "sensor_msgs/CompressedImage") content.encoding = read_compressed_image(again).format;
+/// @returns whether it could be read; else nothing is changed
+bool read_head(const BagTopic& topic, const BagMessage& message, TopicContent& content) {
+  try {
+    WireReader in(message.bytes, *topic.wire), again(message.bytes, *topic.wire);
+    const std::string frame = read_header(in).frame;
+    if (topic.type == "sensor_msgs/Image") content.encoding = read_image(again).encoding;
+    if (topic.type == "sensor_msgs/CompressedImage") content.encoding = read_compressed_image(again).format;
+    content.frame = frame;
+    return true;
+  } catch (const std::runtime_error&) {
+    return false;
+  }
+}
+
+std::vector<TopicContent> contents_by_index(MessageBag& bag, const std::vector<TopicSpan>& spans) {
+  std::vector<TopicContent> contents(spans.size());
+  for (std::size_t i = 0; i < spans.size(); ++i) {
+    contents[i].recorded = spans[i];
+    const BagTopic& topic = bag.topics()[i];
+    if (topic.count == 0 || !topic.wire || !has_header(topic.type)) continue;
+    std::vector<bool> only(spans.size(), false);
+    only[i] = true;
+    bag.visit_by_index(only,
+                       [&](const BagMessage& message) { return !read_head(topic, message, contents[i]); });
+  }
+  return contents;
 }
 
 }  // namespace
@@ -39,7 +60,7 @@ std::vector<BagFrame> frames_of(MessageBag& bag) {
   TransformTree tree;
   std::vector<bool> wanted;
   for (const BagTopic& topic : bag.topics()) wanted.push_back(topic.wire && is_transforms(topic));
-  bag.visit(wanted, [&](const BagMessage& message) {
+  bag.visit_by_index(wanted, [&](const BagMessage& message) {
     const BagTopic& topic = bag.topics()[message.topic];
     try {
       WireReader in(message.bytes, *topic.wire);
@@ -53,16 +74,14 @@ std::vector<BagFrame> frames_of(MessageBag& bag) {
 }
 
 std::vector<TopicContent> contents_of(MessageBag& bag) {
+  if (const auto spans = bag.spans()) return contents_by_index(bag, *spans);
   std::vector<TopicContent> contents(bag.topics().size());
+  std::vector<bool> wants_head;
+  for (const BagTopic& topic : bag.topics()) wants_head.push_back(topic.wire && has_header(topic.type));
   bag.visit(std::vector<bool>(contents.size(), true), [&](const BagMessage& message) {
-    const BagTopic& topic = bag.topics()[message.topic];
-    TopicContent& content = contents[message.topic];
-    content.first = std::min(content.first, message.time);
-    content.last = std::max(content.last, message.time);
-    try {
-      if (content.frame.empty() && topic.wire && has_header(topic.type)) read_head(topic, message, content);
-    } catch (const std::runtime_error&) {  // damaged: the next one
-    }
+    const std::size_t at = message.topic;
+    contents[at].recorded.add(message.time);
+    if (wants_head[at]) wants_head[at] = !read_head(bag.topics()[at], message, contents[at]);
     return true;
   });
   return contents;

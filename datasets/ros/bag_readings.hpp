@@ -1,7 +1,6 @@
 #pragma once
 
 #include <functional>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -17,17 +16,16 @@ bool is_fixed(const BagTopic& topic);
 /// A message's own time, or that of its recording where it has none.
 double time_of(const RosHeader& header, double recorded);
 
-/// The frames that the transforms of a bag join; leaves out damaged ones.
+/// The frames that the transforms of a bag join, read by its index; leaves out damaged ones.
 std::vector<BagFrame> frames_of(MessageBag& bag);
 
 /// What a topic's messages are like.
 struct TopicContent {
-  std::string frame;     ///< of the first header that could be read; empty: there is none
-  std::string encoding;  ///< of the first image, or the format of a compressed one
-  double first = std::numeric_limits<double>::infinity();  ///< s since 1970, when messages were recorded
-  double last = -std::numeric_limits<double>::infinity();
+  std::string frame;     ///< of the first message that could be read; empty: there is none
+  std::string encoding;  ///< of that image, or the format of a compressed one
+  TopicSpan recorded;
 };
-/// Of each of the bag's topics, in their order; reads the whole bag.
+/// Of each of the bag's topics, in their order; reads the whole bag where it has no index that is whole.
 std::vector<TopicContent> contents_of(MessageBag& bag);
 
 /// Calls `take` with the readings of a JointState topic, their own time where they have one; leaves out

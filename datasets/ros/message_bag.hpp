@@ -1,9 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <compare>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -20,6 +22,21 @@ struct BagTopic {
   std::string type;             ///< as "sensor_msgs/Image", for both versions of ROS
   std::optional<RosWire> wire;  ///< none: encoded in a way that is not known here
   std::uint64_t count = 0;      ///< messages
+};
+
+/// When messages of a topic were recorded, s since 1970; before any, `last` is less than `first`.
+struct TopicSpan {
+  double first = std::numeric_limits<double>::infinity();
+  double last = -std::numeric_limits<double>::infinity();
+
+  void add(double time) {
+    first = std::min(first, time);
+    last = std::max(last, time);
+  }
+  void add(const TopicSpan& other) {
+    first = std::min(first, other.first);
+    last = std::max(last, other.last);
+  }
 };
 
 /// Where a message lies: of one topic, later ones are greater. All equal where that is not known (ROS 1).
@@ -49,6 +66,14 @@ class MessageBag {
   /// Calls `take` with the messages of these topics in the order of their times; those of one time as the
   /// file has them. Returning false ends it.
   virtual void visit(const std::vector<bool>& topics, const std::function<bool(const BagMessage&)>& take) = 0;
+  /// As `visit`, but reads no more of the file than its index leads to: damage elsewhere is not noticed.
+  /// Without an index that is whole, as `visit`.
+  virtual void visit_by_index(const std::vector<bool>& topics,
+                              const std::function<bool(const BagMessage&)>& take) {
+    visit(topics, take);
+  }
+  /// By the file's index, of each topic in their order; nothing: it has none that is whole.
+  virtual std::optional<std::vector<TopicSpan>> spans() const { return std::nullopt; }
   /// When the first message was recorded, s since 1970; nothing: there is none.
   virtual std::optional<double> first_time() const = 0;
   /// How much of the file `visit` has been through, bytes.

@@ -103,8 +103,9 @@ TEST_F(SqliteBag, ListsTopicsAndFramesAsOfAnMcapFile) {
     EXPECT_EQ(topics[i].wire, others[i].wire);
     EXPECT_EQ(topics[i].count, others[i].count);
   }
-  EXPECT_EQ(list_frames(folder_ / "a.db3").size(), list_frames(folder_ / "whole.mcap").size());
-  EXPECT_FALSE(bag_damage(folder_ / "a.db3"));
+  const BagListing listing = list_contents(folder_ / "a.db3");
+  EXPECT_EQ(listing.frames.size(), list_contents(folder_ / "whole.mcap").frames.size());
+  EXPECT_FALSE(listing.damage);
 }
 
 TEST_F(SqliteBag, OldSchemasAndLargePagesAreRead) {
