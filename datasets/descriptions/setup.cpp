@@ -154,6 +154,7 @@ DepthOptions read_depth(const YamlFields& fields, const std::filesystem::path& f
   }
   if (fields.has("poses")) depth.poses = folder / fields.file("poses");
   depth.tolerance = fields.number("tolerance", {1e-6, 1e3}, depth.tolerance);
+  depth.pose_scale = fields.optional_number("pose_scale", {1e-6, 1e6});
   fields.finish();
   return depth;
 }

@@ -225,8 +225,10 @@ std::map<fs::path, CameraShot> shots_of_pictures(const CameraPath& path, const f
     throw std::invalid_argument(name + ": none of its " + std::to_string(path.shots.size()) +
                                 " frames is of a depth picture there; expected " +
                                 (path.is_numbered ? "pictures called by their numbers, as 000012.png"
-                                                  : "`depth_file_path`, or pictures whose names are those of "
-                                                    "`file_path`"));
+                                 : path.is_of_colmap
+                                     ? "pictures whose names are those of its images"
+                                     : "`depth_file_path`, or pictures whose names are those of "
+                                       "`file_path`"));
   return shots;
 }
 

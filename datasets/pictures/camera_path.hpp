@@ -26,6 +26,7 @@ struct CameraPath {
   std::optional<double> depth_scale;  ///< m per step of depth pictures; empty: not stated
   bool is_named = false;              ///< shots name their pictures; else they are in the order of these
   bool is_numbered = false;           ///< shots state their pictures' numbers (BOP)
+  bool is_of_colmap = false;          ///< COLMAP's images.txt, which the setup's unit made metres
   bool is_scale_of_integers = false;  ///< depth_scale is that of whole numbers alone
 
   /// Whether all of them state their camera, or any of them its pose.

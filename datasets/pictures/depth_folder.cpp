@@ -89,7 +89,8 @@ class DepthFolder final : public FrameSource {
         poses_(poses_file(layout, options), options.places_depth ? fs::path() : layout.pose_folder, "depth",
                options.depth.poses.empty() ? pictures_of_poses(layout) : in_order_of_names(layout.depth),
                options.depth.tolerance, timed_.time_caveat.empty(),
-               options.depth.mount_file.empty() ? options.depth.camera_file : options.depth.mount_file),
+               options.depth.mount_file.empty() ? options.depth.camera_file : options.depth.mount_file,
+               options.depth.pose_scale),
         depth_(names_of(timed_), "depth picture",
                depth_decoder(camera ? DepthCameras{{*camera}} : cameras_of(path, layout), options_.depth,
                              numbers, confidence_of(names_of(timed_), layout.confidence))),
@@ -355,16 +356,12 @@ std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const Dep
           "back.";
   }
   auto source = std::make_unique<DepthFolder>(layout, path.value_or(CameraPath{}), stated, whole, numbers);
-  std::error_code error;
-  if (!source->has_poses() && !options.places_depth && fs::exists(folder / "images.txt", error))
-    throw std::invalid_argument(name +
-                                " has no poses of its depth pictures but images.txt: " + why_not_colmap);
   if (!source->has_poses() && !options.places_depth)
     throw std::invalid_argument(
         name +
         " has no poses of its depth pictures: expected groundtruth.txt, poses.txt, trajectory.txt (TUM), "
-        "trajectory.log (Redwood), trajectory.json (Open3D) or transforms.json (nerfstudio), a folder pose/ "
-        "of matrices, `poses` of `source: {depth: …}`, "
+        "trajectory.log (Redwood), trajectory.json (Open3D) or transforms.json (nerfstudio), "
+        "images.txt (COLMAP, as text), a folder pose/ of matrices, `poses` of `source: {depth: …}`, "
         "or the sensor 'depth' in the setup's `sensors`");
   return source;
 }

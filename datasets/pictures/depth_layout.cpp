@@ -6,6 +6,7 @@
 #include <set>
 #include <sstream>
 
+#include "datasets/cameras/colmap_images.hpp"
 #include "datasets/pictures/camera_path.hpp"
 #include "datasets/pictures/depth_picture.hpp"
 #include "datasets/pictures/name_time.hpp"
@@ -162,6 +163,14 @@ void take_bop_scene(const fs::path& scene, const fs::path& stated_poses, DepthLa
   layout.poses = scene;
 }
 
+/// What COLMAP wrote, where its images.txt is one.
+void take_colmap_model(const fs::path& folder, DepthLayout& layout) {
+  const fs::path images = first_there(folder, {"images.txt", "sparse/0/images.txt", "sparse/images.txt"});
+  if (images.empty() || !is_colmap_images(read_input(images, "poses", largest_poses))) return;
+  layout.poses = images;
+  if (layout.camera.empty()) layout.camera = first_there(images.parent_path(), {"cameras.txt"});
+}
+
 /// BOP's file of the camera of all scenes, which lies above them.
 fs::path bop_camera_above(const fs::path& above) {
   const fs::path file = first_there(above, {"camera.json", "../camera.json"});
@@ -247,6 +256,7 @@ std::optional<DepthLayout> depth_layout(const fs::path& folder, const fs::path& 
     layout.poses = first_there(folder, {"odometry.csv"});  // Stray Scanner's
   if (layout.poses.empty() && layout.pose_folder.empty())
     layout.poses = first_there(folder, {"trajectory.json"});
+  if (layout.poses.empty() && layout.pose_folder.empty()) take_colmap_model(folder, layout);
   if (!path) {
     if (const fs::path scene = first_there(folder, {"scene_camera.json"}); !scene.empty())
       take_bop_scene(scene, stated_poses, layout);

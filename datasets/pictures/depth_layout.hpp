@@ -13,13 +13,13 @@ constexpr std::size_t largest_poses = std::size_t{256} << 20U;  ///< bytes of a 
 struct DepthLayout {
   std::vector<std::filesystem::path> depth, colour;  ///< colour may be empty
   std::vector<std::filesystem::path> arrays;         ///< beside pictures in `depth/`: depth of another kind
-  std::filesystem::path poses;          ///< TUM text, numbered poses or a camera's path; empty: none
-  bool poses_of_colour = false;         ///< the poses are those of the colour pictures, in order (SUN3D)
-  std::filesystem::path other_poses;    ///< beside transforms.json: which of the two counts is not known
-  std::filesystem::path pose_folder;    ///< of a matrix for each depth picture; empty: none
-  std::filesystem::path camera;         ///< a file of the depth pictures' camera; empty: none
-  std::filesystem::path scene_camera;   ///< BOP's, of cameras and scale, maybe of poses; empty: none
-  std::filesystem::path extrinsic;      ///< ScanNet's extrinsic_depth.txt; empty: none
+  std::filesystem::path poses;         ///< TUM text, numbered poses, a camera's path or COLMAP's; empty: none
+  bool poses_of_colour = false;        ///< the poses are those of the colour pictures, in order (SUN3D)
+  std::filesystem::path other_poses;   ///< beside transforms.json: which of the two counts is not known
+  std::filesystem::path pose_folder;   ///< of a matrix for each depth picture; empty: none
+  std::filesystem::path camera;        ///< a file of the depth pictures' camera; empty: none
+  std::filesystem::path scene_camera;  ///< BOP's, of cameras and scale, maybe of poses; empty: none
+  std::filesystem::path extrinsic;     ///< ScanNet's extrinsic_depth.txt; empty: none
   std::filesystem::path camera_folder;  ///< of a .pincam for each picture (ARKitScenes); empty: none
   std::filesystem::path confidence;  ///< folder of pictures of 0, 1 and 2, called as the depth's; empty: none
   std::filesystem::path tum_table;   ///< that lists the pictures of `depth/` as TUM does; empty: none
@@ -40,7 +40,8 @@ bool is_of_tum(const std::filesystem::path& poses);
 /// `.log` or `.freiburg`, or a folder `pose/` or `poses/`, or NAME.pose.txt; or the pictures that the
 /// `transforms.json` of nerfstudio or instant-ngp names, or is of; or as SUN3D's with `extrinsics/`,
 /// ARKitScenes' (`lowres_depth/` and a `.traj`) or Stray Scanner's
-/// (`odometry.csv` beside `camera_matrix.csv`), or a scene of BOP's (`scene_camera.json`); and
+/// (`odometry.csv` beside `camera_matrix.csv`), COLMAP's model as text (also in `sparse/0/`), or a scene of
+/// BOP's (`scene_camera.json`); and
 /// `intrinsic/intrinsic_depth.txt` (ScanNet), `camera_intrinsic.json` (Open3D) or another file that is called
 /// like a camera's. None when it holds no depth pictures.
 /// @param stated_poses the file that a setup names: no other transforms.json counts then; empty: none

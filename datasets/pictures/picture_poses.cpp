@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "datasets/cameras/body_poses.hpp"
+#include "datasets/cameras/colmap_images.hpp"
 #include "datasets/cameras/lower_case.hpp"
 #include "datasets/pictures/arkit_folder.hpp"
 #include "datasets/pictures/camera_path.hpp"
@@ -188,9 +189,22 @@ void require_columns(const std::string& text, const std::string& name) {
   }
 }
 
-/// COLMAP's images.txt.
-bool is_colmap_images(const std::string& text) {
-  return text.find("IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ") != std::string::npos;
+/// @param unit m, as the setup states it
+CameraPath path_of_colmap(const std::string& text, const std::string& name, std::optional<double> unit) {
+  if (!unit)
+    throw std::invalid_argument(
+        name +
+        ": COLMAP's poses have no scale; expected `pose_scale` of `source: {depth: …}` in the setup, "
+        "how many metres a unit of them is, as a length that was measured says");
+  CameraPath path;
+  path.is_named = path.is_of_colmap = true;
+  for (const ColmapImage& image : parse_colmap_images(text, name)) {
+    CameraShot& shot = path.shots.emplace_back();
+    shot.picture = image.name;
+    shot.world_from_camera = image.world_from_camera;
+    shot.world_from_camera->translation() *= *unit;
+  }
+  return path;
 }
 
 bool is_part(char c) { return c == '.' || c == '_' || c == '-' || c == ' '; }
@@ -240,21 +254,31 @@ std::optional<std::string> name_beside(const fs::path& file, const std::string& 
 
 PicturePoses::PicturePoses(const fs::path& file, fs::path folder, std::string word,
                            const std::vector<fs::path>& pictures, double tolerance, bool have_times,
-                           const fs::path& camera)
+                           const fs::path& camera, std::optional<double> unit)
     : folder_(std::move(folder)), word_(std::move(word)) {
   if (file.empty()) return;
   folder_.clear();
   const std::string name = "poses " + quote_path(file.string());
   std::string text = read_input(file, "poses", largest_pose_file);
-  if (is_colmap_images(text)) throw std::invalid_argument(name + ": " + why_not_colmap);
+  if (is_colmap_images(text)) {
+    take_shots(path_of_colmap(text, name, unit), file, pictures);
+    notes_.push_back(
+        name + " are COLMAP's, of " + short_text(*unit) +
+        " m a unit as `pose_scale` says: in the map, too, the axes are those that COLMAP chose.");
+    return;
+  }
+  if (unit)
+    throw std::invalid_argument(
+        name +
+        ": `pose_scale` is for COLMAP's images.txt, whose unit is not known; expected none, as these "
+        "poses are in metres");
   if (is_arkit_poses(file, text)) text = tum_of_arkit(text, name);
   if (is_camera_path(text)) {
     const CameraPath path = parse_camera_path(text, name);
     if (!path.has_poses())
       throw std::invalid_argument(name +
                                   ": none of its pictures has a pose, expected `cam_R_w2c` and `cam_t_w2c`");
-    for (const auto& [picture, shot] : shots_of_pictures(path, file, pictures))
-      by_file_[picture] = shot.world_from_camera;
+    take_shots(path, file, pictures);
     return;
   }
   auto numbered = parse_stray_poses(text, name);
@@ -279,6 +303,12 @@ PicturePoses::PicturePoses(const fs::path& file, fs::path folder, std::string wo
     notes_.push_back(*jumping);
   nearest_.emplace(parse_tum_poses(text, name, tolerance, &left_out));
   if (!have_times) take_times_for_numbers(text, pictures, name);
+}
+
+void PicturePoses::take_shots(const CameraPath& path, const fs::path& file,
+                              const std::vector<fs::path>& pictures) {
+  for (const auto& [picture, shot] : shots_of_pictures(path, file, pictures))
+    by_file_[picture] = shot.world_from_camera;
 }
 
 void PicturePoses::take_times_for_numbers(const std::string& text, const std::vector<fs::path>& pictures,

@@ -12,10 +12,7 @@
 
 namespace clearway {
 
-/// A clause: why COLMAP's images.txt is not taken for poses, and what is.
-inline constexpr char why_not_colmap[] =
-    "COLMAP's poses have no scale and lead from the world to the camera; expected TUM text or matrices, "
-    "world_from_camera in metres: its poses inverted and scaled to what was measured";
+struct CameraPath;
 
 /// Four rows of four numbers, or the first three of them, world_from_camera, m; empty when they are not
 /// finite (the data sets' way to say that it is not known). @throws std::invalid_argument naming `name` when
@@ -43,8 +40,8 @@ std::optional<std::string> name_beside(const std::filesystem::path& file, const 
 /// Where the camera was at each of a folder's pictures: poses in time, poses by number, or a file for each.
 class PicturePoses {
  public:
-  /// @param file TUM text, numbered poses or a camera's path (camera_path.hpp), told apart by its first line;
-  /// empty: none
+  /// @param file TUM text, numbered poses, a camera's path (camera_path.hpp) or COLMAP's images.txt, told
+  /// apart by its first line; empty: none
   /// @param folder of a matrix for each picture, looked at when there is no `file`: NAME.txt, NAME.pose.txt,
   /// or what stands beside `word` in NAME, alone or after or before "pose"; empty: none
   /// @param pictures all of them in the order of names. Poses with numbers belong to those in the names
@@ -54,10 +51,12 @@ class PicturePoses {
   /// @param have_times false: times of pictures are their places, so that whole numbers as times of poses
   /// belong to the numbers in their names
   /// @param camera its file, which says where it is on a body whose poses they are (camera_on_body)
-  /// @throws std::invalid_argument when the file cannot be read, or numbered poses are not for these pictures
+  /// @param unit of COLMAP's poses, m, which they do not say; empty: not stated
+  /// @throws std::invalid_argument when the file cannot be read, is COLMAP's without a unit or another with
+  /// one, or numbered poses are not for these pictures
   PicturePoses(const std::filesystem::path& file, std::filesystem::path folder, std::string word,
                const std::vector<std::filesystem::path>& pictures, double tolerance, bool have_times = true,
-               const std::filesystem::path& camera = {});
+               const std::filesystem::path& camera = {}, std::optional<double> unit = {});
 
   bool are_there() const { return between_ || !by_file_.empty() || !folder_.empty(); }
 
@@ -72,6 +71,8 @@ class PicturePoses {
   std::optional<Eigen::Isometry3d> of(const TimedFile& picture) const;
 
  private:
+  void take_shots(const CameraPath& path, const std::filesystem::path& file,
+                  const std::vector<std::filesystem::path>& pictures);
   /// Of TUM text, all of whose times are whole numbers.
   void take_times_for_numbers(const std::string& text, const std::vector<std::filesystem::path>& pictures,
                               const std::string& name);

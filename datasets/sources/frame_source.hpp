@@ -96,8 +96,9 @@ struct DepthOptions {
   std::optional<double> scale_of_file;  ///< what a camera's file says of `scale`; others come before
   std::string scale_note;  ///< what is to be told where that counts; without it, why the file's cannot be
   bool rectified = false;  ///< pictures of a folder were freed of the lens's distortion
-  std::filesystem::path poses;  ///< TUM text, world_from_camera; empty: what lies in the folder
-  double tolerance = 0.02;      ///< s between a picture and a pose
+  std::filesystem::path poses;            ///< TUM text, world_from_camera; empty: what lies in the folder
+  double tolerance = 0.02;                ///< s between a picture and a pose
+  std::optional<double> pose_scale = {};  ///< m per unit of COLMAP's poses, which have none of their own
 };
 
 /// In whose frame the points of .pcd and .ply files are; their viewpoints say where the sensor was.

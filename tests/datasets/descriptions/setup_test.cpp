@@ -367,6 +367,11 @@ TEST(SetupDetector, SaysHowImagesAreSearchedAndRefusesWhatTheDetectorDoesNotDo) 
     EXPECT_NE(complaint([&] { parse_setup(wrong, "s"); }), "") << wrong;
 }
 
+TEST(Setup, SaysHowLongAUnitOfColmapsPosesIs) {
+  EXPECT_FALSE(parse_setup("source: {depth: {}}\n", "s").source.depth.pose_scale);
+  EXPECT_EQ(parse_setup("source: {depth: {pose_scale: 0.35}}\n", "s").source.depth.pose_scale, 0.35);
+}
+
 TEST(Setup, SaysWhichPartOfABagIsReadAndWhatInfiniteBeamsDo) {
   const SourceOptions source =
       parse_setup("source: {bag: {from: 2.5, to: 60}, scans: {clear_infinite: true, no_return: 50}}\n", "s")
@@ -418,6 +423,7 @@ TEST(Setup, SaysWhichPartOfABagIsReadAndWhatInfiniteBeamsDo) {
             "expected another frame than 'parent'"},
            {"source: {scans: {clear_infinite: 1}}", "expected true or false"},
            {"source: {scans: {no_return: 0}}", "no_return"},
+           {"source: {depth: {pose_scale: 0}}", "pose_scale"},
            {"source: {scans: {clear: true}}", "unknown key"}}) {
     const std::string sentence = complaint([&text = text] { parse_setup(text, "s"); });
     EXPECT_NE(sentence.find(words), std::string::npos) << sentence;

@@ -145,14 +145,32 @@ TEST_F(DepthFolders, RefusesWhatNamesNoCameraOrNoPoses) {
   folder_.write("depth/1.png", depth_png(1000));
   EXPECT_NE(complaint([&] { open({}); }).find("expected `camera`"), std::string::npos);
   EXPECT_NE(complaint([&] { open(options()); }).find("has no poses"), std::string::npos);
-  folder_.write("images.txt", "# of COLMAP\n");
-  EXPECT_NE(complaint([&] { open(options()); }).find("but images.txt: COLMAP's poses have no scale"),
-            std::string::npos);
+  folder_.write("images.txt", "somebody's list\n");
+  EXPECT_NE(complaint([&] { open(options()); }).find("has no poses"), std::string::npos);
+  folder_.write("images.txt", "4 1 0 0 0 0 0 0 1 1.jpg\n\n");
+  EXPECT_NE(complaint([&] { open(options()); }).find("COLMAP's poses have no scale"), std::string::npos);
   SourceOptions placed = options();
   placed.places_depth = true;
   EXPECT_TRUE(open(placed)->next());
   make("other");
   EXPECT_FALSE(depth_layout(folder_ / "other"));
+}
+
+TEST_F(DepthFolders, TheModelThatColmapWroteBesideThemPlacesPicturesAndHasTheirCamera) {
+  for (const char* name : {"depth", "sparse", "sparse/0"}) make(name);
+  folder_.write("depth/b.png", depth_png(10000));
+  folder_.write("depth/a.png", depth_png(10000));
+  folder_.write("sparse/0/images.txt", "1 1 0 0 0 -4 0 0 1 b.jpg\n\n2 1 0 0 0 -2 0 0 1 a.jpg\n\n");
+  folder_.write("sparse/0/cameras.txt", "1 PINHOLE 48 36 50 52 24.5 18.5\n");
+  SourceOptions with = options();
+  with.depth.pose_scale = 0.5;
+  const auto source = open(with);
+  for (const double x : {1.0, 2.0}) {
+    const auto frame = source->next();
+    ASSERT_TRUE(frame);
+    EXPECT_NEAR(std::get<CloudFrame>(frame->content).world_from_sensor.translation().x(), x, 1e-12);
+  }
+  EXPECT_EQ(depth_layout(folder_.path())->camera, folder_ / "sparse/0/cameras.txt");
 }
 
 TEST_F(DepthFolders, PicturesAndPosesThatAreNoFilesAreDamage) {

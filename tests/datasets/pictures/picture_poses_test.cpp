@@ -230,7 +230,7 @@ TEST_F(PosesOfPictures, ThatAreForOthersAreRefused) {
         {"0 0 1\n" + matrix + "0 0 1\n" + matrix, "line 6: picture 0 has a second pose"},
         {"# nothing\n", "expected at least one pose"},
         {"#   IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n1 1 0 0 0 0 0 0 1 a.png\n\n",
-         "COLMAP's poses have no scale"},
+         "COLMAP's poses have no scale; expected `pose_scale` of `source: {depth: …}`"},
         {"1 2 3 4\n", "line 1: expected three rows"},
         {rows(truth_[0], 3, "\n") + "1 2 3 4\n", "line 4: expected three rows"},
         {matrix + matrix, "matrices of four rows one below the other"},
@@ -239,6 +239,38 @@ TEST_F(PosesOfPictures, ThatAreForOthersAreRefused) {
     EXPECT_NE(sentence.find("poses '"), std::string::npos) << sentence;
     EXPECT_NE(sentence.find(expected), std::string::npos) << sentence;
   }
+}
+
+TEST_F(PosesOfPictures, OfColmapAreInvertedScaledAndFoundByTheNamesOfPictures) {
+  std::ostringstream text;
+  text.precision(17);
+  for (std::size_t i = truth_.size(); i-- > 0;) {  // a unit is 0.25 m
+    Eigen::Isometry3d world_from_camera = truth_[i];
+    world_from_camera.translation() /= 0.25;
+    const Eigen::Isometry3d pose = world_from_camera.inverse();
+    const Eigen::Quaterniond turn(pose.linear());
+    text << 40 + i << ' ' << turn.w() << ' ' << turn.vec().transpose() << ' '
+         << pose.translation().transpose() << " 1 rgb/" << i << ".jpg\n10.5 20 -1 7.25 3 55\n";
+  }
+  folder_.write("images.txt", text.str());
+  const auto read = [&](std::optional<double> unit) {
+    return PicturePoses(folder_ / "images.txt", "", "depth", pictures_, 0.02, true, "", unit);
+  };
+  const PicturePoses poses = read(0.25);
+  expect_those(poses);
+  ASSERT_EQ(poses.notes().size(), 1U);
+  EXPECT_NE(poses.notes()[0].find("COLMAP's, of 0.25 m a unit"), std::string::npos) << poses.notes()[0];
+  EXPECT_NE(complaint([&] { read({}); }).find("`pose_scale`"), std::string::npos);
+  pictures_ = {"other.png"};
+  EXPECT_NE(complaint([&] { read(0.25); }).find("expected pictures whose names are those of its images"),
+            std::string::npos);
+}
+
+TEST_F(PosesOfPictures, OfOtherProgramsThanColmapAreInMetres) {
+  folder_.write("p", tum(1.0, truth_[0]));
+  const std::string said =
+      complaint([&] { PicturePoses(folder_ / "p", "", "depth", pictures_, 0.02, true, "", 0.25); });
+  EXPECT_NE(said.find("`pose_scale` is for COLMAP's images.txt"), std::string::npos) << said;
 }
 
 TEST_F(PosesOfPictures, BehindAHeadOfMoreColumnsAreLeftToIt) {
