@@ -75,10 +75,16 @@ std::vector<Frame> BagFrames::frames_in(const BagMessage& message) {
     WireReader in(message.bytes, *topic.wire);
     const RosLaserScan scan = laser_scan_in(in);
     if (has_opposite_angles(scan)) account_.note_opposite_angles(topic.name);
-    if (scan.time_increment != 0.0F && !options_.bag.fixed_frame.empty())
+    const bool is_merged = this->is_merged(scan, topic.name, message.time);
+    if (scan.time_increment != 0.0F && !options_.bag.fixed_frame.empty() && !is_merged)
       return frames_of_sweep(scan, topic.name, time_of(scan.header, message.time), 0.25 * options_.resolution,
                              options_.clear_infinite,
                              [&](double time) { return pose_of(scan.header.frame, time, message.time); });
+    Frame frame = frame_of(message);
+    if (is_merged)
+      place_merged(std::get<CloudFrame>(frame.content), topic.name, {frame.time, scan.header.frame},
+                   message.time);
+    return {frame};
   }
   if (topic.type == "sensor_msgs/PointCloud2" || is_livox_cloud(topic.type)) return frames_of_cloud(message);
   return {frame_of(message)};
@@ -220,11 +226,33 @@ void BagFrames::note_origin(CloudFrame& cloud, const std::string& topic, const R
     cloud.is_origin_known = !is_bodys(topic, header, recorded);
 }
 
-bool BagFrames::is_bodys(const std::string& topic, const RosHeader& header, double recorded) {
+const MountedFrames& BagFrames::mounted_at(const RosHeader& header, double recorded) {
   const auto [known, is_new] = mounted_.try_emplace(header.frame);
   if (is_new || known->second.names.empty())  // where nothing hangs on it, a transform may come later
     known->second = mounted_on(transforms_, header.frame, time_of(header, recorded), recorded);
-  const MountedFrames& mounted = known->second;
+  return known->second;
+}
+
+bool BagFrames::is_merged(const RosLaserScan& scan, const std::string& topic, double recorded) {
+  constexpr double nearly_all = 6.1;  // rad
+  const double circle = static_cast<double>(scan.ranges.size()) * std::abs(double{scan.angle_increment});
+  return circle >= nearly_all && is_body_name(scan.header.frame) && !is_placed(topic, "laser2d") &&
+         !mounted_at(scan.header, recorded).names.empty();
+}
+
+void BagFrames::place_merged(CloudFrame& cloud, const std::string& topic, const RosHeader& header,
+                             double recorded) {
+  const std::string& sensor = options_.bag.sensor_frame;
+  if (sensor == header.frame) return;
+  cloud.clear_to.clear();  // what no laser saw is there, too
+  if (sensor.empty() || options_.bag.fixed_frame.empty())
+    cloud.is_origin_known = !is_bodys(topic, header, recorded);
+  else
+    place(cloud, topic, header, cloud.world_from_sensor, recorded);
+}
+
+bool BagFrames::is_bodys(const std::string& topic, const RosHeader& header, double recorded) {
+  const MountedFrames& mounted = mounted_at(header, recorded);
   const bool is_body = is_body_name(header.frame) && !mounted.names.empty();
   if (is_body || (mounted.are_sensors && !is_sensor_name(header.frame)))
     account_.note_mounted(topic, header.frame, mounted, is_body);

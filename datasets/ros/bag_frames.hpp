@@ -69,6 +69,13 @@ class BagFrames {
              Eigen::Isometry3d world_from_cloud, double recorded);
   /// Says of a cloud that nobody knows where its rays began, where that is so.
   void note_origin(CloudFrame& cloud, const std::string& topic, const RosHeader& header, double recorded);
+  /// What hangs on the frame of a cloud or scan.
+  const MountedFrames& mounted_at(const RosHeader& header, double recorded);
+  /// Whether a scan goes round in the frame of a body on which lasers are mounted elsewhere: programs merge
+  /// several lasers' scans so (ira_laser_tools).
+  bool is_merged(const RosLaserScan& scan, const std::string& topic, double recorded);
+  /// As `place`. What met nothing in a merged scan counts only where `sensor_frame` is its own.
+  void place_merged(CloudFrame& cloud, const std::string& topic, const RosHeader& header, double recorded);
   /// Whether a cloud is in the frame of a body, on which sensors are mounted elsewhere; a note tells that,
   /// and where another frame has such sensors.
   bool is_bodys(const std::string& topic, const RosHeader& header, double recorded);

@@ -52,6 +52,50 @@ TEST_F(TransformFaultsTest, CloudsInTheFrameOfABodyFreeNothingUntilTheirSensorIs
   EXPECT_FALSE(cloud_of(nameless).is_origin_known) << "no child has the name of a sensor";
 }
 
+/// Of 360 beams, one of which met nothing, as a program merges those of several lasers.
+TEST_F(TransformFaultsTest, ScansThatGoRoundInTheFrameOfABodyFreeNothingUntilTheirSensorIsNamed) {
+  const auto scan_of = [&](const std::string& frame, std::size_t beams, const std::string& sensor,
+                           float time_increment = 0.0F) {
+    ScanBag bag(folder_ / "sweep.mcap");
+    add_mounted(bag, frame, {{"front_laser", 1.0}});
+    std::vector<float> ranges(beams, 2.0F);
+    ranges[7] = INFINITY;
+    constexpr float degree = 0.0174533F;
+    bag.sweep("/scan", 11.0, frame, {-180 * degree, degree, time_increment, 30}, ranges);
+    bag.sort();
+    BagTopics named;
+    named.sensor_frame = sensor;
+    return read(bag, "sweep.mcap", true, named);
+  };
+  const auto last_of = [](const Reading& reading) {
+    return std::get<CloudFrame>(reading.frames.back().content);
+  };
+  for (const float time_increment : {0.0F, 1e-4F}) {
+    const Reading merged = scan_of("base_link", 360, "", time_increment);
+    EXPECT_FALSE(last_of(merged).is_origin_known);
+    EXPECT_TRUE(last_of(merged).clear_to.empty());
+    EXPECT_EQ(last_of(merged).points.size(), 359U);
+    EXPECT_NE(merged.warnings.find("topic '/scan' in frame 'base_link', below which sensors are mounted"),
+              std::string::npos)
+        << merged.warnings;
+    EXPECT_NE(merged.warnings.find("sensor_frame: front_laser}}`"), std::string::npos) << merged.warnings;
+    for (const std::string sensor : {"front_laser", "base_link"}) {
+      const CloudFrame known = last_of(scan_of("base_link", 360, sensor, time_increment));
+      EXPECT_TRUE(known.is_origin_known) << sensor;
+      EXPECT_EQ(known.clear_to.size(), sensor == "base_link" ? 1U : 0U);
+      const double height = base_at(11.0).translation().z();
+      EXPECT_NEAR(known.world_from_sensor.translation().z(), height + (sensor == "base_link" ? 0 : 1), 1e-6);
+      EXPECT_NEAR((known.world_from_sensor * known.points[0].cast<double>()).z(), height, 1e-6);
+    }
+  }
+  for (const auto& [frame, beams] : {std::pair("base_link", 270U), std::pair("plate", 360U)}) {
+    const Reading own = scan_of(frame, beams, "");
+    EXPECT_TRUE(last_of(own).is_origin_known) << frame << beams;
+    EXPECT_EQ(last_of(own).clear_to.size(), 1U);
+    EXPECT_EQ(own.warnings.find("'/scan'"), std::string::npos) << own.warnings;
+  }
+}
+
 TEST_F(TransformFaultsTest, CloudsInAnotherFrameBeginAtItsOriginWhichIsToldWhereSensorsAreElsewhere) {
   const Reading plate = mounted("plate", {{"velodyne", 1.0}});
   EXPECT_TRUE(cloud_of(plate).is_origin_known);
