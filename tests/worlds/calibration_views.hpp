@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <random>
 #include <set>
 #include <string>
@@ -107,6 +109,53 @@ inline std::vector<TagDetection> look_at_body(const Camera& camera, const TagBod
   return noisy_detections(camera, seen, noise, random);
 }
 
+/// Where the straight lines meet that fit a tag's edges best: a lens bends these. @param seen where a point
+/// of the tag is in the image
+template <typename Seen>
+std::array<Eigen::Vector2d, 4> corners_of_lines(const MountedTag& tag, const Seen& seen) {
+  const auto corners = tag_corners(tag.size);
+  std::array<Eigen::Vector2d, 4> middles, normals, found;
+  for (std::size_t i = 0; i < 4; ++i) {
+    constexpr int count = 16;
+    std::vector<Eigen::Vector2d> points;
+    middles[i].setZero();
+    for (int k = 1; k <= count; ++k) {
+      const double share = k / (count + 1.0);
+      points.push_back(seen((1.0 - share) * corners[i] + share * corners[(i + 1) % 4]));
+      middles[i] += points.back() / count;
+    }
+    double xx = 0.0, xy = 0.0, yy = 0.0;
+    for (const Eigen::Vector2d& point : points) {
+      const Eigen::Vector2d off = point - middles[i];
+      xx += off.x() * off.x(), xy += off.x() * off.y(), yy += off.y() * off.y();
+    }
+    const double along = 0.5 * std::atan2(2.0 * xy, xx - yy);
+    normals[i] = {-std::sin(along), std::cos(along)};
+  }
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::size_t before = (i + 3) % 4;
+    const Eigen::Vector2d &a = normals[before], &b = normals[i];
+    const double to_a = a.dot(middles[before]), to_b = b.dot(middles[i]);
+    found[i] = Eigen::Vector2d(to_a * b.y() - to_b * a.y(), to_b * a.x() - to_a * b.x()) /
+               (a.x() * b.y() - a.y() * b.x());
+  }
+  return found;
+}
+
+/// Moves corners from where they are to where a detector finds them, by straight lines.
+inline void find_by_lines(const Camera& camera, const TagBody& body,
+                          const Eigen::Isometry3d& camera_from_body, std::vector<TagDetection>& tags) {
+  for (TagDetection& tag : tags) {
+    const MountedTag& mounted = body.tags.at(tag.id);
+    const auto seen = [&](const Eigen::Vector3d& point) {
+      return *camera.project(camera_from_body * mounted.body_from_tag * point);
+    };
+    const auto corners = tag_corners(mounted.size);
+    const auto found = corners_of_lines(mounted, seen);
+    for (std::size_t i = 0; i < 4; ++i) tag.corners[i] += found[i] - seen(corners[i]);
+  }
+}
+
 /// Views all over the image of a wide lens. @param draw_camera such as drawn_fisheye
 inline DrawnViews draw_wide_views(Camera (*draw_camera)(std::mt19937&), unsigned seed, std::size_t count,
                                   const ViewsLook& look = {}) {
@@ -128,8 +177,9 @@ inline DrawnViews draw_wide_views(Camera (*draw_camera)(std::mt19937&), unsigned
         tag_before_camera(distance, look.tilt * std::abs(unit(random)), M_PI * unit(random),
                           look.roll * unit(random), 0.0, 0.0);
     const Eigen::Isometry3d pose = turn_between(Eigen::Vector3d::UnitZ(), ray->homogeneous()) * ahead;
-    const auto tags = look_at_body(drawn.camera, drawn.true_board, pose, drawn.noise, random);
+    auto tags = look_at_body(drawn.camera, drawn.true_board, pose, drawn.noise, random);
     if (tags.size() < 4) continue;
+    find_by_lines(drawn.camera, drawn.true_board, pose, tags);
     drawn.views.push_back({"view " + std::to_string(drawn.views.size()), tags});
     drawn.true_poses.push_back(pose);
   }
@@ -161,8 +211,9 @@ inline DrawnViews draw_views(unsigned seed, std::size_t count, const ViewsLook& 
     const double y = 0.5 * look.spread * unit(random) * drawn.camera.height / drawn.camera.fy * distance;
     const Eigen::Isometry3d pose = tag_before_camera(distance, look.tilt * std::abs(unit(random)),
                                                      M_PI * unit(random), look.roll * unit(random), x, y);
-    const auto tags = look_at_body(drawn.camera, drawn.true_board, pose, drawn.noise, random);
+    auto tags = look_at_body(drawn.camera, drawn.true_board, pose, drawn.noise, random);
     if (tags.size() < 4) continue;
+    find_by_lines(drawn.camera, drawn.true_board, pose, tags);
     drawn.views.push_back({"view " + std::to_string(drawn.views.size()), tags});
     drawn.true_poses.push_back(pose);
   }
@@ -200,12 +251,10 @@ void look_anew(DrawnViews& drawn, unsigned seed, const Place& place, const Camer
     const Camera camera = camera_of(v);
     for (TagDetection& tag : drawn.views[v].tags) {
       const MountedTag& mounted = drawn.true_board.tags.at(tag.id);
-      const auto corners = tag_corners(mounted.size);
-      for (std::size_t i = 0; i < 4; ++i) {
-        const auto pixel = camera.project(drawn.true_poses[v] * place(mounted.body_from_tag * corners[i]));
-        ASSERT_TRUE(pixel);
-        tag.corners[i] = *pixel + Eigen::Vector2d(noise(random), noise(random));
-      }
+      tag.corners = corners_of_lines(mounted, [&](const Eigen::Vector3d& point) {
+        return camera.project(drawn.true_poses[v] * place(mounted.body_from_tag * point)).value();
+      });
+      for (Eigen::Vector2d& corner : tag.corners) corner += Eigen::Vector2d(noise(random), noise(random));
     }
   }
 }

@@ -44,12 +44,9 @@ void note_residuals(const BundleProblem& problem, const BundleState& state, cons
   for (std::size_t v = 0; v < bundle.views.size(); ++v) {
     fit.tag_squares.emplace_back();
     for (std::size_t t = 0; t < bundle.views[v].tags.size(); ++t) {
-      const TagDetection& seen = bundle.views[v].tags[t];
-      const MountedTag mounted = problem.mounted_of(state, seen.id);
-      const auto points = corners_on_board(mounted, state.bend);
-      for (std::size_t i = 0; i < 4; ++i, ++corners)
-        if (const auto pixel = state.camera.project(state.poses[v] * points[i]))
-          squares += (*pixel + problem.growth_of(state, v, t, i) - seen.corners[i]).squaredNorm();
+      corners += 4;
+      if (const auto misses = problem.misses_of(state, v, t))
+        for (const Eigen::Vector2d& miss : *misses) squares += miss.squaredNorm();
       const auto residual = problem.residual_of(state, v, t);
       fit.tag_squares.back().push_back(residual ? residual->squaredNorm() : 0.0);
     }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "tracking/calibration/straight_edges.hpp"
 #include "tracking/dense.hpp"
 #include "tracking/pose_errors.hpp"
 #include "tracking/tag_pose.hpp"
@@ -36,7 +37,8 @@ void move_camera(Camera& camera, const Eigen::VectorXd& step) {
 
 }  // namespace
 
-/// One tag of one view, whitened: its eight residuals, and their derivatives by what is shared, tag and pose.
+/// One tag of one view, whitened: its eight residuals, and their derivatives by what is shared, tag and pose,
+/// but for those of how far the lens bends edges, which hardly change.
 struct BundleProblem::Block {
   Eigen::VectorXd residual{8};
   Eigen::MatrixXd by{8, kFirstOfPose + 6};
@@ -83,16 +85,22 @@ double BundleProblem::cost(const BundleState& state) const {
 
 std::optional<Eigen::VectorXd> BundleProblem::residual_of(const BundleState& state, std::size_t view,
                                                           std::size_t tag) const {
+  const auto misses = misses_of(state, view, tag);
+  if (!misses) return std::nullopt;
   Eigen::VectorXd residual(8);
-  const TagDetection& seen = bundle_.views[view].tags[tag];
-  const MountedTag mounted = mounted_of(state, seen.id);
-  const auto corners = corners_on_board(mounted, state.bend);
-  for (std::size_t i = 0; i < 4; ++i) {
-    const auto pixel = state.camera.project(state.poses[view] * corners[i]);
-    if (!pixel) return std::nullopt;
-    residual.segment<2>(2 * static_cast<int>(i)) = *pixel + growth_of(state, view, tag, i) - seen.corners[i];
-  }
+  for (int i = 0; i < 4; ++i) residual.segment<2>(2 * i) = (*misses)[static_cast<std::size_t>(i)];
   return product(whitening_[view][tag], residual);
+}
+
+std::optional<std::array<Eigen::Vector2d, 4>> BundleProblem::misses_of(const BundleState& state,
+                                                                       std::size_t view,
+                                                                       std::size_t tag) const {
+  const TagDetection& seen = bundle_.views[view].tags[tag];
+  auto corners =
+      corners_by_straight_edges(state.camera, mounted_of(state, seen.id), state.bend, state.poses[view]);
+  for (std::size_t i = 0; corners && i < 4; ++i)
+    (*corners)[i] += growth_of(state, view, tag, i) - seen.corners[i];
+  return corners;
 }
 
 std::optional<BundleProblem::Equations> BundleProblem::equations(const BundleState& state) const {
@@ -247,7 +255,9 @@ void BundleProblem::add_priors(const BundleState& state, Equations& e) const {
 
 std::optional<BundleProblem::Block> BundleProblem::block_of(const BundleState& state, std::size_t view,
                                                             std::size_t tag) const {
-  Block block;
+  const auto residual = residual_of(state, view, tag);
+  if (!residual) return std::nullopt;
+  Block block{*residual};
   const TagDetection& seen = bundle_.views[view].tags[tag];
   const MountedTag mounted = mounted_of(state, seen.id);
   const Eigen::Isometry3d& pose = state.poses[view];
@@ -258,13 +268,11 @@ std::optional<BundleProblem::Block> BundleProblem::block_of(const BundleState& s
     const Eigen::Vector3d flat = mounted.body_from_tag * in_tag, in_board = state.bend.bent(flat);
     const Eigen::Vector3d in_camera = pose * in_board;
     Eigen::Matrix<double, 2, 3> by_point;
-    const auto pixel = state.camera.project(in_camera, by_point);
-    if (!pixel) return std::nullopt;
+    state.camera.project(in_camera, by_point);
     by_point = by_point * pose.linear();
     const Eigen::Matrix<double, 2, 3> by_flat = by_point * state.bend.by_point(flat);
     const auto corner = static_cast<std::size_t>(i);
     const Edges& edges = edges_[view][tag];
-    block.residual.segment<2>(2 * i) = *pixel + growth_of(state, view, tag, corner) - seen.corners[corner];
     block.by.block(2 * i, 0, 2, kSharedUnknowns) = pixel_by_camera(state.camera, in_camera);
     block.by.block<2, 1>(2 * i, kFirstOfGrowth) = edges.outward[corner];
     block.by.block<2, 1>(2 * i, kFirstOfGrowth + 1) = edges.outward[corner] / edges.side;
@@ -276,9 +284,7 @@ std::optional<BundleProblem::Block> BundleProblem::block_of(const BundleState& s
     block.by.block<2, 3>(2 * i, kFirstOfPose) = by_point;
     block.by.block<2, 3>(2 * i, kFirstOfPose + 3) = -by_point * cross_matrix(in_board);
   }
-  const Eigen::MatrixXd& white = whitening_[view][tag];
-  block.residual = product(white, block.residual);
-  block.by = product(white, block.by);
+  block.by = product(whitening_[view][tag], block.by);
   const int own = column(order_.at(seen.id));
   for (int i = 0; i < kFirstOfPose; ++i)
     if (sigma_[i < kSharedUnknowns ? i : own + i - kSharedUnknowns] == 0.0) block.by.col(i).setZero();

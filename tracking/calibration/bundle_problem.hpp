@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 
@@ -57,9 +58,10 @@ class BundleProblem {
 
   MountedTag mounted_of(const BundleState& state, int id) const;
 
-  /// How far the state has the corner outside of where camera and pose put it, pixels.
-  Eigen::Vector2d growth_of(const BundleState& state, std::size_t view, std::size_t tag,
-                            std::size_t corner) const;
+  /// How far from where a tag's corners were found in a view they should be by the state, pixels; none where
+  /// one is out of sight.
+  std::optional<std::array<Eigen::Vector2d, 4>> misses_of(const BundleState& state, std::size_t view,
+                                                          std::size_t tag) const;
 
   int unknowns() const;
   int priors() const;
@@ -68,6 +70,9 @@ class BundleProblem {
   struct Block;
   Eigen::MatrixXd whitening(const BoardView& view, const TagDetection& tag, double noise_px,
                             double edge_bias) const;
+  /// How far the state has the corner outside of where camera and pose put it, pixels.
+  Eigen::Vector2d growth_of(const BundleState& state, std::size_t view, std::size_t tag,
+                            std::size_t corner) const;
   double off(const BundleState& state, int i) const;
   double squares_of_priors(const BundleState& state) const;
   void add_priors(const BundleState& state, Equations& e) const;

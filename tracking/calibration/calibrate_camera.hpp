@@ -54,7 +54,8 @@ struct CameraCalibration {
 
 /// Camera from views of a board whose tags lie in one plane. OpenCV's calibrateCamera (Zhang 2000) begins;
 /// bundle adjustment of camera, poses and the board, held by the board's own stated errors, ends, so that
-/// the covariance counts these too; how far blur moves the edges of all tags alike is one more unknown,
+/// the covariance counts these too; corners were found where straight lines along their edges meet
+/// (corners_by_straight_edges); how far blur moves the edges of all tags alike is one more unknown,
 /// but of rational lenses; how far the print is stretched along one side another, which views of a board that
 /// is never turned on its side hardly tell from the camera's aspect. k3 stays 0 unless the views show it by
 /// four standard deviations; the covariance counts what it may be. Views and tags that contradict the others

@@ -4,16 +4,24 @@
 #include <cmath>
 #include <limits>
 
+#include "tracking/calibration/straight_edges.hpp"
 #include "tracking/pose_refinement.hpp"
 
 namespace clearway {
 namespace {
 
+/// Where the corners are in the image: not quite where they were found (corners_by_straight_edges).
 std::vector<CornerMatch> matches(const Bundle& bundle, const BoardView& view) {
   std::vector<CornerMatch> corners;
   for (const TagDetection& tag : view.tags) {
-    const auto points = corners_on_board(bundle.board.tags.at(tag.id), bundle.bend);
-    for (std::size_t i = 0; i < 4; ++i) corners.push_back({points[i], tag.corners[i]});
+    const MountedTag& mounted = bundle.board.tags.at(tag.id);
+    const auto points = corners_on_board(mounted, bundle.bend);
+    const auto found = corners_by_straight_edges(bundle.camera, mounted, bundle.bend, view.camera_from_board);
+    for (std::size_t i = 0; i < 4; ++i) {
+      Eigen::Vector2d at = tag.corners[i];
+      if (found) at += *bundle.camera.project(view.camera_from_board * points[i]) - (*found)[i];
+      corners.push_back({points[i], at});
+    }
   }
   return corners;
 }

@@ -208,7 +208,7 @@ TEST(CalibrateCamera, a_fisheye_is_found_though_a_view_of_it_is_lost) {
 
 TEST(CalibrateCamera, sigmas_cover_the_true_errors_of_drawn_fisheyes) {
   const int drawn_cameras = trials(5, 50);
-  double joint = 0.0;
+  double joint = 0.0, focal = 0.0;
   Moves moves;
   for (int seed = 1; seed <= drawn_cameras; ++seed) {
     const DrawnViews drawn = scene::draw_wide_views(scene::drawn_fisheye, static_cast<unsigned>(seed), 20);
@@ -229,11 +229,13 @@ TEST(CalibrateCamera, sigmas_cover_the_true_errors_of_drawn_fisheyes) {
       off[4 + static_cast<int>(k)] = found.camera.distortion[k] - truth.distortion[k];
     const Eigen::Matrix<double, 8, 8> covariance = found.covariance.topLeftCorner<8, 8>();
     joint += Cholesky(covariance).squared(off);
+    focal += off[0] / std::sqrt(covariance(0, 0));
     EXPECT_NEAR(found.held_out_px / std::sqrt(2.0), drawn.noise, 0.35 * drawn.noise + 0.08) << seed;
     moves.add(found.camera, truth);
   }
   EXPECT_LT(joint, chi_square_of_a_thousand(8 * drawn_cameras));
-  EXPECT_GT(joint, 2 * drawn_cameras);  // not many times too careful
+  EXPECT_GT(joint, 2 * drawn_cameras);                         // not many times too careful
+  EXPECT_LT(std::abs(focal), 3.5 * std::sqrt(drawn_cameras));  // no bias, whatever edges the lens bends
   EXPECT_LE(moves.outside, moves.asked / 100);
 }
 
