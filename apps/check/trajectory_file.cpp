@@ -221,7 +221,7 @@ std::vector<ForeignTrajectory> read_trajectories(const std::filesystem::path& fi
   for (const YamlFields& found : innermost(root)) entries.push_back(trajectory_of(found));
   if (entries.empty()) root.fail("joint_names", "expected the names of a JointTrajectory");
   if (is_yaml) entries.front().stated = stated_in_comments(text, file);
-  entries.front().start = start_of(root);
+  entries.front().start = entries.front().stated_start = start_of(root);
   entries.front().map_from_base = base_of(root);
   if (!root.is_map("model_id") && !root.is_list("model_id"))
     entries.front().model = root.prose("model_id", "");

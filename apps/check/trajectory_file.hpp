@@ -26,7 +26,8 @@ struct ForeignTrajectory {
   std::vector<std::vector<double>> velocities{}, accelerations{};  ///< of each point with a time; empty: none
   std::string model{};  ///< the robot that the file is for, model_id of a DisplayTrajectory; empty: not said
   std::string field{};  ///< "trajectory[1]" of one of several, by which messages name it; else empty
-  std::optional<StatedTerms> stated{};  ///< of one that we exported
+  std::optional<StatedTerms> stated{};           ///< of one that we exported
+  std::map<std::string, double> stated_start{};  ///< trajectory_start itself, of which `start` may know more
 };
 
 /// The trajectories of the file, of which each but the first begins where the one before ends

@@ -56,36 +56,41 @@ const Link* link_under(const Robot& robot, const std::string& joint) {
 /// is given both moves each as the file says.
 class Follower {
  public:
-  /// @param place of `name` among the trajectory's joints
-  /// @param master place of the joint that it follows
-  Follower(const Robot& robot, const Link& link, std::size_t place, std::size_t master)
-      : place_(place),
-        master_(master),
-        multiplier_(link.multiplier),
+  Follower(const Robot& robot, const Link& link)
+      : multiplier_(link.multiplier),
         offset_(link.offset),
         name_(link.joint_name),
         master_name_(robot.joints[static_cast<std::size_t>(link.joint)].name) {}
 
-  void require(const ForeignTrajectory& trajectory, const std::filesystem::path& file) const {
-    for (const std::vector<double>& point : trajectory.points) require(point, offset_, "stands", file);
-    for (const std::vector<double>& rates : trajectory.velocities) require(rates, 0.0, "moves", file);
-    for (const std::vector<double>& rates : trajectory.accelerations)
-      require(rates, 0.0, "is accelerated", file);
+  const std::string& master_name() const { return master_name_; }
+
+  /// @param place of it among the trajectory's joints @param master place of the joint that it follows
+  void require(const ForeignTrajectory& trajectory, std::size_t place, std::size_t master,
+               const std::filesystem::path& file) const {
+    const auto require_all = [&](const std::vector<std::vector<double>>& list, double offset,
+                                 const std::string& does) {
+      for (const std::vector<double>& values : list)  // none: the file does not state them
+        if (!values.empty()) require(values[place], values[master], offset, does, file);
+    };
+    require_all(trajectory.points, offset_, "stands");
+    require_all(trajectory.velocities, 0.0, "moves");
+    require_all(trajectory.accelerations, 0.0, "is accelerated");
+  }
+  /// Before the trajectory. @param master value of the joint that it follows
+  void require_start(double value, double master, const std::filesystem::path& file) const {
+    require(value, master, offset_, "stands before it (trajectory_start)", file);
   }
 
  private:
-  /// @param values of all joints; none: the file does not state them
-  void require(const std::vector<double>& values, double offset, const std::string& does,
+  void require(double value, double master, double offset, const std::string& does,
                const std::filesystem::path& file) const {
-    if (values.empty()) return;
-    const double expected = multiplier_ * values[master_] + offset;
-    if (std::abs(values[place_] - expected) <= stands_within * std::max(1.0, std::abs(expected))) return;
-    refuse(file, "has joint " + quote(name_) + " at " + significant(values[place_], 6) + ", which " + does +
-                     " at " + significant(expected, 6) + ", as it follows " + quote(master_name_) +
+    const double expected = multiplier_ * master + offset;
+    if (std::abs(value - expected) <= stands_within * std::max(1.0, std::abs(expected))) return;
+    refuse(file, "has joint " + quote(name_) + " at " + significant(value, 6) + ", which " + does + " at " +
+                     significant(expected, 6) + ", as it follows " + quote(master_name_) +
                      " (mimic), expected that, or the joint left out");
   }
 
-  std::size_t place_, master_;
   double multiplier_, offset_;
   const std::string& name_;
   const std::string& master_name_;
@@ -124,6 +129,25 @@ bool is_planned(const Robot& robot, const std::string& name) {
                      [&](const Joint& joint) { return joint.name == name; });
 }
 
+/// What the file says of joints before the trajectory: those that stand still, and followers, of which only
+/// trajectory_start itself is known to be of one moment.
+/// @param places of the robot's joints among the trajectory's
+void require_start(const ForeignTrajectory& trajectory, const Robot& robot,
+                   const std::vector<std::size_t>& places, const std::filesystem::path& file) {
+  for (const auto& [name, value] : trajectory.start)
+    if (held_joint(robot, name) != nullptr) StillJoint(name, robot, file).require(value);
+  for (const auto& [name, value] : trajectory.stated_start) {
+    const Link* link = link_under(robot, name);
+    if (is_planned(robot, name) || link == nullptr || link->joint < 0) continue;
+    const Follower follower(robot, *link);
+    const auto master = trajectory.stated_start.find(follower.master_name());
+    const std::size_t place = places[static_cast<std::size_t>(link->joint)];
+    follower.require_start(
+        value, master != trajectory.stated_start.end() ? master->second : trajectory.points.front()[place],
+        file);
+  }
+}
+
 /// @param places of the robot's joints among the trajectory's
 void require_standing(const ForeignTrajectory& trajectory, const Robot& robot,
                       const std::vector<std::size_t>& places, const std::filesystem::path& file) {
@@ -131,14 +155,13 @@ void require_standing(const ForeignTrajectory& trajectory, const Robot& robot,
     if (is_planned(robot, trajectory.joints[j])) continue;
     const Link* link = link_under(robot, trajectory.joints[j]);
     if (link != nullptr && link->joint >= 0) {
-      Follower(robot, *link, j, places[static_cast<std::size_t>(link->joint)]).require(trajectory, file);
+      Follower(robot, *link).require(trajectory, j, places[static_cast<std::size_t>(link->joint)], file);
       continue;
     }
     const StillJoint joint(trajectory.joints[j], robot, file);
     for (const std::vector<double>& point : trajectory.points) joint.require(point[j]);
   }
-  for (const auto& [name, value] : trajectory.start)
-    if (held_joint(robot, name) != nullptr) StillJoint(name, robot, file).require(value);
+  require_start(trajectory, robot, places, file);
 }
 
 template <typename Value>

@@ -27,7 +27,8 @@ std::string model_note(const ForeignTrajectory& trajectory, const Robot& robot);
 /// The points as a plan of one leg from the first (where the file says where the robot is before, from there)
 /// to the last, in the order of the robot's joints. What the trajectory says of joints that stand still has
 /// to be where they stand, and of joints that follow others (mimic) what these make of them, within 1e-4 rad
-/// or m (relative, beyond 1), rates included; slack_of says how far that may take the bodies.
+/// or m (relative, beyond 1), rates and trajectory_start included; slack_of says how far that may take the
+/// bodies.
 /// @throws std::invalid_argument naming `file` and the joint that the trajectory or the robot lacks, or that
 /// stands or follows elsewhere.
 Plan plan_of_trajectory(const ForeignTrajectory& trajectory, const Robot& robot,

@@ -2,6 +2,7 @@
 #include "apps/check/trajectory_plan.hpp"
 
 #include "apps/check/timed_trajectory.hpp"
+#include "apps/check/trajectory_entries.hpp"
 #include "mapping/files/map_digest.hpp"
 #include "planning/files/query_record.hpp"
 #include "planning/robot_files/load_robot.hpp"
@@ -309,6 +310,35 @@ TEST_F(CheckTrajectory, JointsThatFollowOthersMayBeInItWhereTheseTakeThem) {
   EXPECT_NE(refusal(trajectory.velocities[0], 0.0).find("moves at -0.01"), std::string::npos);
   EXPECT_NE(refusal(trajectory.accelerations[0], 0.0).find("is accelerated at 0.2"), std::string::npos);
   EXPECT_EQ(refusal(trajectory.points[1], 0.05005), "");
+}
+
+/// As MoveIt's trajectory_start has all joints of the robot.
+TEST_F(CheckTrajectory, AJointThatFollowsAnotherStandsBeforeItWhereThatTakesIt) {
+  const Robot robot = load_robot(folder_.write(
+      "arm.urdf", with_follower("1 0 0", "<mimic joint='grip' multiplier='-0.5' offset='0.08'/>")));
+  const Json points = trajectory({{0.06, 0.1, 0.2}, {0.02, 0.3, 0.4}}, {"grip", "elbow", "shoulder"});
+  const auto said_of = [&](const Json& names, const Json& values) -> std::string {
+    Json again = points;  // a second one, when the follower has moved
+    again["points"] = {points["points"][1], points["points"][0]};
+    const Json file{{"trajectory_start", {{"joint_state", {{"name", names}, {"position", values}}}}},
+                    {"trajectory", {{{"joint_trajectory", points}}, {{"joint_trajectory", again}}}}};
+    try {
+      const std::string name = folder_.write("t.json", file.dump());
+      plan_of_trajectories(read_trajectories(name), robot, "t.json");
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(said_of({"grip", "elbow", "shoulder", "follower"}, {0.06, 0.1, 0.2, 0.05}), "");
+  EXPECT_EQ(said_of({"follower"}, {0.05}), "");
+  for (const std::string& said : {said_of({"grip", "elbow", "shoulder", "follower"}, {0.06, 0.1, 0.2, 0.08}),
+                                  said_of({"follower"}, {0.08})})
+    EXPECT_NE(
+        said.find("has joint 'follower' at 0.08, which stands before it (trajectory_start) at 0.05, as it "
+                  "follows 'grip' (mimic)"),
+        std::string::npos)
+        << said;
 }
 
 /// A whole turn of a joint without limits leads to the same pose; of one with limits it is another place.
