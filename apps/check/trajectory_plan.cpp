@@ -208,6 +208,15 @@ void require_base(const ForeignTrajectory& trajectory, const Eigen::Isometry3d& 
                    ", expected --base " + flag + ", if that pose is of the map's frame, or no such pose");
 }
 
+std::string degrees_note(const Plan& plan, const Robot& robot) {
+  const std::vector<Configuration> path = plan.waypoints();
+  const auto found = std::find_if(path.begin(), path.end(),
+                                  [&](const Configuration& q) { return looks_like_degrees(robot, q); });
+  if (found == path.end()) return "";
+  return "the trajectory's waypoint " + std::to_string(found - path.begin() + 1) +
+         " is far outside of the joint limits in radians and within them in degrees: expected radians";
+}
+
 std::string model_note(const ForeignTrajectory& trajectory, const Robot& robot) {
   const std::string& model = trajectory.model;
   if (model.empty() || model == robot.name || model == robot.model) return {};

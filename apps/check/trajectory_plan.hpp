@@ -21,6 +21,9 @@ std::vector<std::string> hold_unnamed_joints(ForeignTrajectory& trajectory, cons
 void require_base(const ForeignTrajectory& trajectory, const Eigen::Isometry3d& map_from_base,
                   const std::filesystem::path& file);
 
+/// Says which waypoint of the plan has values that look like degrees (looks_like_degrees); empty: none.
+std::string degrees_note(const Plan& plan, const Robot& robot);
+
 /// Says that the file is for a robot of another name (model_id), as RViz does; empty where it is not.
 std::string model_note(const ForeignTrajectory& trajectory, const Robot& robot);
 

@@ -192,6 +192,8 @@ int run_check(const CheckOptions& options, Console& console) {
   plan = is_trajectory ? plan_of_trajectories(entries, robot, options.plan)
                        : in_order_of(robot, std::move(plan));
   if (stated) state_terms(*stated, plan);
+  if (const std::string note = is_trajectory ? degrees_note(plan, robot) : ""; !note.empty())
+    console.warn("note: " + note);
   const Snapshot map = load_map(options.map, options.cloud_resolution);
   for (const std::string& note : robot_notes(robot, robot_request(options.robot).packages))
     console.warn("note: " + note);

@@ -124,7 +124,7 @@ Configuration choose_configuration(const std::string& text, const std::string& f
                               ": " + shortened(names) + ")");
 }
 
-std::string degrees_hint(const Robot& robot, const Configuration& q, const std::string& flag) {
+bool looks_like_degrees(const Robot& robot, const Configuration& q) {
   Configuration turned = q;
   bool is_far = false;
   for (std::size_t j = 0; j < robot.dof(); ++j) {
@@ -132,7 +132,11 @@ std::string degrees_hint(const Robot& robot, const Configuration& q, const std::
     is_far = is_far || std::abs(q[static_cast<Eigen::Index>(j)]) > 2.0 * std::numbers::pi;
     turned[static_cast<Eigen::Index>(j)] *= std::numbers::pi / 180.0;
   }
-  if (!is_far || limit_violation(robot, q).empty() || !limit_violation(robot, turned).empty()) return "";
+  return is_far && !limit_violation(robot, q).empty() && limit_violation(robot, turned).empty();
+}
+
+std::string degrees_hint(const Robot& robot, const Configuration& q, const std::string& flag) {
+  if (!looks_like_degrees(robot, q)) return "";
   return "note: " + flag +
          " is far outside of the joint limits in radians and within them in degrees: "
          "--degrees reads it so";

@@ -47,6 +47,10 @@ ChosenStops choose_stops(const std::string& start, const std::vector<std::string
 /// The distance that every body keeps, metres: as chosen, else the robot's position accuracy.
 double choose_padding(const RobotChoice& choice, const Robot& robot);
 
+/// Whether a configuration is far outside of the limits, and would lie within them if its values were
+/// degrees.
+bool looks_like_degrees(const Robot& robot, const Configuration& q);
+
 /// One sentence for a configuration far outside of the limits that would lie within them if its values were
 /// degrees; else empty. @param flag "--start"
 std::string degrees_hint(const Robot& robot, const Configuration& q, const std::string& flag);

@@ -341,6 +341,23 @@ TEST_F(CheckTrajectory, AJointThatFollowsAnotherStandsBeforeItWhereThatTakesIt) 
         << said;
 }
 
+TEST_F(CheckTrajectory, ValuesThatLookLikeDegreesAreTold) {
+  const auto log_of = [&](const Json& points) {
+    const Json message = trajectory(points, {"shoulder", "elbow"});
+    return run_command({"check", folder_.write("t.json", message.dump()), "--map", folder_.file("map"),
+                        "--robot", "planar2", "--policy", "not_occupied", "--allow-outside", "all"})
+        .log;
+  };
+  EXPECT_NE(
+      log_of({{0.0, 0.1}, {90.0, -45.0}})
+          .find(
+              "the trajectory's waypoint 2 is far outside of the joint limits in radians and within them in "
+              "degrees: expected radians"),
+      std::string::npos);
+  EXPECT_EQ(log_of({{0.0, 0.1}, {1.0, -0.5}}).find("degrees"), std::string::npos);
+  EXPECT_EQ(log_of({{0.0, 0.1}, {900.0, -0.5}}).find("degrees"), std::string::npos);
+}
+
 /// A whole turn of a joint without limits leads to the same pose; of one with limits it is another place.
 TEST_F(CheckTrajectory, AStartThatIsAWholeTurnOffIsTheSameOfAJointWithoutLimits) {
   const auto check_turn = [&](const std::string& kind, const std::string& start) {
