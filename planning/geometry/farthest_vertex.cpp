@@ -1,6 +1,7 @@
 #include "planning/geometry/farthest_vertex.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "mapping/system/highway_targets.hpp"
 #include "mapping/system/instruction_set.hpp"
@@ -26,14 +27,19 @@ std::size_t farthest_of(const double* coordinates, std::size_t count, const Eige
     hn::LoadInterleaved3(d, coordinates + 3 * first, x, y, z);
     return hn::Add(hn::Add(hn::Mul(dx, x), hn::Mul(dy, y)), hn::Mul(dz, z));
   };
-  auto most = dots(0);
-  for (std::size_t i = hn::Lanes(d); i < count; i += hn::Lanes(d)) most = hn::Max(most, dots(i));
-  largest = hn::GetLane(hn::MaxOfLanes(d, most));
+  const auto at = [&](std::size_t i) HWY_ATTR { return hn::Set(d, static_cast<double>(i)); };
+  auto most = hn::Set(d, -HUGE_VAL), first_of_most = hn::Zero(d);  // of each lane alone
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
-    const auto found = hn::FindFirstTrue(d, hn::Eq(dots(i), hn::Set(d, largest)));
-    if (found >= 0) return i + static_cast<std::size_t>(found);
+    const auto here = dots(i);
+    const auto is_farther = hn::Gt(here, most);
+    most = hn::IfThenElse(is_farther, here, most);
+    first_of_most = hn::IfThenElse(is_farther, at(i), first_of_most);
   }
-  return 0;  // none is a number
+  const auto farthest = hn::MaxOfLanes(d, most);
+  const auto places = hn::Add(first_of_most, hn::Iota(d, 0.0));
+  const auto found = hn::IfThenElse(hn::Eq(most, farthest), places, hn::Set(d, HUGE_VAL));
+  largest = hn::GetLane(farthest);
+  return static_cast<std::size_t>(hn::GetLane(hn::MinOfLanes(d, found)));
 }
 
 double largest_norm_of(const double* coordinates, std::size_t count) {
