@@ -4,6 +4,8 @@
 #include <array>
 #include <vector>
 
+#include "mapping/voxels/sphere.hpp"
+
 namespace clearway {
 
 /// The corners of the convex hull of `points`, in their order, doubles removed. Fewer corners only make
@@ -13,6 +15,15 @@ std::vector<Eigen::Vector3d> hull_corners(std::vector<Eigen::Vector3d> points);
 /// The surface of the hull as triangles of `points`' indices, counter-clockwise seen from outside; empty for
 /// points that span no volume. For drawing; collision queries need the corners only.
 std::vector<std::array<int, 3>> hull_triangles(const std::vector<Eigen::Vector3d>& points);
+
+/// The edges of that surface as pairs of indices; empty, too, where it is not closed, or a point stands out
+/// of it by more than rounding.
+std::vector<std::array<int, 2>> hull_edges(const std::vector<Eigen::Vector3d>& points);
+
+/// Spheres that together hold the hull of `points`, at most so many (at least one): around parts of it, of
+/// which the one whose sphere stands out most is halved in turn. A half's sphere may stand out more than that
+/// of the whole: of all these covers it is the one that stands out least. Empty where hull_edges is.
+std::vector<Sphere> hull_cover(const std::vector<Eigen::Vector3d>& points, std::size_t most);
 
 /// The corners of what lies `by` (> 0) and more behind each face of the hull of `points`; none where that
 /// does not hold `middle`, or where the points span no volume.

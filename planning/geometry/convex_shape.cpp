@@ -12,6 +12,23 @@
 namespace clearway {
 namespace {
 
+constexpr std::size_t most_hull_spheres = 24;  ///< more cost more than they spare
+
+/// Spheres around those cells of the box that meet the hull, which may be flat.
+std::vector<Sphere> around_cells(const Shape& s) {
+  const boxed::Cells cells = boxed::cells(s);
+  const double flat = 1e-6 * s.edges().maxCoeff() + 1e-12;  // a flat mesh has cells of no height
+  const Shape cell = Shape::box(cells.edges.cwiseMax(flat));
+  std::vector<Sphere> spheres;
+  for (const Eigen::Vector3d& center : cells.centers) {
+    const Eigen::Isometry3d pose(Eigen::Translation3d{center});
+    if (distance(s, Eigen::Isometry3d::Identity(), cell, pose, 0.0).lower > 0.0) continue;
+    spheres.push_back(boxed::around_cell(cells, center));
+    spheres.back().radius = std::max(spheres.back().radius, 1e-9);
+  }
+  return spheres;
+}
+
 class ConvexKind final : public ShapeKind {
  public:
   ConvexKind() : ShapeKind(Shape::Kind::convex, "convex", 0) {}
@@ -41,19 +58,9 @@ class ConvexKind final : public ShapeKind {
   }
   MedialSegment medial_segment(const Shape& s) const override { return boxed::medial_segment(s); }
 
-  /// Spheres around those cells of the box that meet the hull.
   std::vector<Sphere> sphere_cover(const Shape& s) const override {
-    const boxed::Cells cells = boxed::cells(s);
-    const double flat = 1e-6 * s.edges().maxCoeff() + 1e-12;  // a flat mesh has cells of no height
-    const Shape cell = Shape::box(cells.edges.cwiseMax(flat));
-    std::vector<Sphere> spheres;
-    for (const Vector& center : cells.centers) {
-      const Eigen::Isometry3d pose(Eigen::Translation3d{center});
-      if (distance(s, Eigen::Isometry3d::Identity(), cell, pose, 0.0).lower > 0.0) continue;
-      spheres.push_back(around_cell(cells, center));
-      spheres.back().radius = std::max(spheres.back().radius, 1e-9);
-    }
-    return spheres;
+    const std::vector<Sphere> spheres = hull_cover(s.vertices(), most_hull_spheres);
+    return spheres.empty() ? around_cells(s) : spheres;
   }
 
   Shape grown(const Shape& s, double padding) const override {
