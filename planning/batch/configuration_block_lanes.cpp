@@ -223,21 +223,24 @@ class BlockLook {
         if (asked == 0) continue;
         const Point from = load_point(middle(row, first), lane), to = load_point(middle(row, second), lane);
         unsigned near = bits(hn::Not(hn::Gt(gap(from, to), all(radii * radii)))) & asked;
-        if (near != 0 && pair.table) near = not_apart(*pair.table, row, lane, near);
+        if (near != 0 && pair.table) near = not_decided(*pair.table, row, lane, near);
         if (near != 0) append_relative(pose(row, a.frame), pose(row, b.frame), row, lane, near, open);
       }
     }
     if (open.count > 0) look_into(a.root, b.root, 0);
   }
 
-  unsigned not_apart(const PairTable& table, std::size_t row, std::size_t lane, unsigned lanes) const {
+  /// Those of the lanes of which the table proves nothing; where it proves an overlap they are blocked.
+  unsigned not_decided(const PairTable& table, std::size_t row, std::size_t lane, unsigned lanes) {
     const LaneDoubles* q = block_.q.data() + row * robot_.joints;
     const LaneDoubles& first = q[table.joints()[0]];
     const LaneDoubles& second = table.joints()[1] < 0 ? first : q[table.joints()[1]];
     unsigned open = 0;
     for (; lanes != 0; lanes &= lanes - 1U) {
       const auto at = static_cast<std::size_t>(std::countr_zero(lanes));
-      if (!table.is_apart({first.at[lane + at], second.at[lane + at]})) open |= 1U << at;
+      const PairTable::Proof proof = table.proof({first.at[lane + at], second.at[lane + at]});
+      if (proof == PairTable::Proof::overlap) block(row * lane_count + lane + at);
+      if (proof == PairTable::Proof::none) open |= 1U << at;
     }
     return open;
   }

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "planning/geometry/convex_hull.hpp"
 #include "planning/robot/kinematics.hpp"
 
 namespace clearway {
@@ -11,7 +13,7 @@ namespace {
 constexpr double width_of_one = 0.004, width_of_two = 0.025;  ///< of cells of one joint, of two: rad, metres
 constexpr int most_of_one = 4096, most_of_two = 256;          ///< cells of each joint
 constexpr int most_together = 64;                             ///< cells that one question may go through
-constexpr double margin = 1e-4;  ///< metres that proved bodies are apart at least: no proof is that weak
+constexpr double margin = 1e-4;  ///< metres that proved bodies are apart, or overlap: no proof is that weak
 
 /// Some configuration within the limits.
 Configuration middle_of(const Robot& robot) {
@@ -22,6 +24,33 @@ Configuration middle_of(const Robot& robot) {
     q[static_cast<Eigen::Index>(j)] = std::isfinite(middle) ? middle : 0.0;
   }
   return q;
+}
+
+/// Most that a pair approaches while the joints move by `half`, metres.
+double most_motion(const BodyPair& pair, const Eigen::VectorXd& half) {
+  return pair.approach.dot(half) * (1.0 + 1e-9);
+}
+
+/// The body drawn towards its middle: all within `depth` of what is left lies in the body, as a ball of that
+/// radius shrinks out of one about the middle. None where the body is too thin for that.
+std::optional<Body> shrunk_body(const Body& body, double depth) {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& corner : body.shape.vertices())
+    middle += corner / static_cast<double>(body.shape.vertices().size());
+  const double inner = body.shape.has_exact_distance()
+                           ? -body.shape.signed_distance(middle)
+                           : HullPlanes(body.shape.vertices()).inner_radius(middle);
+  const double share = depth / inner;
+  if (!(inner > 0.0 && share < 0.5)) return std::nullopt;
+  Body core = body;
+  core.cover.clear();
+  core.shape = body.shape.scaled(1.0 - share);
+  core.link_from_shape = body.link_from_shape * Eigen::Translation3d(share * middle);
+  return core;
+}
+
+Eigen::Isometry3d at_poses(const Body& body, const LinkPoses& map_from_link) {
+  return map_from_link[static_cast<std::size_t>(body.link)] * body.link_from_shape;
 }
 
 }  // namespace
@@ -57,8 +86,8 @@ PairTable::PairTable(const Robot& robot, std::vector<BodyPair> pairs, const std:
     Level level;
     level.shift = shift;
     for (std::size_t i = 0; i < 2; ++i) level.counts[i] = ((cells_[i] - 1) >> shift) + 1;
-    level.states = std::vector<std::atomic<std::uint8_t>>(static_cast<std::size_t>(level.counts[0]) *
-                                                          static_cast<std::size_t>(level.counts[1]));
+    level.states = std::vector<std::atomic<State>>(static_cast<std::size_t>(level.counts[0]) *
+                                                   static_cast<std::size_t>(level.counts[1]));
     levels_.push_back(std::move(level));
   }
 }
@@ -75,15 +104,17 @@ bool PairTable::cells_between(const std::array<double, 2>& lower, const std::arr
   return true;
 }
 
-bool PairTable::is_apart(const std::array<double, 2>& values) const {
+PairTable::Proof PairTable::proof(const std::array<double, 2>& values) const {
   Cell cell{}, same{};
-  return cells_between(values, values, cell, same) && is_cell_apart(cell);
+  if (!cells_between(values, values, cell, same)) return Proof::none;
+  const State state = state_of(cell);
+  return state == apart ? Proof::apart : state == overlap ? Proof::overlap : Proof::none;
 }
 
 bool PairTable::is_apart(const std::array<double, 2>& lower, const std::array<double, 2>& upper) const {
   Cell first{}, last{};
   if (!cells_between(lower, upper, first, last)) return false;
-  if (first == last) return is_cell_apart(first);
+  if (first == last) return state_of(first) == apart;
   for (const Level& level : levels_) {  // one block around them all
     const Cell block = level.block_of(first);
     if (block != level.block_of(last)) break;
@@ -92,30 +123,32 @@ bool PairTable::is_apart(const std::array<double, 2>& lower, const std::array<do
   if ((last[0] - first[0] + 1) * (last[1] - first[1] + 1) > most_together) return false;
   for (int i = first[0]; i <= last[0]; ++i) {
     for (int k = first[1]; k <= last[1]; ++k) {
-      if (!is_cell_apart({i, k})) return false;
+      if (state_of({i, k}) != apart) return false;
     }
   }
   return true;
 }
 
-bool PairTable::is_cell_apart(const Cell& cell) const {
+PairTable::State PairTable::state_of(const Cell& cell) const {
   const Level& finest = levels_.back();
-  const auto index = static_cast<std::size_t>(cell[0]) * static_cast<std::size_t>(finest.counts[1]) +
-                     static_cast<std::size_t>(cell[1]);
-  const std::uint8_t known = finest.states[index].load(std::memory_order_relaxed);
-  if (known != unknown) return known == apart;
-  const bool proved = std::any_of(levels_.begin(), levels_.end(), [&](const Level& level) {
+  std::atomic<State>& state =
+      finest.states[static_cast<std::size_t>(cell[0]) * static_cast<std::size_t>(finest.counts[1]) +
+                    static_cast<std::size_t>(cell[1])];
+  State known = state.load(std::memory_order_relaxed);
+  if (known != unknown) return known;
+  const bool is_in_apart = std::any_of(levels_.begin(), levels_.end() - 1, [&](const Level& level) {
     return is_block_apart(level, level.block_of(cell));
   });
-  finest.states[index].store(proved ? apart : open, std::memory_order_relaxed);
-  return proved;
+  known = is_in_apart ? apart : prove(finest, cell);
+  state.store(known, std::memory_order_relaxed);
+  return known;
 }
 
 bool PairTable::is_block_apart(const Level& level, const Cell& block) const {
-  std::atomic<std::uint8_t>& state =
+  std::atomic<State>& state =
       level.states[static_cast<std::size_t>(block[0]) * static_cast<std::size_t>(level.counts[1]) +
                    static_cast<std::size_t>(block[1])];
-  std::uint8_t known = state.load(std::memory_order_relaxed);
+  State known = state.load(std::memory_order_relaxed);
   if (known == unknown) {
     known = prove(level, block);
     state.store(known, std::memory_order_relaxed);
@@ -123,22 +156,50 @@ bool PairTable::is_block_apart(const Level& level, const Cell& block) const {
   return known == apart;
 }
 
-/// In the middle of the block the bodies are farther apart than they can approach on the way to its border.
+/// In the middle of the block the bodies are farther apart than they can approach on the way to its border;
+/// or, of the finest level, they overlap deeper than they can part.
 PairTable::State PairTable::prove(const Level& level, const Cell& block) const {
   thread_local LinkPoses poses;
   Configuration q = middle_of(robot_);
-  Eigen::VectorXd half = Eigen::VectorXd::Zero(q.size());
   for (std::size_t i = 0; i < 2 && joints_[i] >= 0; ++i) {
     const int first = block[i] << level.shift, last = std::min((block[i] + 1) << level.shift, cells_[i]);
     q[joints_[i]] =
         lower_[i] + 0.5 * (first + last) * width_[i];  // within the limits, as bounds of motion are
-    half[joints_[i]] = 0.5 * (last - first) * width_[i] * (1.0 + 1e-6);
   }
   forward_kinematics(robot_, q, poses);
+  const Eigen::VectorXd half = half_of(level, block);
   const bool all_apart = std::all_of(pairs_.begin(), pairs_.end(), [&](const BodyPair& pair) {
-    return clearway::is_apart(robot_, pair, poses, pair.approach.dot(half) * (1.0 + 1e-9) + margin);
+    return clearway::is_apart(robot_, pair, poses, most_motion(pair, half) + margin);
   });
-  return all_apart ? apart : open;
+  if (all_apart) return apart;
+  return level.shift == 0 && is_overlapping(poses) ? overlap : open;
+}
+
+Eigen::VectorXd PairTable::half_of(const Level& level, const Cell& block) const {
+  Eigen::VectorXd half = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(robot_.dof()));
+  for (std::size_t i = 0; i < 2 && joints_[i] >= 0; ++i) {
+    const int first = block[i] << level.shift, last = std::min((block[i] + 1) << level.shift, cells_[i]);
+    half[joints_[i]] = 0.5 * (last - first) * width_[i] * (1.0 + 1e-6);
+  }
+  return half;
+}
+
+bool PairTable::is_overlapping(const LinkPoses& poses) const {
+  std::call_once(made_cores_, [&] { make_cores(); });
+  return std::any_of(cores_.begin(), cores_.end(), [&](const std::pair<Body, Body>& cores) {
+    const auto& [a, b] = cores;
+    return distance(a.shape, at_poses(a, poses), b.shape, at_poses(b, poses), 0.0).upper <= 0.0;
+  });
+}
+
+void PairTable::make_cores() const {
+  const Eigen::VectorXd half = half_of(levels_.back(), {0, 0});
+  for (const BodyPair& pair : pairs_) {
+    const double depth = 0.5 * (most_motion(pair, half) + margin);
+    const auto a = shrunk_body(robot_.bodies[static_cast<std::size_t>(pair.first)], depth);
+    const auto b = shrunk_body(robot_.bodies[static_cast<std::size_t>(pair.second)], depth);
+    if (a && b) cores_.emplace_back(*a, *b);
+  }
 }
 
 }  // namespace clearway
