@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <stdexcept>
 
@@ -52,7 +51,7 @@ BlockedCells::BlockedCells(const Snapshot& map, Policy policy, std::uint16_t vol
   blocked_.assign(words_ * static_cast<std::size_t>(size_.y()) * static_cast<std::size_t>(size_.z()), 0);
   if (outside_blocked_) set(first_, first_ + size_, true);
   read(map, policy, volumes, seen_within);
-  list_shell();
+  find_shell();
 }
 
 void BlockedCells::read(const Snapshot& map, Policy policy, std::uint16_t volumes, double seen_within) {
@@ -120,19 +119,17 @@ BlockedCells::Bits BlockedCells::surrounded() const {
   return of_three(of_three(along_x, words_, rows), words_ * rows, layers);
 }
 
-/// Block by block, each from low z, y and x on.
-void BlockedCells::list_shell() {
-  Bits shell = surrounded();
-  for (std::size_t i = 0; i < shell.size(); ++i) shell[i] = blocked_[i] & ~shell[i];
+void BlockedCells::find_shell() {
+  shell_ = surrounded();
+  for (std::size_t i = 0; i < shell_.size(); ++i) shell_[i] = blocked_[i] & ~shell_[i];
   blocks_ = (size_.array() + (block_edge - 1)) / block_edge;
-  shell_begin_.push_back(0);
+  holds_shell_.reserve(block_index({0, 0, blocks_.z()}));
   for (int z = 0; z < size_.z(); z += block_edge) {
     for (int y = 0; y < size_.y(); y += block_edge) {
       std::uint64_t any = 0;  // of the rows of these blocks, in the word at hand
       for (int x = 0; x < size_.x(); x += block_edge) {
-        if (x % 64 == 0) any = rows_together(shell, x / 64, y, z);
-        if ((any >> static_cast<unsigned>(x % 64) & block_bits) != 0) list_block(shell, {x, y, z});
-        shell_begin_.push_back(shell_.size());
+        if (x % 64 == 0) any = rows_together(shell_, x / 64, y, z);
+        holds_shell_.push_back((any >> static_cast<unsigned>(x % 64) & block_bits) != 0);
       }
     }
   }
@@ -145,17 +142,6 @@ std::uint64_t BlockedCells::rows_together(const Bits& bits, int word, int y, int
       any |= bits[row(j, k) + static_cast<std::size_t>(word)];
   }
   return any;
-}
-
-void BlockedCells::list_block(const Bits& shell, const Eigen::Vector3i& corner) {
-  for (int z = corner.z(); z < std::min(corner.z() + block_edge, size_.z()); ++z) {
-    for (int y = corner.y(); y < std::min(corner.y() + block_edge, size_.y()); ++y) {
-      const std::uint64_t word = shell[row(y, z) + static_cast<std::size_t>(corner.x() / 64)];
-      for (std::uint64_t bits = word >> static_cast<unsigned>(corner.x() % 64) & block_bits; bits != 0;
-           bits &= bits - 1)
-        shell_.push_back(center(first_ + Eigen::Vector3i(corner.x() + std::countr_zero(bits), y, z)));
-    }
-  }
 }
 
 Eigen::Vector3i BlockedCells::cell(const Eigen::Vector3d& point) const {
@@ -194,6 +180,12 @@ std::size_t BlockedCells::block_index(const Eigen::Vector3i& block) const {
   const Eigen::Matrix<std::size_t, 3, 1> at = block.cast<std::size_t>();
   return at.x() +
          static_cast<std::size_t>(blocks_.x()) * (at.y() + static_cast<std::size_t>(blocks_.y()) * at.z());
+}
+
+Eigen::Vector3i BlockedCells::block_at(std::size_t index) const {
+  const auto across = static_cast<std::size_t>(blocks_.x()), along = static_cast<std::size_t>(blocks_.y());
+  return {static_cast<int>(index % across), static_cast<int>(index / across % along),
+          static_cast<int>(index / across / along)};
 }
 
 }  // namespace clearway::check

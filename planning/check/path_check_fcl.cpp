@@ -17,15 +17,19 @@ struct Geometry {
   Shape shape;
   ShapeReading reading;
   std::shared_ptr<fcl::CollisionGeometryd> fcl;
-  Eigen::Vector3d box_half, box_center;
+  PointDistance point_distance;
 
   explicit Geometry(const Shape& given) : shape(solid(given)), reading(shape), fcl(fcl_geometry(shape)) {
+    point_distance.is_round = reading.core == ShapeReading::Core::disc;
+    point_distance.round = reading.round;
+    point_distance.disc = reading.disc;
+    point_distance.half_length = reading.half_length;
     for (int axis = 0; axis < 3; ++axis) {
       const Eigen::Vector3d unit = Eigen::Vector3d::Unit(axis);
       const double high = reading.farthest(Eigen::Isometry3d::Identity(), unit);
       const double low = -reading.farthest(Eigen::Isometry3d::Identity(), -unit);
-      box_half[axis] = (high - low) / 2;
-      box_center[axis] = (low + high) / 2;
+      point_distance.box_half[axis] = (high - low) / 2;
+      point_distance.box_center[axis] = (low + high) / 2;
     }
   }
   Geometry(Geometry&&) = default;  // never copied: the reading looks at the corners of its own shape
@@ -117,24 +121,8 @@ double FclBodies::distance(std::size_t a, const Eigen::Isometry3d& pose_a, std::
   return by_fcl(first, pose_a, second, pose_b);
 }
 
-double FclBodies::point_distance(std::size_t body, const Eigen::Vector3d& point) const {
-  const Geometry& geometry = geometries_->bodies[body];
-  const ShapeReading& shape = geometry.reading;
-  if (shape.core != ShapeReading::Core::disc)
-    return ((point - geometry.box_center).cwiseAbs() - geometry.box_half).cwiseMax(0.0).norm();
-  const double beyond = std::max(std::abs(point.z()) - shape.half_length, 0.0);
-  if (shape.round == 0.0)
-    return Eigen::Vector2d(std::max(point.head<2>().norm() - shape.disc, 0.0), beyond).norm();
-  const double across = point.x() * point.x() + point.y() * point.y();
-  const double from_core = shape.half_length > 0.0 ? std::sqrt(across + beyond * beyond) : point.norm();
-  return std::max(from_core - shape.round, 0.0);
-}
-
-const Eigen::Vector3d& FclBodies::box_half(std::size_t body) const {
-  return geometries_->bodies[body].box_half;
-}
-const Eigen::Vector3d& FclBodies::box_center(std::size_t body) const {
-  return geometries_->bodies[body].box_center;
+const PointDistance& FclBodies::point_distance(std::size_t body) const {
+  return geometries_->bodies[body].point_distance;
 }
 
 }  // namespace clearway::check

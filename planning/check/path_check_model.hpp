@@ -5,7 +5,9 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -84,6 +86,22 @@ std::set<std::pair<std::size_t, std::size_t>> justified_exemptions(const Robot& 
 /// @throws FileDisagrees naming the first link or body that is more than 1e-9 m or rad elsewhere.
 void require_same_poses(const Robot& robot, const KdlArm& arm);
 
+/// From a point in a body's own frame to the body; of a hull to the box that holds it. 0 inside.
+struct PointDistance {
+  bool is_round = false;                              ///< about z
+  double round = 0.0, disc = 0.0, half_length = 0.0;  ///< of a round one, as in ShapeReading
+  Eigen::Vector3d box_half = Eigen::Vector3d::Zero(), box_center = Eigen::Vector3d::Zero();
+
+  double operator()(const Eigen::Vector3d& point) const {
+    if (!is_round) return ((point - box_center).cwiseAbs() - box_half).cwiseMax(0.0).norm();
+    const double across = point.x() * point.x() + point.y() * point.y();
+    const double beyond = std::max(std::abs(point.z()) - half_length, 0.0);
+    if (round > 0.0) return std::max(std::sqrt(across + beyond * beyond) - round, 0.0);
+    const double aside = std::max(std::sqrt(across) - disc, 0.0);
+    return std::sqrt(aside * aside + beyond * beyond);
+  }
+};
+
 /// Certified distances: of a separating plane. Projections to and fro propose planes first
 /// (path_check_planes.hpp); where they do not close, FCL decides: LIBCCD `collide`, then unsigned `distance`
 /// for a direction and a plane along it. A wrong distance from FCL can only make the proof weaker. 0 when
@@ -104,12 +122,8 @@ class FclBodies {
   double distance(std::size_t a, const Eigen::Isometry3d& pose_a, std::size_t b,
                   const Eigen::Isometry3d& pose_b, double enough = HUGE_VAL) const;
 
-  /// From a point in the body's own frame to the body; of a hull to the box that holds it. 0 inside.
-  double point_distance(std::size_t body, const Eigen::Vector3d& point) const;
-
-  /// Half edges of a box in the body's own frame that holds the body, about `box_center`.
-  const Eigen::Vector3d& box_half(std::size_t body) const;
-  const Eigen::Vector3d& box_center(std::size_t body) const;
+  /// With a box in the body's own frame that holds the body.
+  const PointDistance& point_distance(std::size_t body) const;
 
  private:
   struct Geometries;
@@ -134,7 +148,7 @@ class BlockedCells {
 
   /// Visits the blocks of cells that touch the box and hold blocked cells which are not wholly surrounded by
   /// blocked ones: a connected body with one point in a free cell cannot reach those without touching others.
-  /// @param visit called with the block's centre, its half diagonal and its index, for shell()
+  /// @param visit called with the block's centre, its half diagonal and its index, for visit_shell()
   template <class Visit>
   void visit_blocks(const Eigen::AlignedBox3d& box, const Visit& visit) const {
     Eigen::Vector3i low, high;
@@ -144,7 +158,7 @@ class BlockedCells {
       for (int y = low.y(); y <= high.y(); ++y) {
         std::size_t i = block_index({low.x(), y, z});
         for (int x = low.x(); x <= high.x(); ++x, ++i) {
-          if (shell_begin_[i] == shell_begin_[i + 1]) continue;
+          if (!holds_shell_[i]) continue;
           const Eigen::Vector3d middle =
               (first_.cast<double>().array() + block_edge * (Eigen::Array3d(x, y, z) + 0.5)) * edge_;
           visit(middle, half_diagonal, i);
@@ -153,12 +167,19 @@ class BlockedCells {
     }
   }
 
-  /// The indices of these cells of a block: the first, and one behind the last.
-  std::pair<std::size_t, std::size_t> shell(std::size_t block) const {
-    return {shell_begin_[block], shell_begin_[block + 1]};
+  /// Visits the centres of these cells of a block, from low z, y and x on.
+  template <class Visit>
+  void visit_shell(std::size_t block, const Visit& visit) const {
+    const Eigen::Vector3i corner = block_edge * block_at(block);
+    for (int z = corner.z(); z < std::min(corner.z() + block_edge, size_.z()); ++z) {
+      for (int y = corner.y(); y < std::min(corner.y() + block_edge, size_.y()); ++y) {
+        const std::uint64_t word = shell_[row(y, z) + static_cast<std::size_t>(corner.x() / 64)];
+        for (std::uint64_t bits = word >> static_cast<unsigned>(corner.x() % 64) & block_bits; bits != 0;
+             bits &= bits - 1)
+          visit(center(first_ + Eigen::Vector3i(corner.x() + std::countr_zero(bits), y, z)));
+      }
+    }
   }
-  /// The centre of such a cell.
-  const Eigen::Vector3d& shell_cell(std::size_t index) const { return shell_[index]; }
 
  private:
   static constexpr int block_edge = 4;  ///< cells
@@ -168,11 +189,11 @@ class BlockedCells {
   void read(const Snapshot& map, Policy policy, std::uint16_t volumes, double seen_within);
   void set(const Eigen::Vector3i& begin, const Eigen::Vector3i& end, bool is_blocked);
   Bits surrounded() const;
-  void list_shell();
-  void list_block(const Bits& shell, const Eigen::Vector3i& corner);
+  void find_shell();
   std::uint64_t rows_together(const Bits& bits, int word, int y, int z) const;
   bool blocks_touching(const Eigen::AlignedBox3d& box, Eigen::Vector3i& low, Eigen::Vector3i& high) const;
   std::size_t block_index(const Eigen::Vector3i& block) const;
+  Eigen::Vector3i block_at(std::size_t index) const;
   std::size_t row(int y, int z) const;  ///< first word of a row along x, from the block's corner
   bool is_inside(const Eigen::Vector3i& cell) const;
 
@@ -180,10 +201,9 @@ class BlockedCells {
   bool outside_blocked_ = false;
   Eigen::Vector3i first_ = Eigen::Vector3i::Zero(), size_ = Eigen::Vector3i::Zero();
   std::size_t words_ = 0;  ///< of a row
-  Bits blocked_;
+  Bits blocked_, shell_;
   Eigen::Vector3i blocks_ = Eigen::Vector3i::Zero();  ///< along each axis
-  std::vector<Eigen::Vector3d> shell_;                ///< block by block
-  std::vector<std::size_t> shell_begin_;              ///< of each block, and the end
+  std::vector<bool> holds_shell_;                     ///< of each block
 };
 
 /// How near a body or pair is to what it must not touch, certified.

@@ -6,8 +6,9 @@ namespace clearway::check {
 
 Eigen::AlignedBox3d bounds(const FclBodies& bodies, std::size_t body, const Eigen::Isometry3d& pose,
                            double margin) {
-  const Eigen::Vector3d center = pose * bodies.box_center(body);
-  const Eigen::Vector3d half = (pose.linear().cwiseAbs() * bodies.box_half(body)).array() + margin;
+  const PointDistance& box = bodies.point_distance(body);
+  const Eigen::Vector3d center = pose * box.box_center;
+  const Eigen::Vector3d half = (pose.linear().cwiseAbs() * box.box_half).array() + margin;
   return {center - half, center + half};
 }
 
@@ -16,8 +17,9 @@ namespace {
 /// A voxel of the shell, or a block of them, and how near it may be at the least.
 struct Candidate {
   double bound;
-  std::size_t index;
   bool is_block;
+  std::size_t block;
+  Eigen::Vector3d voxel;
 };
 
 /// The nearest voxel of the shell that is nearer than `best`, or `best`. Best first: of blocks and voxels the
@@ -26,16 +28,16 @@ Nearest nearest_of_shell(const FclBodies& bodies, std::size_t body, const Eigen:
                          const BlockedCells& cells, Nearest best) {
   const Eigen::Matrix3d turn = pose.linear().transpose();
   const Eigen::Vector3d shift = -turn * pose.translation();
-  const auto away = [&](const Eigen::Vector3d& point) {
-    return bodies.point_distance(body, turn * point + shift);
-  };
+  const PointDistance distance_to = bodies.point_distance(body);
+  const auto away = [&](const Eigen::Vector3d& point) { return distance_to(turn * point + shift); };
   const auto is_farther = [](const Candidate& a, const Candidate& b) { return a.bound > b.bound; };
   const double half_diagonal = 0.8660254037844387 * cells.edge() * (1.0 + 1e-9);
   std::vector<Candidate> near;
   cells.visit_blocks(bounds(bodies, body, pose, best.distance),
                      [&](const Eigen::Vector3d& middle, double reach, std::size_t block) {
                        const double bound = away(middle) - reach;
-                       if (bound < best.distance) near.push_back({bound, block, true});
+                       if (bound < best.distance)
+                         near.push_back({bound, true, block, Eigen::Vector3d::Zero()});
                      });
   std::make_heap(near.begin(), near.end(), is_farther);
   while (!near.empty()) {
@@ -44,19 +46,17 @@ Nearest nearest_of_shell(const FclBodies& bodies, std::size_t body, const Eigen:
     near.pop_back();
     if (next.bound >= best.distance) break;
     if (next.is_block) {
-      const auto [first, end] = cells.shell(next.index);
-      for (std::size_t i = first; i < end; ++i) {
-        const double bound = away(cells.shell_cell(i)) - half_diagonal;
-        if (bound >= best.distance) continue;
-        near.push_back({bound, i, false});
+      cells.visit_shell(next.block, [&](const Eigen::Vector3d& voxel) {
+        const double bound = away(voxel) - half_diagonal;
+        if (bound >= best.distance) return;
+        near.push_back({bound, false, 0, voxel});
         std::push_heap(near.begin(), near.end(), is_farther);
-      }
+      });
       continue;
     }
-    const Eigen::Vector3d& center = cells.shell_cell(next.index);
-    const double distance = bodies.cube_distance(body, pose, center, cells.edge(), best.distance);
+    const double distance = bodies.cube_distance(body, pose, next.voxel, cells.edge(), best.distance);
     if (distance >= best.distance) continue;
-    best = {distance, center};
+    best = {distance, next.voxel};
     if (distance <= 0.0) break;
   }
   return best;

@@ -162,9 +162,11 @@ class TeamChecker {
 
   /// Bounding boxes of the bodies are too far apart to count.
   bool is_far(const Pair& pair) {
-    const double reach = fcl_.box_half(pair.first).norm() + fcl_.box_half(pair.second).norm();
+    const check::PointDistance &first = fcl_.point_distance(pair.first),
+                               &second = fcl_.point_distance(pair.second);
+    const double reach = first.box_half.norm() + second.box_half.norm();
     const Eigen::Vector3d between =
-        poses_[pair.second] * fcl_.box_center(pair.second) - poses_[pair.first] * fcl_.box_center(pair.first);
+        poses_[pair.second] * second.box_center - poses_[pair.first] * first.box_center;
     return between.norm() - reach > least_of(pair).distance + 1.0;
   }
 

@@ -67,8 +67,8 @@ TEST(PathCheckPlanes, APointsDistanceFromABodyIsNeverMoreThanTheTrueOne) {
       const DistanceBounds truth =
           distance(robot.bodies[b].shape, Eigen::Isometry3d::Identity(), Shape::sphere(1e-9),
                    Eigen::Isometry3d(Eigen::Translation3d(point)));
-      ASSERT_LE(bodies.point_distance(b, point), truth.upper + 1e-8);
-      widest = std::max(widest, truth.lower - bodies.point_distance(b, point));
+      ASSERT_LE(bodies.point_distance(b)(point), truth.upper + 1e-8);
+      widest = std::max(widest, truth.lower - bodies.point_distance(b)(point));
     }
     if (robot.bodies[b].shape.kind() != Shape::Kind::convex) {
       EXPECT_LT(widest, 1e-6) << b;
