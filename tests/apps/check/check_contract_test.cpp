@@ -3,71 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "mapping/free_space_map.hpp"
-#include "planning/robot_files/load_robot.hpp"
+#include "tests/apps/check/check_question.hpp"
 
 namespace clearway {
 namespace check_contract_test {
-
-Configuration at(double x, double y) { return Eigen::Vector2d(x, y); }
-
-Load box(const std::string& name, const std::string& link) {
-  Load load;
-  load.name = name;
-  load.link = link;
-  load.shape = Shape::box({0.1, 0.1, 0.1});
-  return load;
-}
-
-/// A plan of the disc with two legs, and a map whose record has the same query, each as a test makes it.
-struct Question {
-  CheckOptions options{};
-  Robot robot = load_robot("point");
-  Plan plan{};
-  QueryTerms query{};
-  bool has_record = true;
-  Snapshot map{};
-
-  Question() {
-    options.robot.robot = "point";
-    plan.robot = "point";
-    plan.joints = {"x", "y"};
-    plan.map_sha256 = "digest";
-    plan.query = "own";
-    plan.start = at(0, 0);
-    plan.goals = {at(1, 0), at(1, 1)};
-    plan.policies = {{"base", Policy::known_free}};
-    for (const auto& [from, to] : {std::pair(at(0, 0), at(1, 0)), std::pair(at(1, 0), at(1, 1))}) {
-      plan.legs.emplace_back().status = PlanStatus::solved;
-      plan.legs.back().waypoints = {from, to};
-    }
-    query = {.name = "own",
-             .robot = "point",
-             .scale = 1.0,
-             .map_from_base = Eigen::Isometry3d::Identity(),
-             .policies = {{"base", Policy::known_free}},
-             .padding = 0.0,
-             .start = plan.start,
-             .goals = plan.goals};
-  }
-
-  Contract contract() const {
-    const auto record = has_record ? std::optional(QueryRecord{"digest", {query}}) : std::nullopt;
-    return state_contract(options, plan, robot, map, "digest", record, false);
-  }
-  std::vector<AcceptedTerm> deviating() const {
-    std::vector<AcceptedTerm> terms;
-    for (const Deviation& deviation : deviations(contract(), plan, robot, {})) {
-      terms.push_back(deviation.term);
-      EXPECT_FALSE(deviation.is_accepted);
-    }
-    return terms;
-  }
-};
-
-using Terms = std::vector<AcceptedTerm>;
 
 TEST(CheckContract, WhatThePlanAnswersAsIsDeviatesInNothing) { EXPECT_EQ(Question().deviating(), Terms{}); }
 
@@ -89,8 +32,7 @@ TEST(CheckContract, AgesAreThoseOfTheFlagElseOfTheRecordElseOfThePlan) {
   question.has_record = false;
   EXPECT_EQ(age(question), std::pair(7.0, TermSource::plan));
   question.has_record = true;
-  question.query.name = "another";
-  question.query.start = at(0.5, 0.5);
+  question.make_query_another();
   EXPECT_EQ(age(question), std::pair(5.0, TermSource::map));
   question.plan.seen_within = 0.0;
   EXPECT_EQ(age(question), std::pair(5.0, TermSource::map));
@@ -125,6 +67,245 @@ TEST(CheckContract, AccuracyAndPayloadAreThoseOfTheRobotAtTheContractsScale) {
     EXPECT_EQ(contract.padding.source, TermSource::by_default);
     EXPECT_DOUBLE_EQ(joint_load_of(contract).payload, 3.0 * std::pow(scale, 3));
   }
+}
+
+/// Each term as flags, record and plan say it, 3 and 2 and 1; of a plan alone some are the robot's or none.
+TEST(CheckContract, ATermIsTheFlagsElseTheRecordsElseThePlans) {
+  const Eigen::Vector3d down = -Eigen::Vector3d::UnitZ();
+  for (const TermSource source : {TermSource::flag, TermSource::map, TermSource::plan}) {
+    Question question;
+    question.plan.robot_scale = 1.25;
+    question.plan.map_from_base = pose_at(1.0);
+    question.plan.payload = 1.0;
+    question.plan.gravity = down;
+    question.plan.padding = 0.1;
+    question.plan.policies = {{"base", Policy::not_occupied}};
+    question.has_record = source != TermSource::plan;
+    question.query.scale = 2.0;
+    question.query.map_from_base = pose_at(2.0);
+    question.query.payload = 2.0;
+    question.query.gravity = 2.0 * down;
+    question.query.padding = 0.2;
+    question.query.start = at(0.2, 0.0);
+    question.query.goals = {at(0.2, 0.2)};
+    CheckOptions& flags = question.options;
+    if (source == TermSource::flag) {
+      flags.robot.scale = 3.0;
+      flags.robot.base = {3.0, 0.0, 0.0};
+      flags.robot.padding = 0.3;
+      flags.robot.policies = {"base=painted"};
+      flags.dynamics.payload = 3.0;
+      flags.dynamics.gravity = {0.0, 0.0, -3.0};
+      flags.start = "0.3,0";
+      flags.goals = {"0.3,0.3"};
+    }
+    const Contract contract = question.contract();
+    const double number = source == TermSource::flag ? 3.0 : source == TermSource::map ? 2.0 : 1.0;
+    EXPECT_EQ(contract.query, question.has_record ? "own" : "");
+    EXPECT_EQ(contract.scale.value, number);
+    EXPECT_EQ(contract.scale.source, number == 1.0 ? TermSource::by_default : source);
+    EXPECT_EQ(contract.map_from_base.value.matrix(), pose_at(number).matrix());
+    EXPECT_EQ(contract.map_from_base.source, source);
+    EXPECT_EQ(contract.payload.value, number);
+    EXPECT_EQ(contract.payload.source, source);
+    EXPECT_EQ(contract.gravity.value, Eigen::Vector3d(number * down));
+    EXPECT_EQ(contract.gravity.source, source);
+    EXPECT_DOUBLE_EQ(contract.padding.value, 0.1 * number);
+    EXPECT_EQ(contract.padding.source, source);
+    EXPECT_EQ(contract.policies.at("base").source, source);
+    EXPECT_EQ(contract.policies.at("base").value, number == 3.0   ? Policy::painted
+                                                  : number == 2.0 ? Policy::known_free
+                                                                  : Policy::not_occupied);
+    EXPECT_EQ(contract.start.value, at(number == 3.0 ? 0.3 : number == 2.0 ? 0.2 : 0.0, 0.0));
+    EXPECT_EQ(contract.start.source, source);
+    EXPECT_EQ(contract.goals.source, source);
+    EXPECT_EQ(contract.goals.value, number == 1.0   ? question.plan.goals
+                                    : number == 2.0 ? question.query.goals
+                                                    : std::vector{at(0.3, 0.3)});
+    EXPECT_EQ(contract.map_sha256.value, "digest");
+  }
+}
+
+TEST(CheckContract, AFlagForAllPartsIsThePolicyOfEach) {
+  Question question;
+  for (const auto& [flag, policy] : {std::pair("painted", Policy::painted),
+                                     {"known_free", Policy::known_free},
+                                     {"not_occupied", Policy::not_occupied}}) {
+    question.options.robot.policies = {flag};
+    EXPECT_EQ(question.contract().policies.at("base").value, policy);
+    EXPECT_EQ(question.contract().policies.at("base").source, TermSource::flag);
+  }
+  question.has_record = false;
+  question.options.robot.policies.clear();
+  question.plan.policies.clear();
+  EXPECT_EQ(question.contract().policies.at("base").source, TermSource::by_default);
+  EXPECT_EQ(question.contract().policies.at("base").value, Policy::known_free);  // of a critical part
+}
+
+TEST(CheckContract, OtherQueriesOfTheMapBoundWhatAPlanMaySay) {
+  Question question;
+  question.make_query_another();
+  question.robot.position_accuracy = 0.004;
+  const auto padding = [&](double recorded, double said) {
+    question.query.padding = recorded;
+    question.plan.padding = said;
+    const Term<double> term = question.contract().padding;
+    return std::pair(term.value, term.source);
+  };
+  EXPECT_EQ(padding(0.003, 0.002), std::pair(0.003, TermSource::map));
+  EXPECT_EQ(padding(0.003, 0.003), std::pair(0.003, TermSource::plan));
+  EXPECT_EQ(padding(0.003, 0.0035), std::pair(0.0035, TermSource::plan));
+  EXPECT_EQ(padding(0.005, 0.0035), std::pair(0.004, TermSource::by_default));
+  EXPECT_EQ(padding(0.005, 0.0045), std::pair(0.0045, TermSource::plan));
+  const auto policy = [&](Policy recorded, Policy said) {
+    question.query.policies["base"] = recorded;
+    question.plan.policies["base"] = said;
+    const Term<Policy> term = question.contract().policies.at("base");
+    return std::pair(term.value, term.source);
+  };
+  constexpr auto strict = Policy::painted, middling = Policy::known_free, loose = Policy::not_occupied;
+  EXPECT_EQ(policy(middling, loose), std::pair(middling, TermSource::map));
+  EXPECT_EQ(policy(middling, middling), std::pair(middling, TermSource::plan));
+  EXPECT_EQ(policy(middling, strict), std::pair(strict, TermSource::plan));
+  const auto base = [&](double said) {
+    question.plan.map_from_base = pose_at(said);
+    const auto term = question.contract().map_from_base;
+    return std::pair(term.value.translation().x(), term.source);
+  };
+  EXPECT_EQ(base(0.0), std::pair(0.0, TermSource::plan));
+  EXPECT_EQ(base(0.5), std::pair(0.0, TermSource::map));
+  question.query.robot = "planar2";  // which says nothing of the disc
+  EXPECT_EQ(base(0.5), std::pair(0.5, TermSource::plan));
+  EXPECT_EQ(padding(0.003, 0.0), std::pair(0.004, TermSource::by_default));
+}
+
+TEST(CheckContract, LoadsAreTheRecordsAndThoseThatThePlanCarriesBeside) {
+  Question question;
+  question.query.loads = {{box("mine", "base"), {1}}};
+  question.plan.loads = {{box("mine", "base"), {}}, {box("more", "base"), {0}}};
+  const Contract contract = question.contract();
+  EXPECT_EQ(contract.loads.source, TermSource::map);
+  ASSERT_EQ(contract.loads.value.size(), 2U);
+  EXPECT_EQ(contract.loads.value[0].legs, std::vector{1});
+  EXPECT_EQ(contract.loads.value[1].load.name, "more");
+  EXPECT_EQ(contract.loads.value[1].legs, std::vector{0});
+  EXPECT_EQ(carried_under(contract).size(), 2U);
+  EXPECT_TRUE(contract.policies.contains("mine") && contract.policies.contains("more"));
+  question.query.pick = pick_of_box("can");
+  question.query.loads.clear();
+  EXPECT_THROW(question.contract(), std::invalid_argument);  // nothing else rides beside what is picked
+  question.plan.loads = {{box("can", "base"), {2, 3, 4}}};
+  EXPECT_TRUE(question.contract().loads.value.empty());
+}
+
+/// Of a pick the plan says where its six legs end; a goal that is stated comes behind them.
+TEST(CheckContract, GoalsOfAPickAreThePlansAndTheStatedOneBehindThem) {
+  Question question;
+  question.query.pick = pick_of_box("can");
+  question.query.goals.clear();
+  question.plan.goals.clear();
+  for (int i = 0; i < 7; ++i) question.plan.goals.push_back(at(0.1 * i, 0.0));
+  const std::vector<Configuration> legs(question.plan.goals.begin(), question.plan.goals.end() - 1);
+  const auto with = [&](const Configuration& goal) {
+    std::vector<Configuration> all = legs;
+    all.push_back(goal);
+    return all;
+  };
+  EXPECT_EQ(question.contract().goals.value, question.plan.goals);
+  question.query.goals = {at(0.7, 0.7)};
+  EXPECT_EQ(question.contract().goals.value, with(at(0.7, 0.7)));
+  EXPECT_EQ(question.contract().goals.source, TermSource::plan);
+  question.options.goals = {"0.8,0.8"};
+  EXPECT_EQ(question.contract().goals.value, with(at(0.8, 0.8)));
+  EXPECT_EQ(question.contract().goals.source, TermSource::flag);
+}
+
+/// One for each pose: where the plan's leg ends, else its goal, else nowhere.
+TEST(CheckContract, OfPosesThePlanSaysWhichConfigurationsTheyAre) {
+  Question question;
+  question.query.goal_poses = {GoalPose{pose_at(1.0)}, GoalPose{pose_at(2.0)}, GoalPose{pose_at(3.0)}};
+  question.plan.legs.back().waypoints.clear();
+  question.plan.legs.front().waypoints.back() = at(0.9, 0.0);
+  const Contract contract = question.contract();
+  EXPECT_EQ(contract.goal_poses.size(), 3U);
+  EXPECT_EQ(contract.goals.source, TermSource::map);
+  EXPECT_EQ(contract.goals.value, (std::vector{at(0.9, 0.0), at(1, 1), Configuration()}));
+  EXPECT_EQ(contract.tip_link.value, "base");
+  question.options.goals = {"1,0", "1,1"};
+  EXPECT_TRUE(question.contract().goal_poses.empty());
+  EXPECT_EQ(question.contract().goals.value, question.plan.goals);
+  EXPECT_EQ(question.contract().tip_link.value, "");
+  question.options.goals.clear();
+  question.query.tip = "wing";
+  EXPECT_THROW(question.contract(), std::invalid_argument);
+}
+
+TEST(CheckContract, PartsMayBeOutsideByAFlagOrByTheRecordOfTheQuery) {
+  Question question;
+  question.query.allow_outside = {"all"};
+  question.options.survey.allow_outside = {"base"};
+  EXPECT_EQ(question.contract().demands.allow_outside, (std::vector<std::string>{"base", "all"}));
+  question.make_query_another();
+  EXPECT_EQ(question.contract().demands.allow_outside, (std::vector<std::string>{"base"}));
+  question.options.survey.allow_outside = {"wing"};
+  EXPECT_THROW(question.contract(), std::invalid_argument);
+}
+
+TEST(CheckContract, TheGripTimeIsOfAMotionAlone) {
+  Question question;
+  question.options.grip_time = 2.0;
+  EXPECT_FALSE(question.contract().grip_time.value.has_value());
+  question.plan.motion.emplace().grip_time = 1.0;
+  EXPECT_EQ(question.contract().grip_time.value, 2.0);
+  EXPECT_EQ(question.contract().grip_time.source, TermSource::flag);
+  question.options.grip_time.reset();
+  EXPECT_EQ(question.contract().grip_time.value, 1.0);
+  EXPECT_EQ(question.contract().grip_time.source, TermSource::plan);
+}
+
+/// A sentence that begins so is among the notes.
+bool is_noted(const Contract& contract, const std::string& begin) {
+  return std::any_of(contract.notes.begin(), contract.notes.end(),
+                     [&](const std::string& note) { return note.starts_with(begin); });
+}
+
+TEST(CheckContract, WhatThePlanAloneSaysIsNotedWhereItIsUnusual) {
+  const char *base = "the base is the plan's", *gravity = "the gravity is the plan's",
+             *policy = "the policy of base is the plan's",
+             *dynamics = "payload and gravity are only compared";
+  Question question;
+  question.has_record = false;
+  question.plan.motion.emplace();
+  question.plan.policies["base"] = Policy::painted;
+  for (const char* note : {base, gravity, policy, dynamics})
+    EXPECT_FALSE(is_noted(question.contract(), note)) << note;
+  question.plan.map_from_base = pose_at(0.1);
+  question.plan.gravity.x() = 0.1;
+  for (const char* note : {base, gravity}) EXPECT_TRUE(is_noted(question.contract(), note)) << note;
+  question.options.dynamics.payload = 1.0;
+  EXPECT_TRUE(is_noted(question.contract(), dynamics));
+  EXPECT_FALSE(is_noted(question.contract(true), dynamics));
+  question.options.dynamics = {{}, {0.0, 0.0, -9.81}};
+  EXPECT_TRUE(is_noted(question.contract(), dynamics));
+  EXPECT_FALSE(is_noted(question.contract(), gravity));
+}
+
+TEST(CheckContract, TheRobotIsThatOfTheContractsScaleAndPlaceAndItsTipThatOfAPickByFlag) {
+  Question question;
+  question.options.robot.scale = 2.0;
+  question.options.robot.base = {0.5, 0.0, 0.0};
+  Contract contract = question.contract();
+  const Robot placed = robot_of(contract, question.robot);
+  EXPECT_EQ(placed.scale, 2.0 * question.robot.scale);
+  EXPECT_EQ(placed.map_from_base.matrix(), pose_at(0.5).matrix());
+  const auto tip = [&] { return tipped_robot_of(contract, question.robot).tip_link; };
+  contract.tip = "slide";
+  EXPECT_EQ(tip(), question.robot.tip_link);
+  contract.pick = {pick_of_box("can"), TermSource::flag};
+  EXPECT_EQ(question.robot.links[static_cast<std::size_t>(tip())].name, "slide");
+  contract.pick.source = TermSource::map;
+  EXPECT_EQ(tip(), question.robot.tip_link);
+  EXPECT_EQ(policies_of(contract), (std::map{std::pair(std::string("base"), Policy::known_free)}));
 }
 
 /// Neither by saying so nor by leaving it open: only flag or record loosen what a load must lie in.
@@ -206,8 +387,7 @@ TEST(CheckContract, ALoadThatThePlanLeavesOffOnALegDeviates) {
 /// A pick frees voxels: it is the record's where no flag says one, and never the plan's.
 TEST(CheckContract, APickIsOfTheRecordAndNeverOfThePlan) {
   Question question;
-  Pick pick;
-  pick.object = box("can", "base");
+  const Pick pick = pick_of_box("can");
   question.plan.pick = pick;
   EXPECT_FALSE(question.contract().pick.value.has_value());
   question.query.pick = pick;

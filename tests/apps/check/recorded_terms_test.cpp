@@ -45,8 +45,99 @@ TEST(RecordedTerms, OnlyQueriesForTheRobotAtItsScaleBound) {
   EXPECT_EQ(others("arm", 0.5), 1U);
   EXPECT_EQ(others("robots/arm.yaml", 0.5), 1U);
   EXPECT_EQ(others("arm", 1.0), 0U);
-  EXPECT_EQ(others("arm", 0.5 + 1e-5), 0U);
+  for (const double sign : {1.0, -1.0}) {  // a share of it
+    EXPECT_EQ(others("arm", 0.5 + sign * 0.45e-6), 1U);
+    EXPECT_EQ(others("arm", 0.5 + sign * 0.55e-6), 0U);
+  }
   EXPECT_EQ(others("legs", 0.5), 0U);
+}
+
+/// Of a record with one query that the plan, from (0, 0) to (1, 0), may answer.
+struct Asked {
+  QueryTerms query;
+  std::string map = "digest", made_for, by_name;
+  std::vector<std::string> notes;
+
+  Asked() {
+    query.name = "own";
+    query.robot = "arm";
+    query.start = Eigen::Vector2d(0.0, 0.0);
+    query.goals = {Eigen::Vector2d(1.0, 0.0)};
+  }
+
+  RecordedTerms answered() {
+    const RecordQuestion question{
+        by_name, "arm", 2, 1.0, Eigen::Vector2d(0.0, 0.0), {Eigen::Vector2d(1.0, 0.0)}};
+    notes.clear();
+    return recorded_terms(QueryRecord{map, {query}, made_for}, question, "digest", notes);
+  }
+};
+
+TEST(RecordedTerms, TheQueryIsFoundByNameElseByStartAndGoalsElseAsTheWholeOfThem) {
+  Asked asked;
+  EXPECT_TRUE(asked.answered().query.has_value());
+  EXPECT_TRUE(asked.answered().others.empty());
+  EXPECT_TRUE(asked.notes.empty());
+  asked.query.goals.push_back(Eigen::Vector2d(1.0, 1.0));
+  EXPECT_TRUE(asked.answered().query.has_value());
+  EXPECT_EQ(asked.notes, std::vector<std::string>{"the plan is a part of the map's query 'own'"});
+  asked.query.start = Eigen::Vector2d(0.5, 0.0);
+  EXPECT_FALSE(asked.answered().query.has_value());
+  EXPECT_EQ(asked.answered().others.size(), 1U);
+  EXPECT_EQ(asked.notes,
+            (std::vector<std::string>{"the plan's query is none of the map's own",
+                                      "the plan is held to the loosest of the map's queries for 'arm'"}));
+  asked.by_name = "own";
+  EXPECT_TRUE(asked.answered().query.has_value());
+  EXPECT_TRUE(asked.notes.empty());
+}
+
+TEST(RecordedTerms, ARecordOfAnotherMapOrAQueryForAnotherRobotDoesNotCount) {
+  Asked asked;
+  asked.made_for = "before";
+  EXPECT_TRUE(asked.answered().query.has_value());
+  EXPECT_EQ(asked.notes.size(), 1U);
+  asked.map = "another";
+  EXPECT_FALSE(asked.answered().query.has_value());
+  EXPECT_TRUE(asked.answered().others.empty());
+  EXPECT_EQ(asked.notes.size(), 1U);
+  asked = {};
+  asked.query.robot = "legs";
+  EXPECT_FALSE(asked.answered().query.has_value());
+  EXPECT_EQ(asked.notes,
+            std::vector<std::string>{"the map's query 'own' is for robot 'legs' and does not count"});
+  asked = {};
+  asked.by_name = "own";
+  asked.query.start = Eigen::Vector3d::Zero();  // of three joints
+  EXPECT_FALSE(asked.answered().query.has_value());
+  EXPECT_TRUE(asked.answered().others.empty());
+  std::vector<std::string> notes;
+  EXPECT_FALSE(recorded_terms(std::nullopt, {}, "digest", notes).query.has_value());
+  EXPECT_TRUE(notes.empty());
+}
+
+/// In whatever order they are.
+TEST(RecordedTerms, OfSeveralQueriesTheLoosestPolicyTheLeastPaddingAndTheLongestAgeCount) {
+  RecordedTerms terms;
+  EXPECT_TRUE(terms.loosest_policies().empty());
+  EXPECT_FALSE(terms.smallest_padding().has_value());
+  EXPECT_EQ(terms.longest_age(), 0.0);
+  QueryTerms first, second;
+  first.policies = {{"arm", Policy::painted}, {"tool", Policy::not_occupied}};
+  second.policies = {{"arm", Policy::known_free}, {"tool", Policy::painted}, {"box", Policy::painted}};
+  first.padding = 0.01, second.padding = 0.02;
+  first.seen_within = 5.0, second.seen_within = 3.0;
+  for (const std::vector<QueryTerms>& others : {std::vector{first, second}, std::vector{second, first}}) {
+    terms.others = others;
+    EXPECT_EQ(terms.loosest_policies(),
+              (std::map<std::string, Policy>{
+                  {"arm", Policy::known_free}, {"tool", Policy::not_occupied}, {"box", Policy::painted}}));
+    EXPECT_EQ(terms.smallest_padding(), 0.01);
+    EXPECT_EQ(terms.longest_age(), 5.0);
+    terms.others.insert(terms.others.begin() + 1, QueryTerms{});  // of any age
+    EXPECT_EQ(terms.longest_age(), 0.0);
+    EXPECT_EQ(terms.smallest_padding(), 0.0);
+  }
 }
 
 }  // namespace recorded_terms_test

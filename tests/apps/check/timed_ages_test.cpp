@@ -2,8 +2,10 @@
 // seen; and where the robot is before counts by whole turns.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 #include "apps/check/timed_trajectory.hpp"
 #include "planning/check/path_check.hpp"
@@ -91,6 +93,66 @@ TEST(TimedStart, IsTheSameAfterWholeTurnsOfAJointWithoutLimits) {
   robot.joints[0].lower = -HUGE_VAL, robot.joints[0].upper = HUGE_VAL;
   const auto timed = timed_trajectory(foreign, robot, "t.json");
   EXPECT_EQ(timed->fault, "");
+}
+
+/// Two points of the arm at rest, and of a third joint that is none of its.
+ForeignTrajectory beside_another(const Robot& robot, double first_time) {
+  return {.joints = {robot.joints[0].name, "door", robot.joints[1].name},
+          .points = {{0.1, 0.0, 0.2}, {0.3, 0.0, 0.4}},
+          .times = {first_time, first_time + 2.0},
+          .velocities = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}},
+          .accelerations = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}};
+}
+
+/// Whatever its rates are at either point, over the longest time between two points or before the first.
+TEST(TimedStart, AJointThatStandsStillMaySwingByATenthOfAMillimetre) {
+  const Robot robot = load_robot("planar2");
+  for (const double first_time : {0.0, 5.0}) {
+    const double longest = std::max(2.0, first_time);
+    for (const std::size_t point : {0U, 1U}) {
+      for (const double sign : {1.0, -1.0}) {
+        for (const double swing : {0.95e-4, 1.05e-4}) {
+          const auto is_refused = [&](double by_velocity) {
+            ForeignTrajectory foreign = beside_another(robot, first_time);
+            foreign.velocities[point][1] = sign * by_velocity * swing / (0.4 * longest);
+            foreign.accelerations[point][1] = (1.0 - by_velocity) * swing * 20.0 / (longest * longest);
+            try {
+              timed_trajectory(foreign, robot, "t.json");
+            } catch (const std::invalid_argument&) {
+              return true;
+            }
+            return false;
+          };
+          for (const double by_velocity : {0.0, 0.5, 1.0}) EXPECT_EQ(is_refused(by_velocity), swing > 1e-4);
+        }
+      }
+    }
+  }
+}
+
+TEST(TimedStart, MayBeAsFarFromTheFirstPointAsMoveItLetsItBeAndTheEndIsAtRest) {
+  const Robot robot = load_robot("planar2");
+  for (const double sign : {1.0, -1.0}) {
+    for (const double away : {0.5e-9, 2e-9, 0.0099, 0.0101}) {
+      ForeignTrajectory foreign = beside_another(robot, 0.0);
+      foreign.start = {{robot.joints[1].name, 0.2 + sign * away}};
+      const auto timed = timed_trajectory(foreign, robot, "t.json");
+      EXPECT_EQ(timed->before.size() > 0, away > 1e-9) << away;
+      EXPECT_EQ(timed->fault.empty(), away < 0.01) << timed->fault;
+      EXPECT_FALSE(timed->has_start);
+      foreign = beside_another(robot, 0.5);  // then it has time to go there
+      foreign.start = {{robot.joints[1].name, 0.2 + sign * away}};
+      const auto later = timed_trajectory(foreign, robot, "t.json");
+      EXPECT_TRUE(later->has_start && later->fault.empty()) << later->fault;
+      EXPECT_EQ(later->points.size(), 3U);
+      EXPECT_EQ(later->points.front().position, Configuration(Eigen::Vector2d(0.1, 0.2 + sign * away)));
+    }
+    for (const double speed : {0.9e-6, 1.1e-6}) {
+      ForeignTrajectory foreign = beside_another(robot, 0.0);
+      foreign.velocities[1][2] = sign * speed;
+      EXPECT_EQ(timed_trajectory(foreign, robot, "t.json")->moving_end.empty(), speed < 1e-6);
+    }
+  }
 }
 
 }  // namespace timed_ages_test
