@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <optional>
+#include <tuple>
+
 #include "mapping/continued_map.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/files/octree_check.hpp"
@@ -40,6 +44,25 @@ TEST(MapIntegration, AMapKnowsWhichIntegrationMadeIt) {
   for (const MapIntegration which : {none, safe, compatible})
     EXPECT_EQ(integration_of(made_by(which)), which);
   EXPECT_EQ(integration_of(Snapshot()), none);
+}
+
+TEST(MapIntegration, OfTwoPartsWhatTheirScansAndDamageSayIsAddedUp) {
+  const auto part = [](std::optional<std::uint64_t> records, const ScanAgreement& agreement) {
+    const auto tree = std::make_shared<FusedTree>(0.1);
+    tree->add_agreement(agreement);
+    if (records) tree->set_records_before_damage(*records);
+    return Snapshot(tree, {});
+  };
+  for (const auto& [first, second, both] :
+       {std::tuple<std::optional<std::uint64_t>, std::optional<std::uint64_t>, std::optional<std::uint64_t>>(
+            std::nullopt, std::nullopt, std::nullopt),
+        {5, std::nullopt, 5},
+        {std::nullopt, 7, 7},
+        {5, 7, 12}}) {
+    const FusedTree merged = merge(part(first, {100, 3, 200}), part(second, {50, 1, 70})).tree();
+    EXPECT_EQ(merged.records_before_damage(), both);
+    EXPECT_EQ(merged.agreement(), (ScanAgreement{150, 4, 270}));
+  }
 }
 
 TEST(MapIntegration, OfTwoPartsTheLessSafeOneHolds) {

@@ -125,6 +125,21 @@ TEST(ClearRays, ReachAsFarAsTheyMayAndMaxRangeMinRangeCropAndBodiesHoldForThem) 
   EXPECT_EQ(state(probe, body, 0), VoxelState::unknown);
 }
 
+/// A centimetre's tree ends 327.68 m from its origin.
+TEST(ClearRays, ThatEndOutsideOfTheTreeFreeNothingUnlessARangeEndsThemBefore) {
+  for (const double max_range : {0.0, 1.0, 400.0}) {
+    FreeSpaceMap map({.resolution = 0.01});
+    Scan scan;
+    scan.map_from_sensor.translation() = Eigen::Vector3d::Constant(0.005);
+    scan.clear_to = {{400.0F, 0.0F, 0.0F}, {0.0F, 0.5F, 0.0F}};
+    const bool is_inside = max_range == 1.0;
+    EXPECT_EQ(map.insert(scan, {.max_range = max_range}).cleared, is_inside ? 2U : 1U) << max_range;
+    const Snapshot now = map.snapshot();
+    EXPECT_EQ(now.state({0.5, 0.005, 0.005}), is_inside ? VoxelState::seen_free : VoxelState::unknown);
+    EXPECT_EQ(now.state({0.005, 0.3, 0.005}), VoxelState::seen_free);
+  }
+}
+
 TEST(HitsOnly, OccupyTheVoxelsOfTheirPointsAndFreeNothing) {
   Scan scan;
   for (int i = 0; i < 40; ++i) scan.points.emplace_back(2.0F, 0.1F * static_cast<float>(i - 20), 0.3F);

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 
+#include "mapping/scans/scan_rays.hpp"
 #include "mapping/voxels/occupancy_update.hpp"
 #include "tests/worlds/random_map.hpp"
 
@@ -108,6 +110,41 @@ TEST(ContestedCells, TakingBackKeepsThePaint) {
   std::size_t changes = 0;
   tree.visit_changes(before, [&](const FusedNode*, const FusedNode*, const CellCube&) { ++changes; });
   EXPECT_EQ(changes, 0U) << "the tree is again what it was";
+}
+
+/// A wall at a slant, scanned again and again: what is occupied between two hits of it, where a ray passes,
+/// loses evidence by every fourth scan alone; what is not between hits by each.
+TEST(ContestedCells, OneLookInFourBetweenHitsCountsAgainstWhatIsOccupied) {
+  Scan scan;
+  for (int i = 0; i < 64; ++i) {
+    const double azimuth = (5.0 + 0.5 * i) * M_PI / 180.0;
+    scan.points.push_back((0.98 * Eigen::Vector3d(1.0 / std::tan(azimuth), 1.0, 0.01)).cast<float>());
+  }
+  FusedTree tree(0.05);
+  std::vector<Eigen::Vector3i> cells;
+  for (int x = 100; x < 220; ++x)
+    for (int y = 16; y < 20; ++y) cells.emplace_back(x, y, 0);
+  for (const Eigen::Vector3i& cell : cells) tree.occupy_voxel(cell);
+  const ScanInsertion insertion{.integration = Integration::safe};
+  ScanWorkspace workspace;
+  ContestedCells contested;
+  std::map<std::string, int> patterns;  // of each cell: whether a scan lowered it
+  std::vector<std::string> of_cells(cells.size());
+  const auto log_odds = [&](const Eigen::Vector3i& cell) {
+    CellCube cube;
+    return tree.find_leaf(cell, cube)->getLogOdds();
+  };
+  for (int i = 0; i < 8; ++i) {
+    for (const Eigen::Vector3i& cell : cells) tree.occupy_voxel(cell);
+    insert_scan(tree, scan, {}, insertion, workspace, &contested);
+    for (std::size_t k = 0; k < cells.size(); ++k)
+      of_cells[k] += log_odds(cells[k]) < tree.getClampingThresMaxLog() ? 'x' : '-';
+  }
+  for (const std::string& pattern : of_cells) ++patterns[pattern];
+  EXPECT_GT(patterns["---x---x"], 5);
+  EXPECT_GT(patterns["xxxxxxxx"], 5);
+  EXPECT_EQ(patterns["---x---x"] + patterns["xxxxxxxx"] + patterns["--------"],
+            static_cast<int>(cells.size()));
 }
 
 }  // namespace contested_cells_test

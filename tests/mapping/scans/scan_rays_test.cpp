@@ -223,6 +223,27 @@ TEST(ScanRays, ThinningTakesRaysAndNoHits) {
   }
 }
 
+/// Beyond the range nothing is a hit, whether a ray stands for it or another one does.
+TEST(ScanRays, ThinningKeepsHitsUpToTheRangeAlone) {
+  Dice dice(10);
+  Scan scan;
+  for (int i = 0; i < 2000; ++i)
+    scan.points.emplace_back(static_cast<float>(dice.uniform(0.9, 1.3)),
+                             static_cast<float>(dice.uniform(-0.1, 0.1)),
+                             static_cast<float>(dice.uniform(-0.1, 0.1)));
+  FreeSpaceMap map({.resolution = 0.02});
+  map.insert(scan, {.max_range = 1.1, .thin_to = 0.1});
+  const Snapshot now = map.snapshot();
+  std::size_t beyond = 0;
+  for (const Eigen::Vector3f& point : scan.points) {
+    const double range = point.norm();
+    if (range > 1.1 && range < 1.14) continue;  // in the voxel of one that is not
+    EXPECT_EQ(now.state(point.cast<double>()) == VoxelState::occupied, range <= 1.1) << range;
+    beyond += range > 1.1;
+  }
+  EXPECT_GT(beyond, 500U);
+}
+
 /// Points that rounding may put on either side of it.
 TEST(ScanRays, ThinningKeepsHitsOnABorderBetweenItsCubes) {
   for (const float x : {0.3F, 0.7F, 1.1F, 1.3F, 2.3F}) {
