@@ -15,14 +15,6 @@ double depth(const Eigen::AlignedBox3d& bounds, const Eigen::AlignedBox3d& box) 
   return (bounds.max() - box.min()).cwiseMin(box.max() - bounds.min()).minCoeff();
 }
 
-/// A mean of points of a convex shape is one of its points.
-Eigen::Vector3d point_inside(const Shape& shape) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (int axis = 0; axis < 3; ++axis)
-    sum += shape.support(Eigen::Vector3d::Unit(axis)) + shape.support(-Eigen::Vector3d::Unit(axis));
-  return sum / 6.0;
-}
-
 bool is_not_occupied(const ConfigurationSpace& space, const std::string& part) {
   const auto policy = space.policies().find(part);
   return policy == space.policies().end() || policy->second == Policy::not_occupied;
@@ -44,7 +36,7 @@ BoundsProof::BoundsProof(const ConfigurationSpace& space, const std::vector<std:
     if (!is_policed(robot, body.link) || !is_not_occupied(space, body.part) ||
         is_allowed_outside(body.part, allow_outside) || bounds_.contains(reach_box(robot, body)))
       continue;
-    watched_.push_back({i, body.link_from_shape * point_inside(body.shape), body_levers(robot, body)});
+    watched_.push_back({i, body_levers(robot, body)});
   }
 }
 
@@ -76,13 +68,10 @@ std::optional<LeavingPart> BoundsProof::leaving(const Robot& robot, const Config
   return std::nullopt;
 }
 
-/// Some of the body is deeper than `margin` in the bounds: a point of it, else the box around it.
+/// Some of the box around the body is deeper than `margin` in the bounds.
 bool BoundsProof::is_inside(const Watched& watched, const Robot& robot, const LinkPoses& poses,
                             double margin) const {
-  const Body& body = robot.bodies[watched.body];
-  const Eigen::Vector3d point = poses[static_cast<std::size_t>(body.link)] * watched.inside;
-  return depth(bounds_, Eigen::AlignedBox3d(point)) > margin ||
-         depth(bounds_, placed_box(body, poses)) > margin;
+  return depth(bounds_, placed_box(robot.bodies[watched.body], poses)) > margin;
 }
 
 LeavingPart BoundsProof::left(const Watched& watched, const Robot& robot, const LinkPoses& poses,

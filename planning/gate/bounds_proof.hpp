@@ -29,7 +29,6 @@ class BoundsProof {
  private:
   struct Watched {
     std::size_t body = 0;
-    Eigen::Vector3d inside;  ///< a point of the body, frame of its link
     Eigen::VectorXd levers;  ///< metres that any point moves at most per unit of each joint
   };
   struct Piece;
