@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <functional>
+#include <numeric>
 
 namespace clearway {
 namespace {
@@ -44,17 +46,18 @@ void ConfigurationBlock::add(const Configuration& configuration) {
 ConfigurationBlock::Places ConfigurationBlock::failing() const {
   Places places{};
   for (const int member : members) {
-    for (std::size_t i = 0; i < places.size(); ++i) places[i] |= failed[static_cast<std::size_t>(member)][i];
+    const Places& of_member = failed[static_cast<std::size_t>(member)];
+    std::transform(places.begin(), places.end(), of_member.begin(), places.begin(), std::bit_or<>());
   }
   return places;
 }
 
 std::size_t ConfigurationBlock::undecided() const {
   const Places failed_somewhere = failing();
-  std::size_t sum = 0;
-  for (std::size_t i = 0; i < blocked.size(); ++i)
-    sum += static_cast<std::size_t>(std::popcount(failed_somewhere[i] & ~blocked[i]));
-  return sum;
+  return std::transform_reduce(failed_somewhere.begin(), failed_somewhere.end(), blocked.begin(),
+                               std::size_t{0}, std::plus<>(), [](auto fails, auto is_blocked) {
+                                 return static_cast<std::size_t>(std::popcount(fails & ~is_blocked));
+                               });
 }
 
 }  // namespace clearway
