@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <functional>
+#include <memory>
 
 #include "mapping/stamps/seen_stamps.hpp"
 #include "planning/check/check_legs.hpp"
@@ -11,6 +12,7 @@
 #include "planning/check/spline_check.hpp"
 #include "planning/path/smooth_motion.hpp"
 #include "planning/robot_files/load_robot.hpp"
+#include "tests/planning/check/ball_errand.hpp"
 #include "tests/worlds/map_of_looks.hpp"
 
 namespace clearway {
@@ -33,6 +35,12 @@ std::map<std::string, Door> doors() {
   const auto of = [](Policy policy) { return std::map<std::string, Policy>{{"base", policy}}; };
   const SmoothMotion made = smooth_motion(
       ConfigurationSpace(disc, Snapshot(), {.parts = {}, .critical_by_default = false}), {{from, to}});
+  const auto errand = std::make_shared<ball_errand::BallErrand>(0.05, 0.2, 0.15);
+  const SmoothMotion carried = smooth_motion(
+      ConfigurationSpace(errand->robot, Snapshot(), {.parts = {}, .critical_by_default = false}),
+      errand->legs);
+  std::vector<Configuration> stops{errand->legs[0].front()};
+  for (const auto& leg : errand->legs) stops.push_back(leg.back());
   return {
       {"path",
        [=](const Snapshot& map, Policy policy, double seen_within) {
@@ -48,8 +56,18 @@ std::map<std::string, Door> doors() {
                              rate_limits(disc), seen_within)
              .valid;
        }},
-      {"splines", [=](const Snapshot& map, Policy policy, double seen_within) {
+      {"splines",
+       [=](const Snapshot& map, Policy policy, double seen_within) {
          return check_splines(disc, map, of(policy), 0.0, {{0.0, from}, {1.0, to}}, seen_within).is_valid();
+       }},
+      {"pick",
+       [=](const Snapshot& map, Policy policy, double seen_within) {
+         return check_pick(errand->stated(map), {{"hand", policy}}, 0.0, seen_within).valid;
+       }},
+      {"pick motion", [=](const Snapshot& map, Policy policy, double seen_within) {
+         const RateLimits limits = rate_limits(errand->robot);
+         const MotionToCheck moved{carried.motion, carried.leg_ends, stops, limits};
+         return check_pick_motion(errand->stated(map), moved, {{"hand", policy}}, 0.0, seen_within).valid;
        }}};
 }
 

@@ -304,6 +304,33 @@ TEST(CheckLegs, PlacesALoadThatIsTurnedWhereItIsStatedToRide) {
   EXPECT_GT(nearest, 8 * loads / 10);
 }
 
+/// A gap between legs is one edge more, wherever it is.
+TEST(CheckLegs, NumbersEdgesAndClearancesOverGapsBetweenLegs) {
+  const Robot disc = load_robot("point");
+  const auto at = [](double x) { return Configuration(Eigen::Vector2d(x, 0.0)); };
+  const auto verdict = [&](double voxel, const std::vector<std::vector<Configuration>>& paths) {
+    const Snapshot map =
+        VoxelScene{0.05, {box_of(voxel + 0.01, 0.01, -0.04, voxel + 0.04, 0.04, 0.04)}, {}, {}}.snapshot();
+    std::vector<LegsToCheck> legs;
+    for (const std::vector<Configuration>& path : paths) legs.push_back({disc, map, path});
+    return check_legs(legs, {{"base", Policy::not_occupied}}, 0.0);
+  };
+  const std::vector<std::vector<Configuration>> joined{{at(0), at(1)}, {at(1), at(2)}, {at(2), at(3)}},
+      gaps{{at(0)}, {at(1), at(2)}, {at(3)}}, more{{at(0), at(1)}, {at(2)}, {at(3), at(4)}};
+  for (const auto& paths : {joined, gaps, more}) {
+    for (const int edge : {0, 1, 2}) {
+      const PathVerdict met = verdict(edge + 0.5, paths);
+      EXPECT_FALSE(met.valid);
+      EXPECT_EQ(met.edge, edge) << met.first_contact;
+      EXPECT_TRUE(met.first_contact.starts_with("edge " + std::to_string(edge) + " at 0."))
+          << met.first_contact;
+    }
+    const PathVerdict free = verdict(9.0, paths);
+    EXPECT_TRUE(free.valid) << free.first_contact;
+    EXPECT_EQ(free.clearance.size(), paths[2].back() == at(4) ? 5U : 4U);
+  }
+}
+
 /// A disc that slides along a voxel's face at a distance that no step resolves: neither free nor blocked, on
 /// whichever leg it is.
 TEST(CheckLegs, SaysWhichLegsAreUndecided) {

@@ -82,7 +82,11 @@ TEST(CheckTubes, WhatHoldsALoadMayNotMoveOnAnyEdgeNotEvenByWhatACurveIsAside) {
   load.link_from_load.translation().z() = -0.3;
   load.shape = Shape::sphere(0.01);
   load.touches = {"left", "right"};
-  const Robot robot = with_load(hand.robot(), load);
+  Load another = load;  // that no joint holds
+  another.name = "tag";
+  another.link_from_load.translation().z() = -0.5;
+  another.touches.clear();
+  const Robot robot = with_load(with_load(hand.robot(), another), load);
   Eigen::Index grip = 0;
   while (robot.joints[static_cast<std::size_t>(grip)].name != "grip") ++grip;
   const Configuration begin = Configuration::Constant(5, 0.02), step = 0.1 * Configuration::Unit(5, 0);

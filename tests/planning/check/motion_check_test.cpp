@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <tuple>
+
 #include "planning/path/smooth_motion.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/random_world.hpp"
@@ -170,6 +172,24 @@ TEST(MotionCheck, RefusesAnObstacleInsideTheBlendAndOneInsideTheEdgesIsNoMatter)
   EXPECT_FALSE(corner.verdict(in_way.map()).valid);
   const auto far = corner.space_with({post(middle[0] - 0.5, middle[1] + 0.5)});
   EXPECT_TRUE(corner.verdict(far.map()).valid);
+}
+
+/// Along a voxel's face at a distance that no step resolves: neither free nor blocked.
+TEST(MotionCheck, SaysWhetherItIsUndecided) {
+  const Corner corner;
+  const Snapshot map = VoxelScene{0.05, {box_of(1.01, 1.01, -0.04, 1.04, 1.04, 0.04)}, {}, {}}.snapshot();
+  for (const auto& [x, is_valid, is_undecided] :
+       {std::tuple(0.7, true, false), {0.8 - 1e-9, false, true}, {0.9, false, false}}) {
+    const std::vector<Configuration> stops{at(x, 0.5), at(x, 1.04)};
+    const SmoothMotion made = smooth_motion(corner.space, {stops});
+    const MotionVerdict verdict = check_motion(corner.robot, map, corner.space.policies(), 0.0, made.motion,
+                                               made.leg_ends, stops, corner.limits);
+    EXPECT_EQ(verdict.valid, is_valid) << x << verdict.fault;
+    EXPECT_EQ(verdict.undecided, is_undecided) << x << verdict.fault;
+    if (!verdict.valid) {
+      EXPECT_EQ(verdict.min_clearance, 0.0);
+    }
+  }
 }
 
 /// A row of voxels along the first edge is 0.1 m from the disc, one along the second 0.15 m.

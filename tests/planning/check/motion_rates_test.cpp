@@ -208,6 +208,18 @@ TEST(MotionRates, RestsForEachLoadThatIsTakenOrLeft) {
   }
 }
 
+/// A leg that goes nowhere ends no sooner than the load before it is taken.
+TEST(MotionRates, TheNextLegBeginsWhereTheRestForALoadEnds) {
+  Wave wave(Eigen::Vector2d(1.0, -2.0), 0.1, true, 10);
+  wave.grip_time = 1.0;
+  wave.stops = {wave.stops[0], wave.stops[1], wave.stops[1], wave.stops[2]};
+  for (const std::size_t end : {4U, 9U, 13U, 14U}) {
+    wave.rests = {4, end, 18};
+    EXPECT_EQ(wave.fault({1, 0}), end < 14 ? "motion: its legs do not end one after the other" : "") << end;
+    EXPECT_EQ(wave.fault({0, 0}), "") << end;
+  }
+}
+
 TEST(MotionRates, ItHasALegForEachOfThePathAndNoMoreAfterTheLast) {
   const Wave good(Eigen::Vector2d(1.0, 1.0), 0.5, true);
   EXPECT_EQ(good.fault(), "");

@@ -12,6 +12,7 @@
 #include "tests/planning/check/comma_locale.hpp"
 #include "tests/worlds/random_world.hpp"
 #include "tests/worlds/slide_robot.hpp"
+#include "tests/worlds/urdf_robots.hpp"
 
 namespace clearway {
 namespace motion_torques_test {
@@ -111,6 +112,33 @@ TEST(GreatestTorques, OfMomentsAreThatOfTheGreatestAndOfNoNumberAreNone) {
   EXPECT_GT(greatest_torques(robot, {{0.75, fast}}, terms).share, 1.0);
   terms.limits.resize(0);
   EXPECT_EQ(greatest_torques(robot, {{0.75, fast}}, terms).share, 0.0);
+}
+
+/// Slides, mimic joints and branches, wherever the base stands and however it is turned: KDL's dynamics are
+/// those by which motions are planned.
+TEST(GreatestTorques, AreKdlsForEveryKindOfJointWhereverTheBaseStands) {
+  const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope(),
+                          scissors = worlds::scissors();
+  Random random(8);
+  for (Robot robot : {whip.robot(), telescope.robot(), scissors.robot(), load_robot("panda")}) {
+    TorqueTerms terms = torque_terms(robot, {.payload = 1.5, .gravity = {3.0, 2.0, -8.0}});
+    for (std::size_t i = 0; i < robot.links.size(); ++i) {
+      robot.links[i].mass = random.between(0.5, 3.0);
+      robot.links[i].center_of_mass = random.point(0.2);
+      const Eigen::Matrix3d turn = random.pose(0.0).linear();
+      terms.inertia[i] = turn * Eigen::Vector3d(0.02, 0.03, 0.04).asDiagonal() * turn.transpose();
+    }
+    for (int trial = 0; trial < 10; ++trial) {
+      robot.map_from_base = random.pose(1.0);
+      const Configuration q = random.configuration(robot);
+      const Eigen::VectorXd velocity = random.configuration(robot),
+                            acceleration = random.configuration(robot);
+      const Eigen::VectorXd expected = joint_torques(robot, q, velocity, acceleration, terms);
+      EXPECT_LT((kdl_torques(robot, q, velocity, acceleration, terms) - expected).norm(),
+                1e-9 * (1.0 + expected.norm()))
+          << robot.name << trial;
+    }
+  }
 }
 
 TEST(GreatestTorques, OfARobotOfOneJointAreLookedAtToo) {

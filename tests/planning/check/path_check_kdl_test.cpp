@@ -1,8 +1,12 @@
 // The bounds on motion that the independent check proves edges with, against bodies that move.
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "planning/check/path_check_model.hpp"
 #include "planning/robot/kinematics.hpp"
+#include "planning/robot/reach.hpp"
+#include "planning/robot/self_collision.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/survey/path_poses.hpp"
 #include "tests/worlds/random_world.hpp"
@@ -91,6 +95,36 @@ TEST(PathCheckKdl, PlacesTheBodiesOfRobotsMadeInMemoryWhereTheirLinksSay) {
       }
     }
   }
+}
+
+/// Which bodies are proved, and which pairs, is what planners have, whichever joint is held and whatever
+/// stands on the ground.
+TEST(PathCheckKdl, HeldJointsAndStandingLinksCountAsForPlanners) {
+  const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope();
+  int standing = 0, held_apart = 0;
+  for (const Robot& given : {load_robot("arm5"), load_robot("panda"), whip.robot(), telescope.robot()}) {
+    const std::size_t free_pairs = self_collision_pairs(without_file(given)).size();
+    for (std::size_t held = 1; held < given.links.size(); ++held) {
+      Robot robot = without_file(given);
+      robot.exempt.clear();
+      for (std::size_t i = 1; i <= held; ++i)
+        if (robot.links[i].joint >= 0) robot.links[i].joint = -1, robot.links[i].is_held = true;
+      robot.standing = {robot.links[held].name};
+      const KdlArm arm(robot);
+      std::set<std::pair<int, int>> pairs, expected;
+      for (const BodyPair& pair : self_collision_pairs(robot)) expected.emplace(pair.first, pair.second);
+      for (std::size_t a = 0; a < robot.bodies.size(); ++a) {
+        EXPECT_EQ(arm.is_policed(a), is_policed(robot, robot.bodies[a].link)) << robot.name << held;
+        standing += !arm.is_policed(a);
+        for (std::size_t b = a + 1; b < robot.bodies.size(); ++b)
+          if (arm.may_touch(a, b)) pairs.emplace(static_cast<int>(a), static_cast<int>(b));
+      }
+      EXPECT_EQ(pairs, expected) << robot.name << held;
+      held_apart += pairs.size() >= free_pairs;
+    }
+  }
+  EXPECT_GT(standing, 10);
+  EXPECT_GT(held_apart, 5);
 }
 
 TEST(PathCheckKdl, ABodyAboutTheOriginOfItsLinkMovesByItsOwnExtent) {

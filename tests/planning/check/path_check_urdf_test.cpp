@@ -192,6 +192,22 @@ TEST(PathCheckUrdf, ASlideThatIsHeldStandsWhereTheScaleHasIt) {
     }
 }
 
+/// Though all is placed as its value says.
+TEST(PathCheckUrdf, AJointIsHeldWithinItsLimitsAlone) {
+  const TemporaryFolder folder;
+  const std::string urdf = folder.write("arm.urdf", worlds::arm_with_finger());  // the grip from 0 to 0.1 m
+  for (const auto& [value, is_within] :
+       {std::pair(0.0, true), {0.1, true}, {0.1001, false}, {-1e-4, false}}) {
+    Robot robot = load_robot(RobotRequest{urdf, {}, {}, {{"grip", 0.05}}});
+    ASSERT_EQ(robot.held.size(), 1U);
+    robot.held[0].value = value;
+    robot.links.back().parent_from_link.translation().x() += value - 0.05;
+    const std::string disagreement = file_disagreement(robot);
+    EXPECT_EQ(disagreement.empty(), is_within) << value << disagreement;
+    EXPECT_EQ(disagreement.find("joint 'grip' may move to") == std::string::npos, is_within) << disagreement;
+  }
+}
+
 TEST(PathCheckUrdf, AFileThatChangedAfterItWasLoadedRefusesThePlanAndOneThatIsGoneIsReported) {
   const UrdfRobot whip = worlds::whip();
   const Robot robot = whip.robot();

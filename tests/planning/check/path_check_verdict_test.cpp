@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "planning/check/path_check.hpp"
 #include "planning/robot_files/load_robot.hpp"
@@ -71,6 +72,113 @@ TEST(PathCheckVerdict, ItsSentencesAreTheSameInEveryLocale) {
   expect_same_in_every_locale([&] { return sentence(at, through); },
                               "is occupied, at (1.025, 0.025, 0.025); its policy is not_occupied");
   expect_same_in_every_locale([&] { return sentence(at, beyond); }, "is 123456, outside its limits ");
+}
+
+TEST(PathCheckVerdict, LengthsThatAreNoneAreRefusedAndAValueOfAMillionIsThere) {
+  Robot disc = load_robot("point");
+  disc.source.clear();
+  const Configuration origin = Configuration::Zero(2);
+  const auto refusal = [&](double padding, double cap) -> std::string {
+    try {
+      check_path(disc, Snapshot(), {}, padding, {origin}, cap);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  for (const double bad : {-1e-12, HUGE_VAL, std::nan("")}) {
+    EXPECT_TRUE(refusal(bad, 0.0).starts_with("padding must be")) << refusal(bad, 0.0);
+    EXPECT_TRUE(refusal(0.0, bad).starts_with("distance_cap must be")) << refusal(0.0, bad);
+  }
+  for (Joint& joint : disc.joints) joint.lower = -HUGE_VAL, joint.upper = HUGE_VAL;
+  for (const double sign : {1.0, -1.0}) {
+    const Configuration far = Eigen::Vector2d(0.0, sign * largest_joint_value),
+                        beyond = Eigen::Vector2d(0.0, sign * std::nextafter(largest_joint_value, 1e9));
+    EXPECT_TRUE(check_path(disc, Snapshot(), {}, 0.0, {far}).valid);
+    EXPECT_NE(check_path(disc, Snapshot(), {}, 0.0, {beyond}).first_contact.find("have lost their digits"),
+              std::string::npos);
+  }
+}
+
+/// Where nothing is near, clearances are what is looked at: a fifth of a metre of the robot at full size.
+TEST(PathCheckVerdict, ClearancesEndAtTheCapWhichGrowsWithTheRobot) {
+  const Robot disc = load_robot("point");
+  const std::vector<Configuration> path{Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(0.5, 0.0)};
+  for (const double scale : {0.5, 1.0, 3.0}) {
+    const Robot robot = scaled(disc, scale);
+    for (const double cap : {0.0, 0.125}) {
+      const double expected = cap == 0.0 ? 0.2 * scale : cap;
+      const PathVerdict verdict = check_path(robot, Snapshot(), {}, 0.0, path, cap);
+      EXPECT_EQ(verdict.clearance, std::vector<double>(2, expected)) << scale;
+      EXPECT_LE(verdict.min_clearance, expected);
+    }
+  }
+}
+
+/// Whatever it is asked for: the padding is a part of no clearance, and the least one is that of the path.
+TEST(PathCheckVerdict, PaddingAndCapChangeNoClearance) {
+  const Robot disc = load_robot("point");  // of radius 0.2
+  FreeSpaceMap builder({.resolution = edge});
+  occupy(builder, {0.275, 0.375, 0.025});
+  const Snapshot map = builder.snapshot();
+  const std::vector<Configuration> path{Eigen::Vector2d(-0.5, 0.0), Eigen::Vector2d(0.275, 0.0),
+                                        Eigen::Vector2d(1.0, 0.0)};
+  for (const double padding : {0.0, 0.1, 0.1499}) {
+    const PathVerdict verdict = check_path(disc, map, {}, padding, path, 0.4);
+    ASSERT_TRUE(verdict.valid) << padding << verdict.first_contact;
+    ASSERT_EQ(verdict.clearance.size(), 3U);
+    EXPECT_EQ(verdict.clearance.front(), 0.4);
+    EXPECT_NEAR(verdict.clearance[1], 0.15, 1e-6);
+    EXPECT_EQ(verdict.clearance.back(), 0.4);
+    EXPECT_LE(verdict.min_clearance, 0.15 + 1e-9);
+    EXPECT_GE(verdict.min_clearance, padding);
+  }
+  const PathVerdict refused = check_path(disc, map, {}, 0.1501, path, 0.4);
+  EXPECT_FALSE(refused.valid);
+  EXPECT_NE(refused.first_contact.find("base comes too near to a voxel"), std::string::npos);
+}
+
+/// Also where it asks for more than clearances are measured, on whichever side.
+TEST(PathCheckVerdict, PaddingLargerThanTheCapIsKept) {
+  const Robot disc = load_robot("point");  // of radius 0.2
+  for (const double padding : {0.25, 0.5, 1.0}) {
+    for (const Eigen::Vector2d& way :
+         {Eigen::Vector2d(1, 0), Eigen::Vector2d(-1, 0), Eigen::Vector2d(0, 1), Eigen::Vector2d(0, -1)}) {
+      FreeSpaceMap builder({.resolution = edge});
+      occupy(builder, {0.025, 0.025, 0.025});
+      const Snapshot map = builder.snapshot();
+      const auto is_valid = [&](double away) {  // from the voxel's side to the disc
+        const Eigen::Vector2d at = Eigen::Vector2d::Constant(0.025) + (0.025 + away + 0.2) * way;
+        return check_path(disc, map, {{"base", Policy::not_occupied}}, padding, {at}, 0.1).valid;
+      };
+      EXPECT_TRUE(is_valid(padding + 0.001)) << padding << ' ' << way.transpose();
+      EXPECT_FALSE(is_valid(padding - 0.001)) << padding << ' ' << way.transpose();
+    }
+  }
+}
+
+/// In painted space, of which a path that is cut in two reads another part for each half.
+TEST(PathCheckVerdict, TheLastClearanceIsThatOfTheWholePathHoweverItIsCut) {
+  const Robot disc = load_robot("point");
+  constexpr double leg = 11.0;
+  FreeSpaceMap builder({.resolution = edge});
+  const int volume = builder.add_volume("lane", {"base"});
+  for (double way = 0.0; way <= leg; way += 0.1) {
+    builder.paint(volume, {{way, 0.0, 0.0}, 0.4});
+    builder.paint(volume, {{leg, way, 0.0}, 0.4});
+  }
+  const Snapshot map = builder.snapshot();
+  const Configuration begin = Eigen::Vector2d(0.0, 0.0), corner = Eigen::Vector2d(leg, 0.0),
+                      end = Eigen::Vector2d(leg, leg);
+  const auto check = [&](const std::vector<Configuration>& path, double cap) {
+    return check_path(disc, map, {{"base", Policy::painted}}, 0.0, path, cap);
+  };
+  const PathVerdict whole = check({begin, corner, end}, 4.2), alone = check({end}, 0.3);
+  ASSERT_TRUE(whole.valid) << whole.first_contact;
+  ASSERT_EQ(whole.clearance.size(), 3U);
+  EXPECT_GT(alone.clearance[0], 0.05);
+  EXPECT_NEAR(whole.clearance[2], alone.clearance[0], 1e-6);
+  EXPECT_NEAR(whole.clearance[0], check({begin}, 0.3).clearance[0], 1e-6);
 }
 
 /// A disc that slides into a wall at a small angle stands still where less is proved than a step; what

@@ -119,5 +119,172 @@ TEST_F(PickTermsOf, TheObjectsPolicyIsTheStrictestOfWhatHoldsIt) {
   EXPECT_EQ(chosen({{"carriage", strict}, {"pad", strict}, {"box", loose}}), loose);  // it is stated
 }
 
+/// A hand on a mast: joint 0 lifts it along z, joint 1 is its grip and moves nothing that counts.
+Robot mast() {
+  Robot robot = worlds::slide_robot();
+  robot.joints[0].axis = Eigen::Vector3d::UnitZ();
+  robot.joints.push_back(robot.joints[0]);
+  robot.joints[1].name = "grip";
+  return robot;
+}
+
+Configuration at(double height, double grip) { return Eigen::Vector2d(height, grip); }
+
+class PickTermsOfAMast : public ::testing::Test {
+ protected:
+  PickTermsOfAMast() {
+    pick_.object.name = "box";
+    pick_.object.link = "carriage";
+    pick_.object.shape = Shape::box({0.05, 0.05, 0.05});
+    pick_.grip["grip"] = {0.3, 0.1};
+  }
+
+  PickTerms terms() const { return {plan_, {}, 0.002, 0.0}; }
+
+  /// Empty, or why it refuses.
+  template <class Require>
+  std::string refusal(const Require& require) const {
+    try {
+      require(terms());
+    } catch (const PickRefusal& refused) {
+      return refused.sentence;
+    }
+    return "";
+  }
+
+  const Robot robot_ = mast();
+  const Snapshot snapshot_ = FreeSpaceMap({.resolution = 0.1}).snapshot();
+  Pick pick_;
+  PickToCheck plan_{robot_, snapshot_, pick_, Eigen::Isometry3d::Identity(),
+                    std::vector<std::vector<Configuration>>(6, {at(0, 0)})};
+};
+
+TEST_F(PickTermsOfAMast, APlanHasSixLegsOrSevenOfConfigurationsThatFollowEachOther) {
+  const auto refused = [&] { return refusal([](const PickTerms& terms) { terms.require_legs(); }); };
+  for (const std::size_t count : {0U, 5U, 6U, 7U, 8U}) {
+    plan_.legs.assign(count, {at(0, 0)});
+    EXPECT_EQ(refused().empty(), count == 6 || count == 7) << count;
+  }
+  for (std::size_t leg = 0; leg < 6; ++leg) {
+    const auto with = [&](const std::vector<Configuration>& waypoints) {
+      plan_.legs.assign(6, {at(0, 0), at(0, 0)});
+      plan_.legs[leg] = waypoints;
+      return refused();
+    };
+    const std::string name = "leg " + std::to_string(leg + 1);
+    EXPECT_EQ(with({at(0, 0)}), "");
+    EXPECT_NE(with({}).find(name + " has no waypoints"), std::string::npos) << with({});
+    for (const Configuration& bad : {Configuration(Eigen::Vector3d::Zero()), Configuration(), at(0, NAN)})
+      EXPECT_NE(with({at(0, 0), bad, at(0, 0)}).find(name + " has a waypoint that is no"), std::string::npos);
+    if (leg > 0) {
+      EXPECT_NE(with({at(1e-9, 0), at(0, 0)}).find(name + " starts elsewhere"), std::string::npos);
+    }
+    if (leg < 5) {
+      EXPECT_NE(with({at(0, 0), at(0, 1e-9)}).find("starts elsewhere"), std::string::npos);
+    }
+  }
+}
+
+/// With an axis that it goes along or against: of heights about where the contact ends.
+TEST_F(PickTermsOfAMast, TheContactEndsAtItsHeightToATolerance) {
+  pick_.contact = 0.25;
+  pick_.map_from_place.translation().z() = 0.1;
+  const auto first = [&](const std::vector<double>& heights) {
+    std::vector<Configuration> path;
+    for (const double height : heights) path.push_back(at(height, 0.0));
+    return terms().first_past_contact(path);
+  };
+  const auto last = [&](const std::vector<double>& heights) {
+    std::vector<Configuration> path;
+    for (const double height : heights) path.push_back(at(height, 0.0));
+    return terms().last_before_contact(path);
+  };
+  const double below = 0.25 - 1.1 * same_place, at_it = 0.25 - 0.9 * same_place;
+  EXPECT_EQ(first({0.0, 0.1, below, at_it, 0.3}), 3U);
+  EXPECT_EQ(first({at_it, 0.0, 0.3}), 0U);
+  EXPECT_EQ(first({0.0, 0.3, 0.0, 0.3}), 1U);
+  EXPECT_EQ(last({0.5, 0.1 + at_it, 0.1 + below, 0.1}), 1U);
+  EXPECT_EQ(last({0.5, 0.4, 0.1, 0.1 + at_it}), 3U);
+  EXPECT_EQ(last({0.5, 0.1, 0.5, 0.1}), 2U);
+  EXPECT_THROW(first({0.0, below}), PickRefusal);
+  EXPECT_THROW(last({0.1 + below, 0.0}), PickRefusal);
+  for (const auto& [by, is_beyond] : {std::pair(-1.1, false), std::pair(0.9, false), std::pair(1.1, true)}) {
+    const Configuration q = at(0.25 + by * same_place, 0.0), placed = at(0.35 + by * same_place, 0.0);
+    EXPECT_EQ(terms().is_beyond_contact(pick_.map_from_object, q), is_beyond) << by;
+    EXPECT_EQ(terms().is_beyond_contact(pick_.map_from_place, placed), is_beyond) << by;
+  }
+}
+
+TEST_F(PickTermsOfAMast, TheHandIsOpenOrClosedToATolerance) {
+  for (const double sign : {1.0, -1.0}) {
+    EXPECT_TRUE(terms().is_open(at(0.5, 0.3 + sign * 0.9 * same_joint)));
+    EXPECT_FALSE(terms().is_open(at(0.5, 0.3 + sign * 1.1 * same_joint)));
+  }
+  using Leg = PickTerms::Leg;
+  using Pieces = std::vector<std::vector<Configuration>>;
+  const auto refused = [&](Leg leg, const Pieces& pieces) {
+    return refusal([&](const PickTerms& terms) { terms.require_hand(leg, pieces); });
+  };
+  const double open = 0.3, closed = 0.1, near = 0.9 * same_joint, far = 1.1 * same_joint;
+  for (const Leg leg : {PickTerms::approach, PickTerms::leave})
+    EXPECT_EQ(refused(leg, {{at(0, 0.2), at(1, 0.7)}}), "");
+  for (const double sign : {1.0, -1.0}) {
+    for (const Leg leg : {PickTerms::lift, PickTerms::carry, PickTerms::lower}) {
+      EXPECT_EQ(refused(leg, {{at(0, closed)}, {at(0, closed + sign * near), at(1, closed)}}), "");
+      EXPECT_NE(
+          refused(leg, {{at(0, closed), at(1, closed + sign * far)}}).find(" has joint 'grip' not closed"),
+          std::string::npos);
+      EXPECT_NE(refused(leg, {{at(0, closed)}, {at(0, open), at(1, closed)}}), "");
+    }
+    const auto there = [&](double begin, double way, double end, double moves) {
+      return refused(PickTerms::reach,
+                     {{at(0, begin)}, {at(0, begin), at(1, way)}, {at(1, way), at(1 + moves, end)}});
+    };
+    EXPECT_EQ(there(open, open + sign * near, closed, 0.0), "");
+    EXPECT_NE(there(open + sign * far, open, closed, 0.0).find(" begins with joint 'grip' not open"),
+              std::string::npos);
+    EXPECT_NE(there(open, open, closed + sign * far, 0.0).find(" ends with joint 'grip' not closed"),
+              std::string::npos);
+    EXPECT_NE(there(open, open + sign * far, closed, 0.0).find(": away from the object"), std::string::npos);
+    EXPECT_EQ(there(open, open, closed, sign * near), "");
+    EXPECT_NE(there(open, open, closed, sign * far).find(": away from the object"), std::string::npos);
+    const auto back = [&](double begin, double way, double end, double moves) {
+      return refused(PickTerms::retreat,
+                     {{at(1, begin), at(1 + moves, way)}, {at(1 + moves, way), at(0, end)}});
+    };
+    EXPECT_EQ(back(closed, open, open, sign * near), "");
+    EXPECT_NE(back(closed + sign * far, open, open, 0.0).find(" begins with joint 'grip' not closed"),
+              std::string::npos);
+    EXPECT_NE(back(closed, open, open + sign * far, 0.0).find(" ends with joint 'grip' not open"),
+              std::string::npos);
+    EXPECT_NE(back(closed, open, open, sign * far).find(": away from the object"), std::string::npos);
+  }
+  pick_.grip["thumb"] = {0.0, 0.0};
+  EXPECT_NE(refused(PickTerms::reach, {{at(0, open)}, {at(0, closed)}}).find("lacks a joint of its grip"),
+            std::string::npos);
+}
+
+/// The carriage's side is 0.05 m from its middle, the object's 0.025 m.
+TEST_F(PickTermsOfAMast, WhatIsFartherFromTheObjectThanAHandIsNoted) {
+  const auto note = [&](double gap) {
+    pick_.map_from_object.translation().y() = 0.075 + gap;
+    return hold_note(terms());
+  };
+  EXPECT_EQ(note(0.0049), "");
+  EXPECT_NE(note(0.0051).find("than 5.1 mm: what holds it?"), std::string::npos) << note(0.0051);
+  pick_.grip.clear();  // a hand that does not close
+  EXPECT_EQ(note(0.0199), "");
+  EXPECT_NE(note(0.0201).find("than 20.1 mm: what holds it?"), std::string::npos) << note(0.0201);
+  EXPECT_EQ(note(-0.04), "");
+  pick_.grip["grip"] = {0.3, 0.1};
+  pick_.depth = 0.01;
+  EXPECT_EQ(note(-0.0099), "");
+  EXPECT_NE(note(-0.0101).find("closes deeper than 10 mm into 'box'"), std::string::npos);
+  pick_.object.link = "rail";  // which has no body
+  EXPECT_EQ(note(1.0), "");
+  pick_.object.touches = {"carriage"};
+  EXPECT_NE(note(1.0), "");
+}
+
 }  // namespace pick_terms_test
 }  // namespace clearway::check

@@ -9,48 +9,17 @@
 #include <tuple>
 
 #include "mapping/free_space_map.hpp"
-#include "planning/check/check_pick.hpp"
 #include "planning/check/motion_check.hpp"
+#include "tests/planning/check/ball_errand.hpp"
 
 namespace clearway::check {
 namespace pick_ways_test {
 
+using namespace ball_errand;
+
 constexpr double radius = 0.1, edge = 0.05, length = 0.2;
 
-/// A hand that slides along x, y and z and turns about z.
-Robot gantry() {
-  Robot robot;
-  robot.name = "gantry";
-  robot.joints.resize(4);
-  robot.links.resize(5);
-  robot.links[0].name = "base";
-  for (int i = 0; i < 4; ++i) {
-    Joint& joint = robot.joints[static_cast<std::size_t>(i)];
-    joint.name = "j" + std::to_string(i);
-    joint.kind = i < 3 ? JointKind::prismatic : JointKind::revolute;
-    joint.axis = Eigen::Vector3d::Unit(std::min(i, 2));
-    joint.lower = -1.0;
-    joint.upper = 1.0;
-    Link& link = robot.links[static_cast<std::size_t>(i + 1)];
-    link.name = i < 3 ? "slide" + std::to_string(i) : "hand";
-    link.parent = link.joint = i;
-  }
-  robot.bodies.resize(1);
-  robot.bodies[0].part = "hand";
-  robot.bodies[0].link = robot.tip_link = 4;
-  robot.bodies[0].shape = Shape::sphere(0.01);
-  return robot;
-}
-
-Pick ball() {
-  Pick pick;
-  pick.object.name = "ball";
-  pick.object.link = "hand";
-  pick.object.shape = Shape::sphere(radius);
-  return pick;
-}
-
-Configuration at(double x, double y, double z, double turn = 0.0) { return Eigen::Vector4d(x, y, z, turn); }
+Pick ball() { return pick_of_ball(radius); }
 
 /// The largest number from 0 to 0.5 m that is accepted, where all smaller ones are.
 double largest(const std::function<bool(double)>& is_accepted) {
@@ -168,32 +137,15 @@ TEST_F(PickWays, OnTheContactTheLoadSinksAndRisesByThePaddingWithinItsBoundsAtMo
   }
 }
 
-/// An errand of the gantry's ball in an empty map: reach, lift, carry, lower and retreat by three waypoints
-/// each.
-struct Errand {
-  Errand() {
-    pick.map_from_place.translation() << 0.0, 0.4, 0.0;
-    pick.approach << length, 0.0, 0.0;
-    pick.lift = length;
-    const auto leg = [&](const Configuration& from, const Configuration& to) {
-      legs.push_back({from, (from + to) / 2, to});
-    };
-    leg(at(-0.3, 0, 0), at(-length, 0, 0));
-    leg(at(-length, 0, 0), at(0, 0, 0));
-    leg(at(0, 0, 0), at(0, 0, length));
-    leg(at(0, 0, length), at(0, 0.4, length));
-    leg(at(0, 0.4, length), at(0, 0.4, 0));
-    leg(at(0, 0.4, 0), at(-length, 0.4, 0));
-  }
+/// In an empty map.
+struct Errand : BallErrand {
+  Errand() : BallErrand(radius, length, 0.4) {}
 
   std::string refusal() const {
     return check_pick({robot, map, pick, Eigen::Isometry3d::Identity(), legs}, {}, 0.0).first_contact;
   }
 
-  const Robot robot = gantry();
   const Snapshot map = FreeSpaceMap({.resolution = edge}).snapshot();
-  Pick pick = ball();
-  std::vector<std::vector<Configuration>> legs;
 };
 
 TEST(StraightWaysOfAPick, WaypointsMayBeOffByATipsToleranceAndByNothingMore) {

@@ -157,16 +157,19 @@ TEST(GateLimits, AMapIsAsOldAsMaxAgeOrAsYoungAndNoMore) {
 /// Beside the wall by less than half the length at which an edge is given up: nothing touches, and nothing
 /// is proved.
 TEST(GateLimits, WhatIsTooNearToBeProvedNamesTheVoxel) {
-  Gate gate(usual());
-  gate.publish(before_wall({.padding = 0.0, .edge_resolution = 0.02}));
-  const GateVerdict verdict = gate.judge(through({{0.799, -0.5}, {0.799, 0.5}}));
-  EXPECT_EQ(verdict.reason, GateReason::not_proved);
-  expect_says(
-      verdict.sentence,
-      {"from positions[0] to positions[1]: base comes too near to a blocked voxel to be proved free; "});
-  ASSERT_TRUE(verdict.evidence);
-  EXPECT_EQ(verdict.evidence->voxel.state, VoxelState::occupied);
-  EXPECT_TRUE(gate.judge(through({{0.78, -0.5}, {0.78, 0.5}})).is_passed());
+  for (const double padding : {0.0, 0.06}) {
+    Gate gate(usual());
+    gate.publish(before_wall({.padding = padding, .edge_resolution = 0.02}));
+    const double near = 0.799 - padding, free = 0.78 - padding;
+    const GateVerdict verdict = gate.judge(through({{near, -0.5}, {near, 0.5}}));
+    EXPECT_EQ(verdict.reason, GateReason::not_proved);
+    expect_says(
+        verdict.sentence,
+        {"from positions[0] to positions[1]: base comes too near to a blocked voxel to be proved free; "});
+    ASSERT_TRUE(verdict.evidence);
+    EXPECT_EQ(verdict.evidence->voxel.state, VoxelState::occupied);
+    EXPECT_TRUE(gate.judge(through({{free, -0.5}, {free, 0.5}})).is_passed());
+  }
 }
 
 /// Two balls that pass each other: parts of the robot, so that no voxel is to blame.

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
+
 #include "planning/robot/self_collision.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/space/configuration_space.hpp"
@@ -247,6 +249,27 @@ TEST(EdgeProof, NoTubeIsAcceptedInWhichSomethingTouches) {
   }
 }
 
+/// A ball on a slide stands 0.1 m before another one: free as far as it may be aside.
+TEST(EdgeProof, ATubeAboutARobotThatStandsKeepsItsPairsApart) {
+  const std::string ball = "<sphere radius='0.05'/>";
+  const worlds::UrdfRobot slider(
+      "slider", worlds::urdf_link("base", "1 0 0", ball) + "<link name='turntable'/>" +
+                    worlds::urdf_link("hand", "0 0 0", ball) +
+                    worlds::urdf_joint("turn", "revolute", "base", "turntable", "0 0 0", "0 0 1",
+                                       worlds::urdf_limit(-1, 1)) +
+                    worlds::urdf_joint("slide", "prismatic", "turntable", "hand", "0 0 0", "1 0 0",
+                                       worlds::urdf_limit(-10, 2)));
+  const ConfigurationSpace space(slider.robot(), Snapshot(), not_occupied());
+  const auto is_free = [&](double from, double to, double aside) {
+    return space.is_edge_free(Eigen::Vector2d(0.0, from), Eigen::Vector2d(0.0, to),
+                              Eigen::Vector2d(0.0, aside));
+  };
+  EXPECT_TRUE(is_free(0.8, 0.8, 0.0999));
+  EXPECT_FALSE(is_free(0.8, 0.8, 0.1001));
+  EXPECT_TRUE(is_free(0.7, 0.8, 0.098));
+  EXPECT_FALSE(is_free(0.7, 0.8, 0.1001));
+}
+
 TEST(EdgeProof, ATubeWithoutWidthIsTheEdgeAndOneThatIsNoTubeIsRefused) {
   const Robot robot = load_robot("planar2");
   const ConfigurationSpace space(robot, map_of({{5.025, 5.025, 0.025}}), not_occupied());
@@ -256,6 +279,43 @@ TEST(EdgeProof, ATubeWithoutWidthIsTheEdgeAndOneThatIsNoTubeIsRefused) {
   EXPECT_FALSE(space.is_edge_free(from, to, Eigen::Vector2d(0.0, std::nan(""))));
   EXPECT_FALSE(space.is_edge_free(from, to, Eigen::Vector2d(HUGE_VAL, 0.0)));
   EXPECT_FALSE(space.is_edge_free(from, to, Eigen::Vector3d::Zero()));
+}
+
+/// Poses that are handed in, and what is known of the ends, save time: a neighbour's edges are asked one
+/// after the other, from either end, with what the ones before have found.
+TEST(EdgeProof, WhatIsKnownOfAnEdgeChangesNoAnswer) {
+  int accepted = 0, refused = 0;
+  for (const char* name : {"arm5", "panda"}) {
+    const Robot robot = load_robot(name);
+    Random random(17);
+    const ConfigurationSpace space(robot, map_of(cubes_about(robot, random, 12)), not_occupied(),
+                                   {.padding = 0.01});
+    const CollisionModel& model = space.collision_model();
+    std::vector<int> all(model.members());
+    std::iota(all.begin(), all.end(), 0);
+    const KnownClearances nothing{std::vector<double>(model.members(), -1.0),
+                                  std::vector<double>(model.members(), HUGE_VAL)};
+    for (int i = 0; i < 60; ++i) {
+      const Configuration from = random.configuration(model.robot);
+      if (!model.is_free_by_shapes(from)) continue;
+      KnownClearances of_from = nothing;
+      for (int k = 0; k < 4; ++k) {
+        const Configuration to = from + random.unit() * (random.configuration(model.robot) - from);
+        KnownClearances of_to = nothing;
+        std::vector<RecentCubes> recent(model.bodies.size());
+        const bool is_free = model.is_edge_free_by_shapes(from, to);
+        (is_free ? accepted : refused)++;
+        const Configuration middle = from + 0.5 * (to - from);
+        const EdgePoses forth{forward_kinematics(model.robot, from), forward_kinematics(model.robot, middle),
+                              forward_kinematics(model.robot, to)};
+        ASSERT_EQ(model.is_edge_free(from, to, all, recent, nullptr, nullptr, &forth), is_free) << name;
+        ASSERT_EQ(model.is_edge_free(from, to, all, recent, &of_from, &of_to, &forth), is_free) << name;
+        ASSERT_EQ(model.is_edge_free(from, to, all, recent, &of_from, &of_to), is_free) << name;
+      }
+    }
+  }
+  EXPECT_GT(accepted, 20);
+  EXPECT_GT(refused, 20);
 }
 
 TEST(EdgeProof, AnEdgeThatEndsJustInsideOfWhatBlocksIsRefusedFromEitherEnd) {

@@ -13,7 +13,7 @@
 #include "mapping/voxels/fused_tree.hpp"
 #include "planning/robot/load.hpp"
 #include "planning/robot_files/load_robot.hpp"
-#include "tests/worlds/random_world.hpp"
+#include "tests/worlds/map_of_looks.hpp"
 
 namespace clearway {
 namespace part_policies_test {
@@ -152,6 +152,37 @@ TEST(PartPolicies, OfASpaceAreThoseOfItsRobotForALoadOnAnyLink) {
       EXPECT_TRUE(blocked->is_blocked({-0.5, 0.0, 0.5})) << name << " " << link.name;
     }
   }
+}
+
+TEST(PartPolicies, AnAgeThatTheMapCannotTellMakesNoSpace) {
+  const Robot robot = load_robot("point");
+  const Policies known{.other = Policy::known_free, .critical_by_default = false},
+      any{.other = Policy::not_occupied, .critical_by_default = false};
+  const Snapshot map = worlds::map_of_looks({{Eigen::Vector3d::Zero(), 2.5}});
+  const Snapshot bare = one_voxel(false, Seen::free);
+  EXPECT_NO_THROW(ConfigurationSpace(robot, map, known, {.seen_within = 5.0}));
+  EXPECT_NO_THROW(ConfigurationSpace(robot, bare, known));
+  EXPECT_THROW(ConfigurationSpace(robot, map, any, {.seen_within = 5.0}), std::invalid_argument);
+  EXPECT_THROW(ConfigurationSpace(robot, bare, known, {.seen_within = 5.0}), std::invalid_argument);
+}
+
+/// By its volumes where the map has some, else by what is painted at all.
+TEST(PartPolicies, APartThatMustLieInPaintIsToldWhereNoneCountsForIt) {
+  const Robot robot = load_robot("point");
+  const auto sentence = [&](const Snapshot& map, Policy policy) {
+    return empty_volume_sentence(ConfigurationSpace(robot, map, {.parts = {{"base", policy}}}));
+  };
+  FreeSpaceMap builder({.resolution = 0.1});
+  const int own = builder.add_volume("own", {"base"}), other = builder.add_volume("other", {"hand"});
+  const Sphere ball{Eigen::Vector3d::Zero(), 0.3};
+  EXPECT_NE(sentence(builder.snapshot(), Policy::painted), "");
+  builder.paint(other, ball);
+  EXPECT_NE(sentence(builder.snapshot(), Policy::painted), "");
+  EXPECT_EQ(sentence(builder.snapshot(), Policy::known_free), "");
+  builder.paint(own, ball);
+  EXPECT_EQ(sentence(builder.snapshot(), Policy::painted), "");
+  EXPECT_EQ(sentence(one_voxel(true, Seen::never), Policy::painted), "");
+  EXPECT_NE(sentence(one_voxel(false, Seen::free), Policy::painted), "");
 }
 
 TEST(PartPolicies, OfAPartThatTheRobotLacksAreRefusedNamingThoseThatItHas) {

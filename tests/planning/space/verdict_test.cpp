@@ -6,7 +6,7 @@
 #include "mapping/free_space_map.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/space/configuration_space.hpp"
-#include "tests/worlds/random_world.hpp"
+#include "tests/worlds/map_of_looks.hpp"
 
 namespace clearway {
 namespace verdict_test {
@@ -105,6 +105,7 @@ TEST(Verdict, NamesTheDeepestVoxelOfTheFirstBodyThatIsNotClear) {
       seen.insert(verdict.obstruction);
       if (verdict.is_free()) continue;
       EXPECT_NEAR(depth_of(at, robot.bodies[0].shape.radius(), verdict.point, padding), deepest, 1e-9);
+      EXPECT_NEAR(verdict.gap, std::max(padding - deepest, 0.0), 1e-9);  // of the padding alone
       const VoxelState state = space.map().state(verdict.point);
       EXPECT_EQ(verdict.obstruction, state == VoxelState::occupied   ? Obstruction::occupied
                                      : state == VoxelState::conflict ? Obstruction::conflict
@@ -114,6 +115,20 @@ TEST(Verdict, NamesTheDeepestVoxelOfTheFirstBodyThatIsNotClear) {
     }
   }
   EXPECT_EQ(seen.size(), 5U);  // all but what is of joints, of another body or too old
+}
+
+TEST(Verdict, NamesWhatWasSeenTooLongAgoApartFromWhatIsUnknown) {
+  const Snapshot map = worlds::map_of_looks({{Eigen::Vector3d::Constant(0.025), 2.5}});  // the newest: 15 s
+  const Robot disc = load_robot("point");
+  const auto obstruction = [&](double seen_within, double x) {
+    const ConfigurationSpace space(disc, map, {.other = Policy::known_free, .critical_by_default = false},
+                                   {.seen_within = seen_within});
+    return space.check(Eigen::Vector2d(x, 0.025)).obstruction;
+  };
+  EXPECT_EQ(obstruction(0.0, 0.025), Obstruction::none);
+  EXPECT_EQ(obstruction(13.0, 0.025), Obstruction::none);
+  EXPECT_EQ(obstruction(12.0, 0.025), Obstruction::stale);
+  EXPECT_EQ(obstruction(12.0, 3.0), Obstruction::unknown);
 }
 
 TEST(Verdict, NamesTheJointThatIsFarthestPastItsLimits) {

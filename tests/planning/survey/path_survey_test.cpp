@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <set>
 
+#include "mapping/voxels/fused_tree.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/space/part_policies.hpp"
 #include "tests/worlds/voxel_scene.hpp"
@@ -125,6 +127,67 @@ TEST(PathSurvey, what_one_leg_alone_meets_is_reported_whichever_it_is) {
     ASSERT_EQ(standing.standing.size(), 1u);
     EXPECT_TRUE(refusal(standing, {.strict = true}));
   }
+}
+
+/// Whatever is between the legs: what each sweeps, and the oldest look of all.
+TEST(PathSurvey, what_legs_sweep_is_the_sum_and_what_is_unknown_of_one_is_unknown_of_all) {
+  const Robot disc = load_robot("point");
+  FreeSpaceMap builder({.resolution = 0.1});
+  for (const auto& [y, time] : {std::pair(0.05, 1.0), std::pair(1.05, 4.0), std::pair(3.05, 9.0)}) {
+    Scan scan;
+    scan.time = time;
+    scan.map_from_sensor.translation() = Eigen::Vector3d(-1.95, y, 0.05);
+    scan.points = {Eigen::Vector3f(2.9f, 0.0f, 0.0f)};
+    builder.insert(scan);
+  }
+  builder.paint(builder.add_volume("free", {}), {{-0.5, 0.0, 0.0}, 0.35});
+  const Snapshot map = builder.snapshot();
+  const LegsToCheck first{disc, map, {at(-1, 0), at(1, 0)}}, second{disc, map, {at(-1, 1), at(3, 1)}},
+      none{disc, map, {}}, nowhere{disc, map, {at(5, 5)}};
+  const auto swept = [&](const std::vector<LegsToCheck>& legs) { return survey_legs(legs, anything).swept; };
+  const SweptVoxels one = *swept({first}), two = *swept({second});
+  for (const auto& all : {*swept({first, second}), *swept({second, first})}) {
+    EXPECT_EQ(all.painted, one.painted + two.painted);
+    EXPECT_EQ(all.seen_free, one.seen_free + two.seen_free);
+    EXPECT_EQ(all.seen_once, one.seen_once + two.seen_once);
+    EXPECT_EQ(all.occupied, one.occupied + two.occupied);
+    EXPECT_EQ(all.unknown, one.unknown + two.unknown);
+    EXPECT_EQ(all.beyond, one.beyond + two.beyond);
+    EXPECT_EQ(all.oldest_look, 8.0);  // from the first scan to the last
+  }
+  EXPECT_EQ(two.oldest_look, 5.0);
+  for (const std::size_t count : {one.painted, one.seen_free, one.seen_once, one.occupied, two.beyond})
+    EXPECT_GT(count, 0U);
+  EXPECT_FALSE(swept({first, none}) || swept({none, first}));
+  EXPECT_GT(swept({nowhere})->beyond, 0U);
+  EXPECT_FALSE(swept({first, nowhere})->oldest_look || swept({nowhere, first})->oldest_look);
+}
+
+/// A row of voxels that somebody made free, of which no look is known.
+TEST(PathSurvey, voxels_made_free_by_hand_are_counted_where_the_map_has_any) {
+  for (const std::uint64_t freed : {0U, 11U}) {
+    const auto tree = std::make_shared<FusedTree>(0.1);
+    for (int x = -5; x <= 5; ++x) tree->free_voxel_by_hand({x, 0, 0});
+    tree->add_hand_edits({.freed = freed});
+    const PathSurvey survey =
+        survey_path(load_robot("point"), Snapshot(tree, {}), anything, {at(-1, 0), at(1, 0)});
+    EXPECT_EQ(survey.swept->seen_free, 11U);
+    EXPECT_EQ(survey.swept->maybe_by_hand, freed);
+  }
+}
+
+TEST(PathSurvey, what_is_refused_for_it_was_valid_before) {
+  const PathSurvey away = survey_path(load_robot("point"), seen_line(), anything, {at(0, 0), at(0, 5)});
+  PathVerdict met, valid;
+  met.first_contact = "a contact";
+  valid.valid = true;
+  refuse_surveyed(away, {}, met);
+  EXPECT_EQ(met.first_contact, "a contact");
+  refuse_surveyed(away, {.allow_outside = {"base"}}, valid);
+  EXPECT_TRUE(valid.valid);
+  refuse_surveyed(away, {}, valid);
+  EXPECT_FALSE(valid.valid);
+  EXPECT_EQ(valid.first_contact, refusal(away, {}));
 }
 
 TEST(PathSurvey, parts_that_are_allowed_outside_must_exist) {
