@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "mapping/maps/map_difference.hpp"
+#include "mapping/stamps/seen_stamps.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 #include "tests/worlds/voxel_scene.hpp"
 
@@ -36,6 +37,25 @@ TEST(FreedVoxels, ChangeWhatIsAskedAndNothingElse) {
   EXPECT_EQ(map.state(points[0]), VoxelState::conflict);
   EXPECT_EQ(map.state(points[1]), VoxelState::occupied);
   EXPECT_EQ(map.state(points[2]), VoxelState::unknown);
+}
+
+TEST(FreedVoxels, AreInEveryVolumeWhereTheyArePaintedAndTheMapKnowsItsTimesAsBefore) {
+  FreeSpaceMap builder({.resolution = 0.05});
+  Scan scan;
+  scan.time = 3.0;
+  scan.map_from_sensor.translation().setConstant(0.025);
+  scan.points = {{1.0F, 0.0F, 0.0F}};
+  builder.insert(scan);
+  const Snapshot map = builder.snapshot();
+  const Eigen::Vector3d hit(1.025, 0.025, 0.025), seen(0.525, 0.025, 0.025), never(0.0, 2.0, 0.0);
+  for (const bool is_painted : {false, true}) {
+    const Snapshot freed = with_free_voxels(map, {hit, never}, is_painted);
+    for (const Eigen::Vector3d& point : {hit, never})
+      EXPECT_EQ(freed.voxel(point).volumes, is_painted ? 0x7fff : 0);  // all 15
+    ASSERT_NE(freed.seen(), nullptr);
+    EXPECT_EQ(freed.last_seen(seen), map.last_seen(seen));
+    EXPECT_EQ(freed.seen()->newest(), map.seen()->newest());
+  }
 }
 
 TEST(FreedVoxels, AllOfThemOneByOneAreTheWholeOfThem) {

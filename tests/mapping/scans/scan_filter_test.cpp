@@ -168,5 +168,17 @@ TEST(ScanFilter, NamesTheFieldThatMakesNoSense) {
   refused("axis", [](ScanFilter& filter) { filter.bodies = {{{0, std::nan(""), 0}, {0, 0, 1}, 0.1}}; });
 }
 
+/// Of no more points than neighbours are asked for nobody knows which stand apart.
+TEST(ScanFilter, FewerPointsThanNeighboursAreNoOutliers) {
+  Scan scan;
+  scan.points = {
+      {1.0F, 0.0F, 0.0F}, {1.0F, 0.01F, 0.0F}, {1.0F, 0.0F, 0.01F}, {1.0F, 0.01F, 0.01F}, {3.0F, 2.0F, 0.0F}};
+  for (const int neighbours : {2, 4, 5, 8}) {
+    const FilteredPoints kept =
+        filter_points(scan, {.outlier_neighbours = neighbours, .outlier_deviations = 0.5});
+    EXPECT_EQ(kept.points.size(), neighbours < 5 ? 4U : 5U) << neighbours;
+  }
+}
+
 }  // namespace scan_filter_test
 }  // namespace clearway
