@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <set>
+#include <stdexcept>
+#include <string>
 
 #include "mapping/free_space_map.hpp"
 #include "tests/worlds/random_map.hpp"
@@ -154,6 +156,30 @@ TEST(HitsOnly, OccupyTheVoxelsOfTheirPointsAndFreeNothing) {
       EXPECT_EQ(now.state(way), has_hits_only ? VoxelState::unknown : VoxelState::seen_free);
     }
   }
+}
+
+/// Of a stretched or mirrored pose nobody knows where its rays went: each number of a turn times its
+/// transpose may be off by 1e-4.
+TEST(ClearRays, AndAllOthersComeFromAPoseThatIsRigid) {
+  const auto is_taken = [](const Eigen::Vector3d& stretched) {
+    FreeSpaceMap map(MapOptions{.resolution = 0.05});
+    Scan scan;
+    scan.points = {{1.0F, 0.0F, 0.0F}};
+    scan.map_from_sensor.linear() =
+        Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized()) * stretched.asDiagonal();
+    try {
+      map.insert(scan);
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find("map_from_sensor is no rigid pose"), std::string::npos);
+      return false;
+    }
+    return true;
+  };
+  for (const double by : {4e-5, -4e-5}) EXPECT_TRUE(is_taken(Eigen::Vector3d::Constant(1.0 + by))) << by;
+  for (const double by : {6e-5, -6e-5, 0.1, -2.0})
+    EXPECT_FALSE(is_taken(Eigen::Vector3d::Constant(1.0 + by))) << by;
+  EXPECT_FALSE(is_taken({1.0, 1.0, -1.0}));
+  EXPECT_FALSE(is_taken({1.0, 1.001, 1.0}));
 }
 
 }  // namespace clear_rays_test
