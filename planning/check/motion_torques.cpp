@@ -38,7 +38,6 @@ class MassTree {
     }
     const Eigen::Vector3d gravity = robot.map_from_base.linear().transpose() * load.gravity;
     solver_ = std::make_unique<KDL::TreeIdSolver_RNE>(tree_, kdl_vector(gravity));
-    dof_ = static_cast<Eigen::Index>(robot.dof());
   }
 
   Eigen::VectorXd torques(const Eigen::VectorXd& q, const Eigen::VectorXd& velocity,
@@ -53,7 +52,7 @@ class MassTree {
     }
     if (solver_->CartToJnt(position, rate, change, {}, result) < 0)
       throw std::runtime_error("KDL's inverse dynamics refuses the robot");
-    Eigen::VectorXd torques = Eigen::VectorXd::Zero(dof_);
+    Eigen::VectorXd torques = Eigen::VectorXd::Zero(q.size());
     for (unsigned k = 0; k < count; ++k) {
       const check::KdlLink& link = model_.links[moved_[k]];
       torques[link.joint] += link.multiplier * result(k);
@@ -81,7 +80,6 @@ class MassTree {
   KDL::Tree tree_;
   std::unique_ptr<KDL::TreeIdSolver_RNE> solver_;
   std::vector<std::size_t> moved_;  ///< the link of each of the tree's joints
-  Eigen::Index dof_ = 0;
 };
 
 /// Keeps the greatest share of a limit among moments.
