@@ -44,11 +44,13 @@ struct ByteField;  // of the floors above: mapping/field/byte_field.hpp, which i
 /// counts as free under `not_occupied` and as blocked under `painted` and `known_free`.
 class BlockedSpace {
  public:
+  static constexpr double most_voxels = 89.0;  ///< how far a field may know distances
+
   virtual ~BlockedSpace() = default;
 
   virtual const Requirement& requirement() const = 0;
   virtual double resolution() const = 0;    ///< edge of a voxel cube, metres
-  virtual double max_distance() const = 0;  ///< where the field ends, metres: as asked, at most 89 voxels
+  virtual double max_distance() const = 0;  ///< where the field ends, metres: as asked, at most most_voxels
   virtual const Eigen::AlignedBox3d& region() const = 0;
   virtual std::size_t blocked_count() const = 0;  ///< blocked voxels inside the region
 

@@ -62,7 +62,7 @@ FieldRegion field_region(const Eigen::AlignedBox3d& region, double resolution, d
     refuse_size(region.sizes(), bytes, resolution, memory_limit);
   }
   return {low.matrix().cast<int>(), size.matrix().cast<int>(), resolution,
-          std::min(max_distance, 89.0 * resolution)};
+          std::min(max_distance, BlockedSpace::most_voxels * resolution)};
 }
 
 std::size_t field_bytes(const FieldRegion& region) {

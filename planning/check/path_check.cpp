@@ -22,6 +22,7 @@ constexpr double finest_step = 1e-6;        ///< joint-space length (rad, m) at 
 constexpr double probe_step = 1e-4;         ///< how far past a stall a contact is looked for
 constexpr double most_cells_at_once = 3e7;  ///< of one block of voxels; longer paths are checked in pieces
 constexpr double most_cells_in_all = 4e8;   ///< where pieces save nothing
+constexpr double most_cells_of_edge = 9e8;  ///< about all bodies together; else body by body
 
 struct Contact {
   int edge = 0;
@@ -78,18 +79,21 @@ class Checker {
     return path_[end] - start(edge);
   }
 
-  /// What the bodies of each group and the voxels that concern them take up on these edges.
+  /// What the bodies of a group and the voxels that concern them take up on these edges.
+  Eigen::AlignedBox3d box_of(const check::Tasks& tasks, std::size_t group, int first, int last) const {
+    Eigen::AlignedBox3d box;
+    for (int edge = first; edge < last; ++edge)
+      box.extend(
+          check::swept_box(arm_, fcl_, tasks, group, start(edge), step(edge), 10.0 * map_.resolution()));
+    box.min().array() -= cap_ + padding_ + 2 * map_.resolution();
+    box.max().array() += cap_ + padding_ + 2 * map_.resolution();
+    return box;
+  }
+
   std::vector<Eigen::AlignedBox3d> boxes_of(int first, int last) const {
-    std::vector<Eigen::AlignedBox3d> boxes(tasks_.groups.size());
-    for (std::size_t group = 0; group < tasks_.groups.size(); ++group) {
-      Eigen::AlignedBox3d& box = boxes[group];
-      for (int edge = first; edge < last; ++edge) {
-        box.extend(
-            check::swept_box(arm_, fcl_, tasks_, group, start(edge), step(edge), 10.0 * map_.resolution()));
-      }
-      box.min().array() -= cap_ + padding_ + 2 * map_.resolution();
-      box.max().array() += cap_ + padding_ + 2 * map_.resolution();
-    }
+    std::vector<Eigen::AlignedBox3d> boxes;
+    for (std::size_t group = 0; group < tasks_.groups.size(); ++group)
+      boxes.push_back(box_of(tasks_, group, first, last));
     return boxes;
   }
 
@@ -116,6 +120,10 @@ class Checker {
       }
     }
     cells_.clear();
+    if (most > most_cells_of_edge) {
+      for (int edge = first; edge < last && !contact_; ++edge) check_body_by_body(edge);
+      return;
+    }
     for (std::size_t group = 0; group < tasks_.groups.size(); ++group) {
       cells_.emplace_back(map_, tasks_.groups[group].policy, tasks_.groups[group].volumes, boxes[group],
                           seen_within_);
@@ -124,6 +132,22 @@ class Checker {
       for (const Item& item : tasks_.items) advance(item, edge);
     }
     if (!contact_ && last + 1 == static_cast<int>(path_.size())) measure_waypoint(path_.size() - 1);
+  }
+
+  /// An edge about which all bodies together have too many voxels, as these are fine.
+  void check_body_by_body(int edge) {
+    for (const Item& item : tasks_.items) {
+      if (!item.other) {
+        const check::Group& group = tasks_.groups[item.group];
+        own_cells_.emplace(map_, group.policy, group.volumes,
+                           box_of({{group}, {{item.body, std::nullopt, 0}}}, 0, edge, edge + 1),
+                           seen_within_);
+      }
+      advance(item, edge);
+      if (!item.other && edge + 2 == static_cast<int>(path_.size()))
+        note_clearance(path_.size() - 1, nearest(item, path_.back()).distance);
+    }
+    own_cells_.reset();
   }
 
   /// Conservative advancement: from each place the item moves on by less than its certified distance. Keeps
@@ -172,8 +196,8 @@ class Checker {
     const Eigen::Isometry3d pose = arm_.place(q, item.body);
     if (item.other)
       return {fcl_.distance(item.body, pose, *item.other, arm_.place(q, *item.other), enough), {}};
-    return check::nearest_voxel(fcl_, item.body, pose, inner_point(item.body, pose), cells_[item.group],
-                                cap_ + padding_, hint);
+    return check::nearest_voxel(fcl_, item.body, pose, inner_point(item.body, pose),
+                                own_cells_ ? *own_cells_ : cells_[item.group], cap_ + padding_, hint);
   }
 
   /// A point inside the body: the centre of its frame, or of a hull's corners.
@@ -209,7 +233,8 @@ class Checker {
   const check::KdlArm& arm_;
   check::FclBodies fcl_;
   check::Tasks tasks_;
-  std::vector<check::BlockedCells> cells_;  ///< of the edges at hand, one for each group
+  std::vector<check::BlockedCells> cells_;        ///< of the edges at hand, one for each group
+  std::optional<check::BlockedCells> own_cells_;  ///< of the body at hand, where these are too many
   PathVerdict verdict_;
   std::optional<Contact> contact_;
   double least_ = 0.0;     ///< proved over all that was passed so far

@@ -32,7 +32,8 @@ std::uint64_t bits_between(int begin, int end) {
 }
 
 [[noreturn]] void refuse_large() {
-  throw std::invalid_argument("one edge of the path sweeps more than 1e9 voxels, expected a coarser map");
+  throw std::invalid_argument(
+      "one edge of the path has more than 1e9 voxels about one body, expected a coarser map");
 }
 
 }  // namespace

@@ -106,6 +106,12 @@ double chosen_max_distance(const Robot& robot, double resolution) {
   return std::max(largest, 8.0 * resolution);
 }
 
+constexpr double most_field_cells = 4e8;  ///< a field of more may take more memory than there is for one
+
+double cells_in(const Eigen::AlignedBox3d& region, double resolution) {
+  return (region.sizes().array() / resolution).prod();
+}
+
 /// Where a requirement has to be known: as far as the robot reaches, so that fields of a map that grows
 /// follow it. Of a reach that is too large for that, only about the map. Under `not_occupied` nothing outside
 /// the map blocks; under the other policies everything outside it does, so that one layer of voxels around it
@@ -163,9 +169,13 @@ ConfigurationSpace::ConfigurationSpace(Robot robot, Snapshot map, const Policies
   model.bodies.reserve(geometry->policed.size());
   for (const RobotGeometry::Policed& policed : geometry->policed) {
     const Requirement requirement = requirement_of(policed.geometry->body);
-    const double max_distance = model.options.max_distance;
-    const double wanted = std::max(max_distance, options.padding + model.map.resolution());
-    const Eigen::AlignedBox3d region = region_of(requirement, reach_of(requirement), model.map, wanted);
+    const double max_distance = model.options.max_distance, resolution = model.map.resolution();
+    const double least = options.padding + resolution;
+    Eigen::AlignedBox3d region =
+        region_of(requirement, reach_of(requirement), model.map, std::max(max_distance, least));
+    if (cells_in(region, resolution) > most_field_cells)  // as far as fields know distances, then
+      region = region_of(requirement, reach_of(requirement), model.map,
+                         std::max(std::min(max_distance, BlockedSpace::most_voxels * resolution), least));
     Eigen::AlignedBox3d counts = policed.reach;  // voxels that can matter to the body
     const double rounding =
         1e-9 * (1.0 + counts.min().cwiseAbs().maxCoeff() + counts.max().cwiseAbs().maxCoeff());

@@ -411,5 +411,33 @@ TEST(PathCheck, AnEdgeThatEndsJustInsideOfWhatBlocksIsRefusedAndOneJustBeforeItI
   }
 }
 
+/// Two balls 43 m apart on one carriage: some 2e9 voxels are about both, and few about each.
+TEST(PathCheck, EdgesAboutWhichVoxelsAreTooManyAreCheckedBodyByBody) {
+  const std::string ball = "<sphere radius='0.1'/>";
+  const worlds::UrdfRobot pair(
+      "pair", "<link name='base'/>" + worlds::urdf_link("near", "0 0 0", ball) +
+                  worlds::urdf_link("far", "0 0 0", ball) +
+                  worlds::urdf_joint("slide", "prismatic", "base", "near", "0 0 0", "1 0 0",
+                                     worlds::urdf_limit(0, 1)) +
+                  worlds::urdf_joint("weld", "fixed", "near", "far", "25 25 25", "1 0 0", ""));
+  FreeSpaceMap builder({.resolution = 0.02});
+  occupy(builder, {25.51, 25.01, 25.01});
+  occupy(builder, {0.81, 0.01, 0.01});
+  const auto verdict = [&](double to) {
+    return check_path(pair.robot(), builder.snapshot(), {}, 0.001,
+                      {Configuration::Zero(1), Configuration::Constant(1, to)});
+  };
+  const PathVerdict free = verdict(0.3);
+  EXPECT_TRUE(free.valid) << free.first_contact;
+  EXPECT_LE(free.min_clearance, 0.1 + 1e-9);
+  EXPECT_GT(free.min_clearance, 0.07);
+  EXPECT_NEAR(free.clearance.back(), 0.1, 1e-6);
+  const PathVerdict met = verdict(0.5);
+  EXPECT_FALSE(met.valid);
+  EXPECT_NE(met.first_contact.find("far comes too near to a voxel that is occupied, at (25.51"),
+            std::string::npos)
+      << met.first_contact;
+}
+
 }  // namespace path_check_test
 }  // namespace clearway

@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "mapping/free_space_map.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/space/body_collision.hpp"
 #include "planning/space/configuration_space.hpp"
@@ -278,6 +279,21 @@ TEST(SpaceLimits, EveryVoxelWithinTheMarginIsVisitedWithABoundThatIsNoMoreThanIt
   EXPECT_GT(inside, 200);
   EXPECT_GT(wanted, inside + 100);
   EXPECT_LT(visits, 4 * wanted);
+}
+
+/// A bridge of 18 m before one voxel of 2 cm: its field need not reach as far as the bridge is wide.
+TEST(SpaceLimits, AFieldIsNoLargerThanItKnowsDistances) {
+  Robot robot = worlds::slide_robot();
+  robot.joints[0].upper = 15.0;
+  robot.bodies[0].shape = Shape::box({0.2, 18.0, 0.2});
+  robot.bodies[0].cover = robot.bodies[0].shape.sphere_cover();
+  FreeSpaceMap map({.resolution = 0.02});
+  occupy(map, {7.01, 3.01, 0.01});
+  const ConfigurationSpace space(robot, map.snapshot(), not_occupied());
+  for (double x = 0.0; x <= 15.0; x += 0.0737) {
+    const bool is_met = x + 0.1 >= 7.0 && x - 0.1 <= 7.02;
+    EXPECT_EQ(space.is_free(Configuration::Constant(1, x)), !is_met) << x;
+  }
 }
 
 }  // namespace space_limits_test
