@@ -247,8 +247,12 @@ class Statement {
       const bool is_of_record = flags.critical_by_default && term.source == TermSource::map;
       if (flags.parts.contains(load.name) || is_of_record) continue;
       if (term.source != TermSource::plan) term = {usual.at(load.name), TermSource::by_default};
-      for (const std::string& holder : holders_of(loaded, load.name))
-        if (terms.at(holder).value < term.value) term = {terms.at(holder).value, TermSource::by_default};
+      for (const std::string& holder : holders_of(loaded, load.name)) {
+        const Term<Policy>& of_holder = terms.at(holder);
+        if (of_holder.value < term.value ||
+            (of_holder.value == term.value && term.source == TermSource::by_default))
+          term = of_holder;
+      }
     }
   }
 

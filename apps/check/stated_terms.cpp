@@ -12,7 +12,15 @@
 namespace clearway {
 namespace {
 
-constexpr Bounds any_length{-1e6, 1e6};
+constexpr Bounds any_length{-1e6, 1e6}, most_payload{0.0, 1e6};
+
+/// Loads that ride all the way: a trajectory has no legs.
+std::vector<LegLoad> riding_loads(const JsonField& field) {
+  std::vector<LegLoad> loads = loads_of(field);
+  for (const LegLoad& load : loads)
+    if (!load.legs.empty()) field.refuse("loads that ride all the way, without 'legs'");
+  return loads;
+}
 
 std::optional<Eigen::Isometry3d> pose_of(const std::vector<double>& at, const std::vector<double>& turn) {
   if (at.size() != 3 || turn.size() != 4) return std::nullopt;
@@ -52,6 +60,8 @@ class Comments {
         read_loads();
       } else if (begins("# payload: ")) {
         stated_.payload = number();
+        if (!(stated_.payload >= 0.0 && stated_.payload <= most_payload.high))
+          refuse("expected a mass of 0 to 1e6 kg");
       } else if (begins("# map: ")) {
         name_before(", sha256 ");
         stated_.map_sha256 = name_before("");
@@ -101,7 +111,7 @@ class Comments {
   void read_loads() {
     const auto json = nlohmann::ordered_json::parse(rest_, nullptr, false);
     if (json.is_discarded()) refuse("expected loads as JSON, as --trajectory ros writes them");
-    stated_.loads = loads_of(JsonField(json, file_.string() + ": comment '# carries'"));
+    stated_.loads = riding_loads(JsonField(json, file_.string() + ": comment '# carries'"));
   }
 
   void read_base() {
@@ -161,9 +171,9 @@ std::optional<StatedTerms> stated_in_json(const YamlFields& root, const std::str
   if (root.has("loads")) {
     const auto json = nlohmann::ordered_json::parse(text, nullptr, false);
     if (json.is_discarded()) root.fail("loads", "expected JSON, as --trajectory json writes it");
-    stated.loads = loads_of(JsonField(json, "trajectory " + file.string()).at("loads"));
+    stated.loads = riding_loads(JsonField(json, "trajectory " + file.string()).at("loads"));
   }
-  stated.payload = root.number("payload_kg", {0.0, 1e6}, 0.0);
+  stated.payload = root.number("payload_kg", most_payload, 0.0);
   if (root.is_map("map")) stated.map_sha256 = root.map("map").prose("sha256", "");
   return stated;
 }

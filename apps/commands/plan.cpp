@@ -82,6 +82,14 @@ bool lacks_trajectory(const PlanOptions& options, const Plan& plan) {
   return (!options.trajectories.empty() || options.motion) && !plan.motion;
 }
 
+/// A message alone, or a table, has no place for what rides on the robot all the way.
+void note_unsaid_loads(const PlanOptions& options, const Plan& plan, Console& console) {
+  for (const auto& [format, file] : options.trajectories)
+    if (!plan.loads.empty() && (format == "ros-json" || format == "csv"))
+      return console.warn("note: a trajectory as " + format +
+                          " does not say what the robot carries: clearway check needs --attach for it");
+}
+
 void save_trajectories(const PlanOptions& options, const Robot& robot, const Plan& plan) {
   if (!plan.motion) return;
   const Trajectory trajectory = trajectory_of(robot, plan);
@@ -328,6 +336,7 @@ int run_plan(const PlanOptions& options, Console& console) {
   if (!options.csv.empty()) save_file(options.csv, to_csv(plan));
   if (!options.view.empty()) save_file(options.view, plan_page(options, plan, space, start));
   save_trajectories(options, robot, plan);
+  if (plan.motion) note_unsaid_loads(options, plan, console);
   if (console.json) {
     console.out() << text << '\n';
   } else {

@@ -57,18 +57,19 @@ std::vector<Configuration> path_of(const Json& path, const PlanProblem& problem,
 /// Rad or m: programs may round configurations, and check their goals by a tolerance.
 constexpr double most_rounding = 1e-3;
 
-/// The path with both ends exact, or the reason why its ends are elsewhere. An end that is beside by more
+/// The path with both ends exact, or the reason why its ends are elsewhere. An end that is off by more
 /// than `contract_tolerance` stays, and an edge leads to it, which is judged like the others.
 std::string join_ends(std::vector<Configuration>& waypoints, const PlanProblem& problem) {
   const auto off = [](const Configuration& a, const Configuration& b) {
     return (a - b).cwiseAbs().maxCoeff();
   };
   const double first = off(waypoints.front(), problem.start), last = off(waypoints.back(), problem.goal);
-  if (first > most_rounding || last > most_rounding)
-    return "The program's path " + std::string(first > most_rounding ? "begins " : "ends ") +
-           short_text(first > most_rounding ? first : last) + " (rad or m, of one joint) from the " +
-           (first > most_rounding ? "start" : "goal") + ": expected at most " + short_text(most_rounding) +
-           ".";
+  const auto elsewhere = [](const std::string& does, double by, const std::string& from) {
+    return "The program's path " + does + " " + short_text(by) + " (rad or m, of one joint) from the " +
+           from + ": expected at most " + short_text(most_rounding) + ".";
+  };
+  if (first > most_rounding) return elsewhere("begins", first, "start");
+  if (last > most_rounding) return elsewhere("ends", last, "goal");
   if (first > contract_tolerance) waypoints.insert(waypoints.begin(), problem.start);
   if (last > contract_tolerance) waypoints.push_back(problem.goal);
   waypoints.front() = problem.start;

@@ -255,7 +255,7 @@ void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNote
   command
       .add_option("--policy", choice.policies,
                   "what counts as free: painted, known_free or not_occupied (unknown counts as free), for "
-                  "all parts, or PART=P for one; repeatable" +
+                  "all parts, or PART=P for one; repeatable; a load that none names lies in what holds it" +
                       (notes.policy.empty() ? default_policy : notes.policy))
       ->type_name("[PART=]P")
       ->allow_extra_args(false)

@@ -23,8 +23,10 @@ std::string maybe_by_hand(const SweptVoxels& swept) {
 }
 
 std::string describe_swept(const SweptVoxels& swept) {
+  const double litres = swept.litres(swept.total());
   std::string text =
-      significant(swept.litres(swept.total()), 3) + " l (" + counted(swept.total(), "voxel") + "): ";
+      (litres < 1000.0 ? significant(litres, 3) + " l" : significant(litres / 1000.0, 3) + " m^3") + " (" +
+      counted(swept.total(), "voxel") + "): ";
   text += percent(swept, swept.unknown) + " unknown";
   if (swept.beyond > 0) text += " (" + percent(swept, swept.beyond) + " beyond the map's bounds)";
   text += ", " + percent(swept, swept.seen_once) + " seen once, " +

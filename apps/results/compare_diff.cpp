@@ -354,7 +354,7 @@ std::vector<std::string> notes_on(const StoredResults& before, const StoredResul
   if (other_ends.empty())
     for (const std::string& experiment : differing(before.problems, after.problems))
       notes.push_back("The problems of experiment '" + plain(experiment) +
-                      "' differ, in their loads or in which there are: what changed may be theirs.");
+                      "' differ, in their loads or in their number: what changed may be theirs.");
   add_other_settings(before, after, notes);
   add_other_options(before, after, notes);
   const auto report_missing = [&](const StoredResults& from, const StoredResults& in) {

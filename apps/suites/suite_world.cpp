@@ -33,8 +33,14 @@ Snapshot make_map(const SuiteWorld& world, const std::vector<std::string>& criti
   if (world.is_exact) return map_of_solids(world.solids, world.resolution);
   FreeSpaceMap map({.resolution = world.resolution, .discretize = true});
   for (const Eigen::Vector3d& sensor : world.sensors) {
-    map.insert(scan_solids(world.solids, sensor, world.sensor_range, world.resolution),
-               {.max_range = world.sensor_range});
+    Scan scan = scan_solids(world.solids, sensor, world.sensor_range, world.resolution);
+    for (Eigen::Vector3f& point : scan.points) {  // it sees voxels whose middles are within its range
+      const Eigen::Vector3d middle =
+          voxel_middle(scan.map_from_sensor * point.cast<double>(), world.resolution) - sensor;
+      if (middle.norm() > world.sensor_range && point.norm() <= world.sensor_range)
+        point = middle.cast<float>();
+    }
+    map.insert(scan, {.max_range = world.sensor_range});
   }
   for (const SuiteVolume& volume : world.volumes) paint(world, volume, critical_parts, map);
   return map.snapshot();

@@ -292,12 +292,14 @@ class McapBag final : public MessageBag {
     if (!chunk.text().empty()) throw std::runtime_error("it is packed");
     std::vector<std::size_t> begins;
     bytes.clear();
+    std::uint64_t last_end = 0;
     for (const McapIndex::Entry& entry : entries) {
       const std::uint64_t at = place.at + record_head + chunk_head + entry.offset;
-      if (at >= end) throw std::runtime_error("a message is beyond its chunk");
+      if (at >= end || at < last_end) throw std::runtime_error("a message is not in its place of the chunk");
       const auto [opcode, size] = head_at(at);
       if (size < message_head || size > end - at || size > most_chunk_bytes)
         throw std::runtime_error("another record is there");
+      last_end = at + record_head + size;
       const Bytes content = file_.read(at + record_head, size);
       Fields in(content);
       const bool is_of_channel = in.number<std::uint16_t>() == entry.channel;

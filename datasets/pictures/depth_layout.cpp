@@ -165,10 +165,13 @@ void take_bop_scene(const fs::path& scene, const fs::path& stated_poses, DepthLa
 
 /// What COLMAP wrote, where its images.txt is one.
 void take_colmap_model(const fs::path& folder, DepthLayout& layout) {
-  const fs::path images = first_there(folder, {"images.txt", "sparse/0/images.txt", "sparse/images.txt"});
-  if (images.empty() || !is_colmap_images(read_input(images, "poses", largest_poses))) return;
-  layout.poses = images;
-  if (layout.camera.empty()) layout.camera = first_there(images.parent_path(), {"cameras.txt"});
+  for (const char* place : {"images.txt", "sparse/0/images.txt", "sparse/images.txt"}) {
+    const fs::path images = first_there(folder, {place});
+    if (images.empty() || !is_colmap_images(read_input(images, "poses", largest_poses))) continue;
+    layout.poses = images;
+    if (layout.camera.empty()) layout.camera = first_there(images.parent_path(), {"cameras.txt"});
+    return;
+  }
 }
 
 /// BOP's file of the camera of all scenes, which lies above them.

@@ -50,7 +50,7 @@ class BlockedSpace {
 
   virtual const Requirement& requirement() const = 0;
   virtual double resolution() const = 0;    ///< edge of a voxel cube, metres
-  virtual double max_distance() const = 0;  ///< where the field ends, metres: as asked, at most most_voxels
+  virtual double max_distance() const = 0;  ///< where the field ends, metres: as asked, at most 89 voxels
   virtual const Eigen::AlignedBox3d& region() const = 0;
   virtual std::size_t blocked_count() const = 0;  ///< blocked voxels inside the region
 

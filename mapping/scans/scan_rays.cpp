@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include "mapping/scans/compare_hits.hpp"
@@ -87,9 +88,13 @@ class EndChooser {
     if (cell == last_cell_) return;
     last_cell_ = cell;
     if (!out_.seen.set_occupied(cell)) return;
-    const ScanCounts counts = out_.counts;
-    add_point(centre_of(cell), cell, false);
-    out_.counts = counts;
+    const Eigen::Vector3f centre = centre_of(cell);
+    if (is_near || !is_beyond(centre)) {
+      push({centre, reach(centre)}, cell);
+      out_.hits.set_occupied(cell);
+    } else if (const auto end = end_at_range(centre)) {
+      push(*end, cell);
+    }
   }
 
   Eigen::Vector3f centre_of(const Eigen::Vector3i& cell) const {  // as OctoMap's keyToCoord
@@ -108,13 +113,19 @@ class EndChooser {
   }
 
   std::size_t* add_beyond(const Eigen::Vector3f& point, const Eigen::Vector3i& cell, bool repeated) {
+    const auto end = end_at_range(point);
+    std::size_t* const count = end ? &out_.counts.beyond_range : &out_.counts.dropped_invalid;
+    ++*count;
+    if (end && !repeated) push(*end, cell);
+    return count;
+  }
+
+  /// Where the ray of a point beyond range ends; nothing outside of the tree.
+  std::optional<RayEnd> end_at_range(const Eigen::Vector3f& point) const {
     const point3d way = point3d(point.x(), point.y(), point.z()) - origin_;
     const point3d end = origin_ + way.normalized() * static_cast<float>(max_range_);
-    const bool inside = tree_.cell({end.x(), end.y(), end.z()}).has_value();
-    std::size_t* const count = inside ? &out_.counts.beyond_range : &out_.counts.dropped_invalid;
-    ++*count;
-    if (inside && !repeated) push({{end.x(), end.y(), end.z()}}, cell);
-    return count;
+    if (!tree_.cell({end.x(), end.y(), end.z()})) return std::nullopt;
+    return RayEnd{{end.x(), end.y(), end.z()}};
   }
 
   void push(const RayEnd& end, const Eigen::Vector3i& cell) {

@@ -50,8 +50,9 @@ struct ScanWorkspace {
 
 /// Carves the rays of one scan into the tree as OctoMap does: within the scan every voxel is updated once,
 /// and a voxel in which any ray ends is occupied even where others pass (as computeUpdate). A point beyond
-/// max_range frees its ray up to that range and sets no hit. In safe integration the hits are the same and a
-/// subset is freed: rays that hit end early by margins.trim(length), and nothing is freed within the band
+/// max_range frees its ray up to that range and sets no hit. In safe integration the hits are the same (a
+/// discretized one within range counts wherever its voxel's centre lies) and a subset is freed: rays that
+/// hit end early by margins.trim(length), and nothing is freed within the band
 /// around this scan's hits (see SafeMargins) or between neighbouring ones (SurfaceGaps). The tree learns how
 /// far the scan agrees with it (FusedTree::agreement).
 /// @param contested the evidence of the scans before about contested voxels; null: none is weighed.

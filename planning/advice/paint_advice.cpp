@@ -8,7 +8,6 @@
 #include <optional>
 #include <sstream>
 
-#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/beam/beam_guided.hpp"
 #include "planning/beam/via_beam.hpp"
@@ -148,8 +147,7 @@ std::vector<std::size_t> turns_of_stroke(const std::vector<PaintHint>& hints, st
 }
 
 void write_place(std::ostream& text, const Eigen::Vector3d& place) {
-  text << '(' << place_text(place.x()) << ", " << place_text(place.y()) << ", " << place_text(place.z())
-       << ')';
+  text << '(' << place.x() << ", " << place.y() << ", " << place.z() << ')';
 }
 
 void write_sphere(std::ostream& text, const Sphere& sphere) {

@@ -14,8 +14,8 @@ using LatticeIndex = std::vector<int>;
 /// The state lattice around the start, Chong et al. 2008, eq. 4-6, with the measures of eq. 10 and 11.
 class Lattice {
  public:
-  /// @throws std::invalid_argument when the number of steps given does not fit the robot, or a joint moves
-  /// less than its step.
+  /// A joint that moves less than its step stays at the start's value: the last edge leads to the goal's.
+  /// @throws std::invalid_argument when the number of steps given does not fit the robot
   Lattice(const PlanProblem& problem, const BeamOptions& options);
 
   Eigen::Index dof() const { return start_.size(); }

@@ -159,22 +159,11 @@ bool is_closed(const std::vector<std::array<int, 3>>& triangles) {
   return std::adjacent_find(sides.begin(), sides.end()) == sides.end() && sides == back;
 }
 
-/// Whether no point is farther out than the faces, but for rounding.
-bool are_behind_faces(const std::vector<Eigen::Vector3d>& points) {
-  Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& point : points) box.extend(point);
-  const double margin = 1e-10 * box.sizes().maxCoeff();
-  const std::vector<Face> faces = faces_of(points);
-  return std::all_of(faces.begin(), faces.end(), [&](const Face& face) {
-    return face.normal.dot(points[farthest_vertex(points, face.normal)]) <= face.offset + margin;
-  });
-}
-
 }  // namespace
 
 std::vector<std::array<int, 2>> hull_edges(const std::vector<Eigen::Vector3d>& points) {
   const std::vector<std::array<int, 3>> triangles = hull_triangles(points);
-  if (triangles.size() < 4 || !is_closed(triangles) || !are_behind_faces(points)) return {};
+  if (triangles.size() < 4 || !is_closed(triangles)) return {};
   std::vector<std::array<int, 2>> edges;
   for (const std::array<int, 3>& corners : triangles) {
     for (std::size_t i = 0; i < 3; ++i) {

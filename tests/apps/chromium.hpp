@@ -38,7 +38,7 @@ class Chromium {
         "--disable-component-update --disable-sync --disable-features=BackForwardCache --hide-scrollbars "
         "--remote-debugging-pipe "
         "--user-data-dir='" +
-        profile_.path().string() + "' --window-size=640,400 " + gpu + " about:blank >/dev/null 2>&1";
+        profile_.path().string() + "' --window-size=1000,560 " + gpu + " about:blank >/dev/null 2>&1";
     process_ = fork();
     if (process_ == 0) {  // the browser reads from 3 and writes to 4
       const int own = fcntl(ends[1], F_DUPFD_CLOEXEC, 10);
@@ -76,7 +76,7 @@ class Chromium {
 
  private:
   void open_window() {
-    const Json parameters = {{"url", "about:blank"}, {"newWindow", true}, {"width", 640}, {"height", 400}};
+    const Json parameters = {{"url", "about:blank"}, {"newWindow", true}, {"width", 1000}, {"height", 560}};
     const Json target = call("Target.createTarget", parameters)["targetId"];
     session_ = call("Target.attachToTarget", {{"targetId", target}, {"flatten", true}})["sessionId"];
     call("Page.enable");

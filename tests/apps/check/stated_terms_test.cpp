@@ -207,6 +207,15 @@ TEST_F(CheckExports, CommentsThatWereEditedWronglyAreNamed) {
   EXPECT_NE(
       refusal("# points: ", "# at 1.5 s: attach \"can\", at rest for 1 s").find("is in the plan's JSON"),
       std::string::npos);
+  EXPECT_NE(refusal("# points: ", "# payload: -3").find("expected a mass of 0 to 1e6 kg"), std::string::npos);
+  EXPECT_NE(refusal("# points: ", "# carries: [{\"name\":").find("expected loads as JSON"),
+            std::string::npos);
+  EXPECT_NE(
+      refusal("# points: ",
+              "# carries: [{\"name\":\"can\",\"link\":\"lower\",\"pose\":[[1,0,0,0],[0,1,0,0],[0,0,1,0],"
+              "[0,0,0,1]],\"shape\":{\"sphere\":0.1},\"mass_kg\":1,\"touches\":[],\"legs\":[5]}]")
+          .find("ride all the way, without 'legs'"),
+      std::string::npos);
   Json json = Json::parse(read_file(folder_.file("way.json")));
   json["base"]["quaternion_xyzw"] = {0, 0, 0, 0};
   folder_.write("edited.json", json.dump());

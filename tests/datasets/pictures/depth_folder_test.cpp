@@ -171,6 +171,8 @@ TEST_F(DepthFolders, TheModelThatColmapWroteBesideThemPlacesPicturesAndHasTheirC
     EXPECT_NEAR(std::get<CloudFrame>(frame->content).world_from_sensor.translation().x(), x, 1e-12);
   }
   EXPECT_EQ(depth_layout(folder_.path())->camera, folder_ / "sparse/0/cameras.txt");
+  folder_.write("images.txt", "a.png b.png list\n");  // somebody else's
+  EXPECT_EQ(depth_layout(folder_.path())->poses, folder_ / "sparse/0/images.txt");
 }
 
 TEST_F(DepthFolders, PicturesAndPosesThatAreNoFilesAreDamage) {
