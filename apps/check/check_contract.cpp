@@ -367,6 +367,7 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
                                           allowed.end());
   }
   contract.map_sha256 = {map_digest, TermSource::flag};
+  contract.map_resolution = map.resolution();
   contract.start = statement.start();
   std::tie(contract.goal_poses, contract.tip) = statement.goal_poses();
   contract.goals = statement.goals(contract.pick.value.has_value(), contract.goal_poses.size());

@@ -46,6 +46,7 @@ struct Contract {
   double position_accuracy = 0.0;  ///< of the robot at the contract's scale, metres
   SurveyDemands demands;           ///< of the flags; parts outside also of the map's query
   Term<std::string> map_sha256;
+  double map_resolution = 0.0;  ///< m, as the map was read
   Term<Configuration> start;
   Term<std::vector<Configuration>> goals;
   /// Poses in place of goals, one for each of the last legs: then `goals` are where the plan's legs end.

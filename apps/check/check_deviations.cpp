@@ -184,7 +184,14 @@ class Comparison {
   }
 
   void compare_map() {
-    if (contract_.map_sha256.value == plan_.map_sha256) return;
+    const double voxel = contract_.map_resolution, of_plan = plan_.map_resolution;  // 0: an export says none
+    if (contract_.map_sha256.value == plan_.map_sha256) {
+      if (of_plan > 0.0 && std::abs(of_plan - voxel) > contract_tolerance)
+        add(AcceptedTerm::map, "map: expected voxels of " + significant(1e3 * voxel) +
+                                   " mm, the plan was made on those of " + significant(1e3 * of_plan) +
+                                   " mm (--cloud-resolution)");
+      return;
+    }
     add(AcceptedTerm::map, "map: expected one with the sha256 " + contract_.map_sha256.value.substr(0, 16) +
                                "…, the plan was made on another, " + plan_.map_sha256.substr(0, 16) + "…");
   }

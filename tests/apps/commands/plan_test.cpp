@@ -55,7 +55,10 @@ TEST_F(PlanInCloud, AThinnedWallIsAWallUnlessItsVoxelsAreStatedSmaller) {
   EXPECT_NE(through.out.find("100 % of the cloud's voxels of 20 mm touch fewer than four others"),
             std::string::npos)
       << through.out;
-  EXPECT_EQ(run("check", {folder_.file("plan.json")}).status, exit_no);
+  const CommandRun coarse = run("check", {folder_.file("plan.json")});
+  EXPECT_EQ(coarse.status, exit_no);
+  EXPECT_NE(coarse.out.find("the plan was made on those of 20 mm (--cloud-resolution)"), std::string::npos)
+      << coarse.out;
   const CommandRun checked =
       run("check", {folder_.file("plan.json"), "--cloud-resolution", "0.02", "--json"});
   EXPECT_EQ(checked.status, exit_done) << checked.out;
