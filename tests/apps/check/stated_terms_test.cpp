@@ -19,27 +19,28 @@ class CheckExports : public ::testing::Test {
                   "<robot name='arm'><group name='arm'><chain base_link='base' tip_link='lower'/></group>"
                   "<group name='same'><joint name='shoulder'/><joint name='elbow'/></group></robot>");
     save_map_of({3.0F, 3.0F, 3.0F}, "map");
-    const CommandRun run = run_command({"plan",
-                                        "--map",
-                                        folder_.file("map"),
-                                        "--robot",
-                                        folder_.file("arm.urdf"),
-                                        "--policy",
-                                        "not_occupied",
-                                        "--group",
-                                        "arm",
-                                        "--fix",
-                                        "grip=0.03",
-                                        "--base=0,0,0.05",
-                                        "--start=0,0.1",
-                                        "--goal=0.5,-0.1",
-                                        "--trajectory",
-                                        "ros",
-                                        folder_.file("way.yaml"),
-                                        "--trajectory",
-                                        "json",
-                                        folder_.file("way.json")});
+    const CommandRun run = plan(
+        {"--trajectory", "ros", folder_.file("way.yaml"), "--trajectory", "json", folder_.file("way.json")});
     ASSERT_EQ(run.status, exit_done) << run.out << run.log;
+  }
+
+  CommandRun plan(const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments{"plan",
+                                       "--map",
+                                       folder_.file("map"),
+                                       "--robot",
+                                       folder_.file("arm.urdf"),
+                                       "--policy",
+                                       "not_occupied",
+                                       "--group",
+                                       "arm",
+                                       "--fix",
+                                       "grip=0.03",
+                                       "--base=0,0,0.05",
+                                       "--start=0,0.1",
+                                       "--goal=0.5,-0.1"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_command(arguments);
   }
 
   CommandRun check(const std::string& file, std::vector<std::string> more = {},
@@ -103,30 +104,10 @@ TEST_F(CheckExports, WhatDiffersIsRefusedUnlessItIsAccepted) {
 /// A bar that reaches across to a voxel that the arm alone never comes near.
 TEST_F(CheckExports, ALoadThatRidesAllTheWayDoesSoAtTheCheckToo) {
   folder_.write("bar.yaml", "{name: bar, link: lower, box: [0.04, 0.6, 0.04], pose: [0.2, 0.3, 0, 0, 0, 0]}");
-  std::vector<std::string> flags{"plan",
-                                 "--map",
-                                 folder_.file("map"),
-                                 "--robot",
-                                 folder_.file("arm.urdf"),
-                                 "--policy",
-                                 "not_occupied",
-                                 "--group",
-                                 "arm",
-                                 "--fix",
-                                 "grip=0.03",
-                                 "--base=0,0,0.05",
-                                 "--start=0,0.1",
-                                 "--goal=0.5,-0.1",
-                                 "--attach",
-                                 folder_.file("bar.yaml"),
-                                 "--payload",
-                                 "0.5"};
-  for (const char* format : {"ros", "json"})
-    flags.insert(flags.end(), {"--trajectory", format, folder_.file(std::string("bar.") + format)});
-  const CommandRun planned = run_command(flags);
+  const CommandRun planned =
+      plan({"--attach", folder_.file("bar.yaml"), "--payload", "0.5", "--trajectory", "ros",
+            folder_.file("carries.yaml"), "--trajectory", "json", folder_.file("carries.json")});
   ASSERT_EQ(planned.status, exit_done) << planned.out << planned.log;
-  std::filesystem::rename(folder_.file("bar.ros"), folder_.file("carries.yaml"));
-  std::filesystem::rename(folder_.file("bar.json"), folder_.file("carries.json"));
   save_map_of({0.32F, 0.8F, 0.05F}, "beside");
   for (const char* file : {"carries.yaml", "carries.json"}) {
     const CommandRun run = check(file);
