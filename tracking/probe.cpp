@@ -39,6 +39,8 @@ void validate(const AcceptanceOptions& o) {
   require(o.max_pause > 0.0, "acceptance: max_pause", "> 0 seconds");
 }
 
+constexpr int kNoTag = -1;  // ids are 0 or more
+
 double chi_square_allowed(const BodyPose& pose, const AcceptanceOptions& acceptance) {
   return acceptance.max_noise * acceptance.max_noise * chi_square_limit(pose.freedom);
 }
@@ -94,7 +96,7 @@ std::optional<BodyPose> Probe::pose_of(const TagBody& body, const std::vector<Ta
   options.pixel_noise = record.noise.noise(pose_.pixel_noise, acceptance_.least_noise);
   auto pose = estimate_body_pose(body, detections, camera_, options);
   if (!pose) return std::nullopt;
-  record.tags.note(*pose);
+  record.tags.note(*pose, is_explained(*pose, acceptance_));
   const bool is_doubtful =
       std::any_of(pose->tags.begin(), pose->tags.end(), [&](int id) { return !record.tags.is_trusted(id); });
   if (is_doubtful) pose = estimate_body_pose(body, record.tags.trusted(detections), camera_, options);
@@ -185,6 +187,17 @@ Probe::Verdict Probe::judge_center(const PaintingSample& sample) const {
 
 // Two tags of a body contradict each other when one is misdetected. A single one needs earlier images.
 Probe::Verdict Probe::judge_history(const PaintingSample& sample) const {
+  const auto judge_alone = [](const BodyPose& pose, const TagBody& body, const TagRecord& record) -> Verdict {
+    const int id = pose.tags.front();
+    if (pose.tags.size() > 1 || !record.is_disputed(id)) return {};
+    return {Refusal::unconfirmed, sentence("only tag ", id, " of '", body.name,
+                                           "' is visible, which another tag of it contradicted: ",
+                                           "one of the two is not where the setup has it")};
+  };
+  const Verdict base = judge_alone(*sample.base, base_, base_record_.tags);
+  if (base.refusal != Refusal::none) return base;
+  const Verdict probe = judge_alone(*sample.probe, probe_.body, probe_record_.tags);
+  if (probe.refusal != Refusal::none) return probe;
   const bool probe_alone = sample.probe->tags.size() == 1;
   const bool base_alone = sample.base->tags.size() == 1 && !sample.base_agrees;
   if (!(probe_alone || base_alone) || std::isinf(acceptance_.max_pause)) return {};
@@ -220,7 +233,24 @@ void Probe::remember(const PaintingSample& sample, Refusal refusal) {
   measured_before_ =
       refusal == Refusal::none || refusal == Refusal::unconfirmed || refusal == Refusal::too_fast;
   if (measured_before_) last_measured_ = place;
-  if (refusal == Refusal::none) last_accepted_ = place;
+  if (refusal != Refusal::none) return;
+  last_accepted_ = place;
+  const auto alone = [](const BodyPose& pose) { return pose.tags.size() == 1 ? pose.tags.front() : kNoTag; };
+  ++accepted_alone_[{alone(*sample.base), alone(*sample.probe)}];
+}
+
+Probe::Doubts Probe::doubts() const {
+  Doubts doubts;
+  const auto note = [&](int id, const Record& record) {
+    const bool is_doubtful = id != kNoTag && (record.tags.is_disputed(id) || !record.tags.is_trusted(id));
+    if (is_doubtful) doubts.tags.insert(id);
+    return is_doubtful;
+  };
+  for (const auto& [ids, count] : accepted_alone_) {
+    const bool by_base = note(ids.first, base_record_), by_probe = note(ids.second, probe_record_);
+    if (by_base || by_probe) doubts.samples += count;
+  }
+  return doubts;
 }
 
 PaintingSample Probe::finish(PaintingSample sample, const Verdict& verdict) {

@@ -5,7 +5,9 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tracking/center_bound.hpp"
@@ -29,8 +31,9 @@ enum class Refusal {
   ambiguous_pose,      ///< another pose explains the corners nearly as well
   base_moved,          ///< fixed camera only: the base board is not where it was
   uncertain_center,    ///< the ball's centre may be off by more than Chong 2008, eq. 3, can pay
-  unconfirmed,         ///< only one tag of base or probe visible, the ball not measured in the previous image
-  too_fast             ///< the ball moved or the probe turned too fast: blur, or a jump
+  unconfirmed,  ///< only one tag of base or probe visible: the ball not measured in the previous image,
+                ///< or another tag contradicts it
+  too_fast      ///< the ball moved or the probe turned too fast: blur, or a jump
 };
 constexpr int kRefusals = 12;
 
@@ -97,6 +100,14 @@ class Probe {
   /// Of the base board before a fixed camera.
   const StaticBoard::Moves& base_moves() const { return board_.moves(); }
 
+  /// Accepted samples that rest on a tag alone, of its body, that others contradict by now: it may have come
+  /// loose, and the samples may be off by more than their bound.
+  struct Doubts {
+    std::set<int> tags;  ///< their ids
+    std::int64_t samples = 0;
+  };
+  Doubts doubts() const;
+
   std::int64_t count(Refusal refusal) const { return counts_[static_cast<std::size_t>(refusal)]; }
   /// Counts by `to_string`, every reason present: what a report prints.
   std::map<std::string, std::int64_t> counts() const;
@@ -141,6 +152,8 @@ class Probe {
   std::optional<Place> last_measured_;  // all rules held but perhaps the speed
   std::optional<Place> last_accepted_;
   std::array<std::int64_t, kRefusals> counts_{};
+  // By the tags of base and probe that each showed alone, -1 where it showed more.
+  std::map<std::pair<int, int>, std::int64_t> accepted_alone_;
 };
 
 }  // namespace clearway

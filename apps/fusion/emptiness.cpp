@@ -12,17 +12,6 @@
 namespace clearway {
 namespace {
 
-std::string list_of_ids(const std::set<int>& ids) {
-  constexpr std::size_t enough = 10;
-  std::string list;
-  std::size_t count = 0;
-  for (const int id : ids) {
-    if (++count > enough) return list + ", ...";
-    list += (list.empty() ? "" : ", ") + std::to_string(id);
-  }
-  return list;
-}
-
 /// Whether a tag was seen that some board of the setup has.
 bool saw_a_board(const Fusion& fusion) {
   for (const BoardSetup& board : fusion.setup.boards) {
@@ -97,6 +86,17 @@ std::string reason_for_nothing(const Fusion& fusion) {
 }
 
 }  // namespace
+
+std::string list_of_ids(const std::set<int>& ids) {
+  constexpr std::size_t enough = 10;
+  std::string list;
+  std::size_t count = 0;
+  for (const int id : ids) {
+    if (++count > enough) return list + ", ...";
+    list += (list.empty() ? "" : ", ") + std::to_string(id);
+  }
+  return list;
+}
 
 std::string refusals_of(const FusionCounts& counts) {
   std::vector<std::pair<std::int64_t, std::string>> sorted;

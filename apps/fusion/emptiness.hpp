@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <set>
+#include <string>
 
 #include "apps/fusion/fusion.hpp"
 
@@ -22,6 +24,9 @@ std::string unpainted_reason(const Fusion& fusion);
 /// Whether anything at all is in its map: a painted sphere that held a voxel, or a voxel that a scan hit or
 /// freed.
 bool has_content(const Fusion& fusion);
+
+/// "3, 7, 20"; of more than ten the first ones.
+std::string list_of_ids(const std::set<int>& ids);
 
 /// "too_fast 3, ambiguous_pose 1": why samples were refused, the most frequent first.
 std::string refusals_of(const FusionCounts& counts);

@@ -47,6 +47,12 @@ void warn_of_leftovers(Fusion& fusion) {
         counted(static_cast<std::size_t>(moves.count), "time") +
         "), though `fixed_camera: true` says that both stand still: what was painted before and after is "
         "placed by where the board stood then");
+  if (const Probe::Doubts& doubts = counts.doubts; doubts.samples > 0)
+    fusion.warnings.push_back(
+        counted(static_cast<std::size_t>(doubts.samples), "accepted sample rests", "accepted samples rest") +
+        " on " + (doubts.tags.size() == 1 ? "tag " : "tags ") + list_of_ids(doubts.tags) +
+        " alone, which another tag of the same body contradicts: one of them is not where the setup has it, "
+        "and what was painted may be off by more than its bound (`clearway calibrate board` shows which)");
   for (const auto* clauses : {&counts.lost_poses, &counts.range_spikes})
     fusion.warnings.insert(fusion.warnings.end(), clauses->begin(), clauses->end());
   if (counts.scans_without_pose > 0) {

@@ -55,6 +55,7 @@ struct FusionCounts {
   std::string joint_gap;                 ///< of the first of these: why its joints are not known
   std::size_t scans_refused = 0;         ///< whose origin was outside the map's key range
   StaticBoard::Moves base_moves;         ///< of the base board before a fixed camera
+  Probe::Doubts doubts;                  ///< samples that rest on a tag that may have come loose
   double painted_radius = 0.0;           ///< r0 of Chong 2008, eq. 3, metres; mean over the accepted samples
   double smallest_radius = 0.0;          ///< of these, metres
   double largest_bound = 0.0;            ///< how far an accepted centre may be off, metres

@@ -133,6 +133,7 @@ void Painter::finish() {
   if (session_) {
     counts_.samples = session_->probe().counts();
     counts_.base_moves = session_->probe().base_moves();
+    counts_.doubts = session_->probe().doubts();
   }
   if (counts_.spheres == 0) return;
   for (double* sum : {&counts_.mean_center_sigma, &counts_.mean_reprojection_px, &counts_.mean_bound,

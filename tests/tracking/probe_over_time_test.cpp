@@ -101,6 +101,35 @@ TEST(Probe, ABaseThatStaysWhereItWasNeedsNoSecondTag) {
   }
 }
 
+// One of a probe's two tags has come loose. Which one, no image can tell; what was painted by one of them
+// alone before they were seen together is told.
+TEST(Probe, OfTwoTagsThatContradictEachOtherNeitherPaintsAlone) {
+  Stage stage;
+  stage.acceptance.max_pause = 1.0;
+  stage.probe = {scene::board("pair", 20, 2, 1, 0.06, 0.1), {0.0, -0.1, 0.0}, 0.06};
+  stage.camera_from_probe = tag_before_camera(0.45, 0.6, 1.0, 0.3, 0.08, -0.04);
+  for (const bool is_loose : {true, false}) {
+    Probe probe = stage.made();
+    Stage truth = stage;
+    if (is_loose) truth.probe.body.tags.at(20).body_from_tag.translation().y() += 0.015;
+    double time = 0.0;
+    const auto see_without = [&](int id) { return probe.sample(without(truth.seen(), id, id), time += 0.1); };
+    expect_refused(see_without(21), Refusal::unconfirmed);
+    for (int i = 0; i < 4; ++i) EXPECT_TRUE(see_without(21).accepted);
+    EXPECT_EQ(probe.doubts().samples, 0);
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(see_without(30).accepted, !is_loose);
+    for (const int hidden : {20, 21}) {
+      const PaintingSample alone = see_without(hidden);
+      if (!is_loose) continue;
+      expect_refused(alone, Refusal::unconfirmed);
+      const std::string only = "only tag " + std::to_string(41 - hidden) + " of 'pair'";
+      EXPECT_NE(alone.reason.find(only), std::string::npos) << alone.reason;
+    }
+    EXPECT_EQ(probe.doubts().samples, is_loose ? 4 : 0);
+    EXPECT_EQ(probe.doubts().tags, is_loose ? std::set<int>{20} : std::set<int>{});
+  }
+}
+
 // A tag alone on its body, found 30 pixels off: its residuals show nothing.
 TEST(Probe, AWrongFirstImagePaintsNothing) {
   Stage stage;

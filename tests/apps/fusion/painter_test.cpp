@@ -71,46 +71,81 @@ void see(const Camera& camera, const BoardSetup& board, const Eigen::Isometry3d&
   }
 }
 
+/// A board and a tool with a ball before a camera at rest.
+struct PaintersStage {
+  clearway::Setup setup;
+  ImageFrame image;
+  Eigen::Isometry3d camera_from_base{Eigen::AngleAxisd(M_PI + 0.5, Eigen::Vector3d::UnitX())};
+  Eigen::Isometry3d camera_from_tool = camera_from_base;
+
+  PaintersStage() {
+    setup.boards = {board("base", 0, 0.1), board("tool", 10, 0.05)};
+    setup.boards[0].map_from_board = Eigen::Isometry3d::Identity();
+    setup.probe = ProbeSetup{};
+    setup.probe->board = "tool";
+    setup.probe->ball_radius = 0.04;
+    setup.probe->ball_center << 0.0, 0.0, -0.05;
+    setup.volumes = {{"all", {"base"}, 0.0}};
+    image.image = {640, 480, std::vector<std::uint8_t>(640 * 480, 128)};
+    image.intrinsics = pinhole();
+    camera_from_base.translation() << -0.15, 0.0, 0.8;
+    camera_from_tool.translation() << 0.15, 0.0, 0.6;
+  }
+
+  std::vector<TagDetection> seen() const {
+    const Camera camera = camera_of(setup, image);
+    std::vector<TagDetection> seen;
+    see(camera, setup.boards[0], camera_from_base, seen);
+    see(camera, setup.boards[1], camera_from_tool, seen);
+    return seen;
+  }
+
+  Frame frame(double time) const { return {time, "camera", image, {}}; }
+};
+
 /// A large painted ball shrinks until it does not touch the eraser: by how much says how large that was.
 TEST(Painter, ABrushErasesTheWholeBallAndWhatItMayBeOff) {
-  clearway::Setup setup;
-  setup.boards = {board("base", 0, 0.1), board("tool", 10, 0.05)};
-  setup.boards[0].map_from_board = Eigen::Isometry3d::Identity();
-  setup.probe = ProbeSetup{};
-  setup.probe->board = "tool";
-  setup.probe->ball_radius = 0.04;
-  setup.probe->ball_center << 0.0, 0.0, -0.05;
-  setup.volumes = {{"all", {"base"}, 0.0}};
-  ImageFrame image;
-  image.image = {640, 480, std::vector<std::uint8_t>(640 * 480, 128)};
-  image.intrinsics = pinhole();
-  const Camera camera = camera_of(setup, image);
-  Eigen::Isometry3d camera_from_base(Eigen::AngleAxisd(M_PI + 0.5, Eigen::Vector3d::UnitX())),
-      camera_from_tool = camera_from_base;
-  camera_from_base.translation() << -0.15, 0.0, 0.8;
-  camera_from_tool.translation() << 0.15, 0.0, 0.6;
-  std::vector<TagDetection> seen;
-  see(camera, setup.boards[0], camera_from_base, seen);
-  see(camera, setup.boards[1], camera_from_tool, seen);
-
+  PaintersStage stage;
   FreeSpaceMap map({.resolution = 0.02});
   const int volume = map.add_volume("all", {"base"});
   FusionCounts counts;
-  Painter painter(setup, map, counts);
+  Painter painter(stage.setup, map, counts);
   const Sphere painted{Eigen::Vector3d(0.0, 0.0, -0.3), 0.5};
   map.paint(volume, painted, 0.0);
   const TrackedImage tracked =
-      painter.take(Frame{1.0, "camera", image, {}}, image, seen, 1.0, Brush{Brush::Use::erases, volume});
+      painter.take(stage.frame(1.0), stage.image, stage.seen(), 1.0, Brush{Brush::Use::erases, volume});
   const PaintingSample& sample = tracked.sample;
   ASSERT_TRUE(sample.accepted) << sample.reason;
   EXPECT_GT(sample.bound.total, 1e-4);
-  EXPECT_LT((sample.sphere.center - camera_from_base.inverse() * camera_from_tool * setup.probe->ball_center)
-                .norm(),
-            1e-3);
+  const Eigen::Isometry3d base_from_tool = stage.camera_from_base.inverse() * stage.camera_from_tool;
+  EXPECT_LT((sample.sphere.center - base_from_tool * stage.setup.probe->ball_center).norm(), 1e-3);
   ASSERT_EQ(map.volumes()[0].spheres.size(), 1U);
   const Sphere& left = map.volumes()[0].spheres[0];
   const double eraser = (left.center - sample.sphere.center).norm() - left.radius;
   EXPECT_NEAR(eraser, 0.04 + sample.bound.total, 1e-6);
+}
+
+TEST(Painter, TellsHowManySamplesRestOnATagThatMayHaveComeLoose) {
+  PaintersStage stage;
+  FreeSpaceMap map({.resolution = 0.02});
+  map.add_volume("all", {"base"});
+  FusionCounts counts;
+  Painter painter(stage.setup, map, counts);
+  double time = 0.0;
+  const auto show = [&](const std::set<int>& ids) {
+    auto seen = stage.seen();
+    std::erase_if(seen, [&](const TagDetection& tag) { return tag.id >= 10 && !ids.contains(tag.id); });
+    time += 0.1;
+    painter.take(stage.frame(time), stage.image, seen, time, std::nullopt);
+  };
+  for (int i = 0; i < 4; ++i) show({12});  // the first is unconfirmed
+  stage.setup.boards[1].tags[2].board_from_tag.translation().x() +=
+      0.015;  // tag 12, not as the painter has it
+  for (int i = 0; i < 3; ++i) show({11, 12});
+  painter.finish();
+  EXPECT_EQ(counts.spheres, 3U);
+  EXPECT_EQ(counts.doubts.samples, 3);
+  EXPECT_EQ(counts.doubts.tags, std::set<int>{12});
 }
 
 }  // namespace painter_test
