@@ -76,6 +76,7 @@ void require_outputs(const InspectOptions& options) {
                                   quote(name.string()) +
                                   ", which is no part of a saved map, expected another folder");
   }
+  require_no_foreign_map("--save", options.save);
   AtomicFolder(options.save, is_in_saved_map);
 }
 

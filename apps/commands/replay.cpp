@@ -106,6 +106,7 @@ int run_replay(const ReplayOptions& options, Console& console) {
   const PictureOptions pictures{options.overlay, options.video};
   require_pictures(pictures, options.recording, options.out);
   require_no_session(options.out);
+  require_no_foreign_map("--out", options.out);
   AtomicFolder folder(options.out, is_in_map_folder);  // refuses before the work what cannot be written
   std::filesystem::create_directory(folder.path() / "plans");
   ReplayReport report;

@@ -196,6 +196,7 @@ int run_teach(const TeachCommand& command, Console& console) {
     throw std::invalid_argument(
         "teach: without a window nobody acts; expected --events FILE (see datasets/FORMATS.md)");
   require_no_session(command.out);
+  require_no_foreign_map("--out", command.out);
   AtomicFolder folder(command.out,
                       written_into(command.out));  // refuses before the work what cannot be written
   for (const char* part : {"plans", "session/source"}) fs::create_directories(folder.path() / part);

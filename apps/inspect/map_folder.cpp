@@ -6,6 +6,7 @@
 
 #include "mapping/files/map_digest.hpp"
 #include "mapping/files/map_file.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 
@@ -19,6 +20,17 @@ bool is_in_map_folder(const std::filesystem::path& relative) {
   if (is_in_saved_map(relative) || std::find(names.begin(), names.end(), relative) != names.end())
     return true;
   return relative.parent_path() == "plans" && relative.extension() == ".json";
+}
+
+void require_no_foreign_map(const std::string& flag, const std::filesystem::path& folder) {
+  std::error_code error;
+  const std::filesystem::path map = folder / "map.ot";
+  if (std::filesystem::exists(folder / own_files_name, error) || !std::filesystem::exists(map, error) ||
+      is_own_map(map))
+    return;
+  throw std::invalid_argument(flag + ": " + quote_path(folder.string()) +
+                              " holds a map.ot that Clearway did not write and would replace, expected "
+                              "another folder");
 }
 
 void publish_map_folder(AtomicFolder& folder, const Snapshot& map) {

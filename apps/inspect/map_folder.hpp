@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "mapping/snapshot.hpp"
 #include "mapping/system/atomic_folder.hpp"
@@ -13,6 +14,10 @@ bool is_in_saved_map(const std::filesystem::path& relative);
 
 /// Whether a file, relative to a map folder, is one that `replay` writes, or `inspect --save`.
 bool is_in_map_folder(const std::filesystem::path& relative);
+
+/// @throws std::invalid_argument where a folder, that `flag` names, holds a map.ot of another program, which
+///         the new one would replace.
+void require_no_foreign_map(const std::string& flag, const std::filesystem::path& folder);
 
 /// Reads the map that was saved in `folder` again, and lets the folder take its place when it is `map`.
 /// @throws std::runtime_error naming the folder; what was there before is then untouched.

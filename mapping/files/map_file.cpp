@@ -83,14 +83,6 @@ Snapshot load_octree(const fs::path& file, bool in_directory) {
   return {std::move(content.tree), std::move(content.volumes), std::move(content.seen)};
 }
 
-/// Our own files say so in their second line.
-bool is_ours(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::string first, second;
-  return std::getline(stream, first) && std::getline(stream, second) &&
-         second.starts_with("# clearway seal ");
-}
-
 /// Whether a painted.csv says what the map says, be it in an earlier version's columns.
 bool is_copy(const std::string& text, const Snapshot& map) {
   const std::string sealed = format_painted(map.volumes());
@@ -200,12 +192,20 @@ MapLeaves MapLeaves::in_file(const fs::path& path, std::optional<double> cloud_r
   return map;
 }
 
+// Our own files say so in their second line.
+bool is_own_map(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string first, second;
+  return std::getline(stream, first) && std::getline(stream, second) &&
+         second.starts_with("# clearway seal ");
+}
+
 std::string painted_csv_remark(const fs::path& path, const Snapshot& map) {
   std::error_code error;
   const fs::path painted = path / painted_name;
   if (!fs::is_directory(path, error) || !fs::exists(painted, error)) return "";
   const std::string name = "'" + plain(painted.string()) + "'";
-  if (!is_ours(path / map_name))
+  if (!is_own_map(path / map_name))
     return "the painted volumes are those of " + name + ", because map.ot holds none";
   try {
     if (is_copy(read_bytes(painted), map)) return "";

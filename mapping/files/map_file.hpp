@@ -31,6 +31,9 @@ std::string painted_csv_remark(const std::filesystem::path& path, const Snapshot
 /// maps.
 std::string cloud_remark(const std::filesystem::path& path, const Snapshot& map, bool is_chosen);
 
+/// Whether a file is a map.ot of ours, whatever its nodes may be worth.
+bool is_own_map(const std::filesystem::path& file);
+
 /// What save_map writes: each file's name and its bytes.
 std::map<std::string, std::string> files_of_map(const Snapshot& map);
 

@@ -183,6 +183,16 @@ TEST_F(Inspect, keeps_off_a_folder_that_holds_more_than_a_map) {
   EXPECT_EQ(read_file(out + "/map.ot"), read_file(other_ + "/map.ot"));
 }
 
+TEST_F(Inspect, KeepsAMapOfAnotherProgramThatIsInTheWay) {
+  const std::string out = folder_.file("octomap");
+  std::filesystem::create_directory(out);
+  save_file(out + "/map.ot", "# Octomap OcTree file\nid OcTree\n");
+  expect_refused({map_, "--crop=0,0,0,0.2,0.2,0.2", "--save", out}, "map.ot that Clearway did not write");
+  EXPECT_EQ(read_file(out + "/map.ot"), "# Octomap OcTree file\nid OcTree\n");
+  save_map(load_map(other_), out);  // by the library, without a list of our files
+  json({map_, "--crop=0,0,0,0.2,0.2,0.2", "--save", out});
+}
+
 TEST_F(Inspect, makes_new_maps_of_maps) {
   const std::string out = folder_.file("out");
   const Json merged = json({map_, "--merge", other_, "--save", out});
