@@ -25,7 +25,7 @@ struct ContinuedMap::State {
   SeenStamps seen;
   ScanInsertion insertion;
   ScanWorkspace workspace;
-  ContestedCells contested;
+  ScanEvidence evidence;
   Snapshot latest;
   bool is_changed = false;  ///< since `latest`
 };
@@ -46,7 +46,7 @@ ContinuedMap::State& ContinuedMap::state() const {
 ScanCounts ContinuedMap::insert(const Scan& scan, const ScanFilter& filter) {
   State& map = state();
   map.is_changed = true;
-  const ScanCounts counts = insert_scan(map.tree, scan, filter, map.insertion, map.workspace, &map.contested);
+  const ScanCounts counts = insert_scan(map.tree, scan, filter, map.insertion, map.workspace, &map.evidence);
   if (!counts.origin_invalid) map.seen.see(map.workspace.grid, scan.time, map.insertion.threads);
   return counts;
 }

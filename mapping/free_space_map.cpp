@@ -39,7 +39,7 @@ struct FreeSpaceMap::State {
   MapOptions options;
   FusedTree tree;
   ScanWorkspace workspace;
-  ContestedCells contested;
+  ScanEvidence evidence;
   SeenStamps seen;
   std::shared_ptr<const SeenStamps> seen_shared;  ///< by the snapshots since the last scan
   std::optional<Snapshot> last;                   ///< the next one takes over its blocked spaces
@@ -149,7 +149,7 @@ ScanCounts FreeSpaceMap::insert(const Scan& scan, const ScanFilter& filter) {
   insertion.integration = options.integration;
   insertion.margins = options.margins;
   const ScanCounts counts =
-      insert_scan(state().tree, scan, filter, insertion, state().workspace, &state().contested);
+      insert_scan(state().tree, scan, filter, insertion, state().workspace, &state().evidence);
   const int number = state().scans_inserted++;
   if (counts.origin_invalid) return counts;
   state().seen.see(state().workspace.grid, scan.time, options.threads);

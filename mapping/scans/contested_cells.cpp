@@ -5,39 +5,13 @@
 #include <bit>
 
 #include "mapping/system/parallel.hpp"
+#include "mapping/voxels/tile_node.hpp"
 
 namespace clearway {
-namespace {
-
-/// The deepest node that holds a tile: its own, or a leaf above it. Null when nothing is stored there.
-const FusedNode* node_of(const FusedTree& tree, const Eigen::Vector3i& corner) {
-  const FusedNode* node = tree.getRoot();
-  for (unsigned level = 15; node != nullptr && node->has_children() && level >= 5; --level) {
-    const auto upper = [&](int axis) { return static_cast<unsigned>(corner[axis] + 32768) >> level & 1U; };
-    node = node->child(upper(0) | upper(1) << 1U | upper(2) << 2U);
-  }
-  return node;
-}
-
-/// The leaf of a voxel of the tile, by its bit; null when nothing is stored there.
-const FusedNode* leaf_of(const FusedNode* tile, unsigned bit) {
-  for (int level = 4; tile != nullptr && tile->has_children() && level >= 0; --level)
-    tile = tile->child(bit >> 3 * level & 7U);
-  return tile;
-}
-
-}  // namespace
-
-std::uint64_t ContestedCells::key_of(const Eigen::Vector3i& corner) {
-  const auto number = [&](int axis) {
-    return static_cast<std::uint64_t>((corner[axis] + 32768) / ScanTile::edge);
-  };
-  return number(0) | number(1) << 16U | number(2) << 32U;
-}
 
 void ContestedCells::weigh_tile(const FusedTree& tree, ScanTile& tile, Planes& planes,
                                 std::vector<Eigen::Vector3i>& taken_back) {
-  const FusedNode* const node = node_of(tree, tile.corner);
+  const FusedNode* const node = tile_node(tree, tile.corner);
   const float one_miss = 1.5F * tree.getProbMissLog();  // between one miss and two
   for (unsigned word = 0; word < ScanTile::words; ++word) {
     std::uint64_t &once = planes.once[word], &twice = planes.twice[word];
@@ -52,7 +26,7 @@ void ContestedCells::weigh_tile(const FusedTree& tree, ScanTile& tile, Planes& p
     for (std::uint64_t bits = spared & ~contested; bits != 0; bits &= bits - 1) {
       const std::uint64_t bit = bits & (~bits + 1);
       const unsigned cell = 64 * word + static_cast<unsigned>(std::countr_zero(bits));
-      const FusedNode* const leaf = leaf_of(node, cell);
+      const FusedNode* const leaf = leaf_below(node, cell);
       if (leaf == nullptr || !leaf->observed()) {
         once |= bit;
       } else if (!tree.isNodeOccupied(leaf) && leaf->getLogOdds() > one_miss) {
@@ -66,12 +40,12 @@ void ContestedCells::weigh(FusedTree& tree, ScanGrid& grid, int threads) {
   const std::vector<ScanTile*> tiles = grid.tiles();
   std::vector<Planes*> planes(tiles.size(), nullptr);
   for (std::size_t i = 0; i < tiles.size(); ++i) {
-    const auto found = planes_.find(key_of(tiles[i]->corner));
+    const auto found = planes_.find(ScanGrid::key_of(tiles[i]->corner));
     const auto& spared = tiles[i]->spared;
     if (found != planes_.end()) {
       planes[i] = found->second.get();
     } else if (std::any_of(spared.begin(), spared.end(), [](std::uint64_t word) { return word != 0; })) {
-      planes[i] = (planes_[key_of(tiles[i]->corner)] = std::make_unique<Planes>()).get();
+      planes[i] = (planes_[ScanGrid::key_of(tiles[i]->corner)] = std::make_unique<Planes>()).get();
     }
   }
   std::vector<std::vector<Eigen::Vector3i>> taken_back(tiles.size());
@@ -85,9 +59,7 @@ void ContestedCells::weigh(FusedTree& tree, ScanGrid& grid, int threads) {
 }
 
 int ContestedCells::contested(const Eigen::Vector3i& cell) const {
-  const Eigen::Vector3i corner =
-      (cell.array() - (cell.array() + 32768).unaryExpr([](int v) { return v & 31; })).matrix();
-  const auto found = planes_.find(key_of(corner));
+  const auto found = planes_.find(ScanGrid::key_of(cell));
   if (found == planes_.end()) return 0;
   const unsigned bit = ScanTile::bit_of(cell);
   const auto is_set = [&](const auto& plane) {

@@ -36,7 +36,6 @@ class ContestedCells {
   struct Planes {
     std::array<std::uint64_t, ScanTile::words> once{}, twice{};
   };
-  static std::uint64_t key_of(const Eigen::Vector3i& corner);
   static void weigh_tile(const FusedTree& tree, ScanTile& tile, Planes& planes,
                          std::vector<Eigen::Vector3i>& taken_back);
 

@@ -285,24 +285,27 @@ ScanRays& choose_rays(const FusedTree& tree, const Scan& scan, const ScanFilter&
 namespace {
 
 /// What of the rays counts, beside what the scan hits and what the map knows.
-void spare_and_weigh(FusedTree& tree, const ScanInsertion& insertion, ContestedCells* contested,
-                     const std::vector<SurfaceGap>* gaps, ScanGrid& grid) {
+void spare_and_weigh(FusedTree& tree, const ScanInsertion& insertion, ScanEvidence* evidence,
+                     ScanWorkspace& workspace) {
+  ScanGrid& grid = workspace.grid;
   const SafeMargins& margins = insertion.margins;
   const double resolution = tree.getResolution();
   const ScanAgreement& agreement = tree.agreement();
   const bool is_in_doubt = static_cast<double>(agreement.called_free) >
                            margins.most_called_free * static_cast<double>(agreement.looked_up);
-  const bool weighs = contested != nullptr && margins.most_called_free < 1.0 && is_in_doubt;
+  const bool weighs = evidence != nullptr && margins.most_called_free < 1.0 && is_in_doubt;
   spare_surfaces(grid,
                  {growth_of(margins.band, resolution), clear_growth_of(margins.band, resolution), weighs},
                  insertion.threads);
-  if (gaps != nullptr) {
+  if (workspace.gaps != nullptr) {
     // One look in four between hits counts against what is occupied: what left before a sensor that stands
     // still is forgotten in the end, and what stands is hit again before.
-    const bool counts = contested != nullptr && contested->count_scan() % 4 == 3;
-    spare_gaps(*gaps, counts ? &tree : nullptr, grid);
+    const bool counts = evidence != nullptr && evidence->contested.count_scan() % 4 == 3;
+    spare_gaps(*workspace.gaps, counts ? &tree : nullptr, grid);
   }
-  if (weighs) contested->weigh(tree, grid, insertion.threads);
+  if (weighs) evidence->contested.weigh(tree, grid, insertion.threads);
+  if (evidence != nullptr)
+    evidence->grazed.weigh(tree, workspace.chosen.origin.cast<double>(), grid, insertion.threads);
 }
 
 /// What the tree may take for a scan, where voxels are so fine that rays lie apart in them.
@@ -314,7 +317,7 @@ void require_memory_for(const ScanGrid& grid) {
 }  // namespace
 
 ScanCounts insert_scan(FusedTree& tree, const Scan& scan, const ScanFilter& filter,
-                       const ScanInsertion& insertion, ScanWorkspace& workspace, ContestedCells* contested) {
+                       const ScanInsertion& insertion, ScanWorkspace& workspace, ScanEvidence* evidence) {
   if (!(filter.min_range >= 0.0) || !(filter.max_range >= 0.0) ||
       (filter.max_range > 0.0 && filter.min_range > filter.max_range))
     throw std::invalid_argument("scan filter: expected 0 <= min_range <= max_range, metres, got " +
@@ -333,8 +336,7 @@ ScanCounts insert_scan(FusedTree& tree, const Scan& scan, const ScanFilter& filt
     throw;
   }
   tree.add_agreement(agreement);
-  if (insertion.integration == Integration::safe)
-    spare_and_weigh(tree, insertion, contested, workspace.gaps, workspace.grid);
+  if (insertion.integration == Integration::safe) spare_and_weigh(tree, insertion, evidence, workspace);
   tree.update(workspace.grid, insertion.integration, insertion.threads);
   return counts;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "mapping/scans/contested_cells.hpp"
+#include "mapping/scans/grazed_surfaces.hpp"
 #include "mapping/scans/ray_cast.hpp"
 #include "mapping/scans/safe_margins.hpp"
 #include "mapping/scans/scan.hpp"
@@ -48,6 +49,12 @@ struct ScanWorkspace {
   std::vector<ChosenEnds> shares;                 ///< one a thread
 };
 
+/// What the scans before say of voxels, beside the tree.
+struct ScanEvidence {
+  ContestedCells contested;
+  GrazedSurfaces grazed;
+};
+
 /// Carves the rays of one scan into the tree as OctoMap does: within the scan every voxel is updated once,
 /// and a voxel in which any ray ends is occupied even where others pass (as computeUpdate). A point beyond
 /// max_range frees its ray up to that range and sets no hit. In safe integration the hits are the same (a
@@ -55,12 +62,12 @@ struct ScanWorkspace {
 /// hit end early by margins.trim(length), and nothing is freed within the band
 /// around this scan's hits (see SafeMargins) or between neighbouring ones (SurfaceGaps). The tree learns how
 /// far the scan agrees with it (FusedTree::agreement).
-/// @param contested the evidence of the scans before about contested voxels; null: none is weighed.
+/// @param evidence of the scans before; null: none is weighed.
 /// @throws std::invalid_argument for a filter that makes no sense (see filter_points); std::runtime_error,
 /// and the tree is as before, when its voxels need more memory than the machine has left.
 ScanCounts insert_scan(FusedTree& tree, const Scan& scan, const ScanFilter& filter,
                        const ScanInsertion& insertion, ScanWorkspace& workspace,
-                       ContestedCells* contested = nullptr);
+                       ScanEvidence* evidence = nullptr);
 
 /// The first half of insert_scan: which rays to cast, and the end voxels, set occupied in `workspace.grid`
 /// (cleared before). Then follow cast_rays, in safe integration spare_surfaces, and FusedTree::update.

@@ -82,13 +82,14 @@ class ScanGrid {
   /// What FusedTree::update needs for these cells in an empty tree, bytes. One that has to part larger leaves
   /// for them may need more.
   std::uint64_t tree_bytes() const;
+  /// The same for the cells of a tile, another one for each.
+  static std::uint64_t key_of(const Eigen::Vector3i& cell);
   std::size_t tile_count() const { return index_.size(); }
 
   /// Makes all cells untouched; keeps the memory of at most 4096 tiles (64 MB) for the next scan.
   void clear();
 
  private:
-  static std::uint64_t key_of(const Eigen::Vector3i& cell);
   static bool set(std::array<std::uint64_t, ScanTile::words>& bits, const Eigen::Vector3i& cell) {
     const unsigned bit = ScanTile::bit_of(cell);
     const std::uint64_t mask = std::uint64_t{1} << (bit & 63U), before = bits[bit >> 6U];

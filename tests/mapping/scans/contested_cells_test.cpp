@@ -124,10 +124,12 @@ TEST(ContestedCells, OneLookInFourBetweenHitsCountsAgainstWhatIsOccupied) {
   std::vector<Eigen::Vector3i> cells;
   for (int x = 100; x < 220; ++x)
     for (int y = 16; y < 20; ++y) cells.emplace_back(x, y, 0);
-  for (const Eigen::Vector3i& cell : cells) tree.occupy_voxel(cell);
+  for (int x = 100; x < 220; ++x)  // a block, no layer that is seen edge-on
+    for (int y = 12; y < 24; ++y)
+      for (int z = -4; z <= 4; ++z) tree.occupy_voxel({x, y, z});
   const ScanInsertion insertion{.integration = Integration::safe};
   ScanWorkspace workspace;
-  ContestedCells contested;
+  ScanEvidence evidence;
   std::map<std::string, int> patterns;  // of each cell: whether a scan lowered it
   std::vector<std::string> of_cells(cells.size());
   const auto log_odds = [&](const Eigen::Vector3i& cell) {
@@ -136,7 +138,7 @@ TEST(ContestedCells, OneLookInFourBetweenHitsCountsAgainstWhatIsOccupied) {
   };
   for (int i = 0; i < 8; ++i) {
     for (const Eigen::Vector3i& cell : cells) tree.occupy_voxel(cell);
-    insert_scan(tree, scan, {}, insertion, workspace, &contested);
+    insert_scan(tree, scan, {}, insertion, workspace, &evidence);
     for (std::size_t k = 0; k < cells.size(); ++k)
       of_cells[k] += log_odds(cells[k]) < tree.getClampingThresMaxLog() ? 'x' : '-';
   }

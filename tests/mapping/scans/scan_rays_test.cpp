@@ -342,12 +342,12 @@ int scans_until_free(const ScanAgreement& so_far, double most_called_free) {
   insertion.margins.band = 0.1;
   insertion.margins.most_called_free = most_called_free;
   ScanWorkspace workspace;
-  ContestedCells contested;
+  ScanEvidence evidence;
   const auto look = [&](float range) {
     Scan scan;
     scan.map_from_sensor = Eigen::Translation3d(0.05, 0.05, 0.05);
     scan.points.emplace_back(range, 0.0F, 0.0F);
-    insert_scan(tree, scan, {}, insertion, workspace, &contested);
+    insert_scan(tree, scan, {}, insertion, workspace, &evidence);
   };
   const auto is_observed = [&](int x) {
     CellCube cube;
