@@ -17,6 +17,11 @@ double slope(const Coefficients& d, double s) {  // d(r f(r^2))/dr at s = r^2
   return 1.0 + s * (3.0 * d[0] + s * (5.0 * d[1] + s * 7.0 * d[4]));
 }
 
+/// Whether the slope is far from 0 all the way to s, whatever the signs: then no fold has to be searched.
+bool rises_well_to(const Coefficients& d, double s) {
+  return s * (3.0 * std::abs(d[0]) + s * (5.0 * std::abs(d[1]) + s * 7.0 * std::abs(d[4]))) < 0.99;
+}
+
 // The square of the radius at which the radial polynomial stops growing: the smallest s > 0 with
 // 1 + 3 k1 s + 5 k2 s^2 + 7 k3 s^3 = 0; infinity when there is none.
 double fold_radius_squared(const Coefficients& d) {
@@ -147,7 +152,6 @@ LensDistortion::LensDistortion(const Coefficients& coefficients, Model model)
       model_(model),
       is_none_(model != Model::fisheye &&
                std::all_of(coefficients.begin(), coefficients.end(), [](double k) { return k == 0.0; })) {
-  if (model == Model::plumb_bob) polynomial_fold_ = is_none_ ? kNoFold : fold_radius_squared(coefficients);
   if (model == Model::fisheye) slope_ = slope_of_angle(coefficients);
   if (model == Model::rational) {
     slope_ = slope_of_rational(coefficients);
@@ -156,14 +160,14 @@ LensDistortion::LensDistortion(const Coefficients& coefficients, Model model)
 }
 
 bool LensDistortion::rises_to(double squared) const {
-  if (model_ == Model::plumb_bob) return !(squared > polynomial_fold_);
+  if (model_ == Model::plumb_bob) return rises_well_to(coefficients_, squared) || !(squared > fold_squared());
   if (model_ == Model::rational) return is_positive_to(divisor_, squared) && is_positive_to(slope_, squared);
   const double angle = std::atan(std::sqrt(squared));
   return is_positive_to(slope_, angle * angle);
 }
 
 double LensDistortion::fold_squared() const {
-  if (model_ == Model::plumb_bob) return polynomial_fold_;
+  if (model_ == Model::plumb_bob) return is_none_ ? kNoFold : fold_radius_squared(coefficients_);
   // By the angle, which has an end.
   const auto squared = [](double angle) { return std::tan(angle) * std::tan(angle); };
   if (rises_to(squared(kWidest))) return kNoFold;
@@ -208,7 +212,7 @@ std::optional<Eigen::Vector2d> LensDistortion::undistort(const Eigen::Vector2d& 
 }
 
 std::optional<Eigen::Vector2d> LensDistortion::undistort_polynomial(const Eigen::Vector2d& seen) const {
-  const double fold = polynomial_fold_;
+  const double fold = fold_squared();
   Eigen::Vector2d ray = seen.squaredNorm() < fold ? seen : Eigen::Vector2d::Zero();
   for (int i = 0; i < 100; ++i) {
     Eigen::Matrix2d by_ray;

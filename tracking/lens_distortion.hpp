@@ -6,7 +6,7 @@
 
 namespace clearway {
 
-/// How a lens bends rays: OpenCV's models of normalised points, for many points of one lens.
+/// How a lens bends rays: OpenCV's models of normalised points.
 class LensDistortion {
  public:
   enum class Model {
@@ -43,8 +43,7 @@ class LensDistortion {
   Coefficients coefficients_;
   Model model_;
   bool is_none_;
-  double polynomial_fold_ = 0.0;     ///< of plumb_bob
-  std::array<double, 7> slope_{};    ///< of the others: > 0 where the radial part rises, in r^2 or angle^2
+  std::array<double, 7> slope_{};    ///< > 0 where the radial part rises, in r^2 or angle^2; not of plumb_bob
   std::array<double, 4> divisor_{};  ///< of rational: its denominator, in r^2
 };
 
