@@ -12,6 +12,7 @@
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/apps/run_command.hpp"
 #include "tests/worlds/scene_truth.hpp"
+#include "tests/worlds/small_scene.hpp"
 
 namespace clearway {
 namespace kitchen_job_test {
@@ -26,6 +27,16 @@ std::string without_times(const std::string& text) {
   if (json.contains("plans"))
     for (Json& plan : json["plans"]) plan.erase("time_s");
   return json.dump();
+}
+
+/// Of half a second, for what any recording shows.
+std::string small_recording(const TemporaryFolder& folder) {
+  folder.write("setup.yaml", small_setup);
+  const std::string recording = folder.file("small.rawlog");
+  const CommandRun run =
+      run_command({"simulate", folder.write("scene.yaml", small_scene), "--out", recording, "--quiet"});
+  EXPECT_EQ(run.status, exit_done) << run.log;
+  return recording;
 }
 
 class KitchenJob : public ::testing::Test {
@@ -298,7 +309,7 @@ TEST_F(KitchenJob, a_taught_session_ends_in_an_approved_plan_and_is_done_again_b
 
 TEST_F(KitchenJob, a_truncated_recording_is_reported_as_damage_and_what_came_before_is_kept) {
   const std::string whole = read_file(folder_->file("recording.rawlog"));
-  const std::string cut = folder_->write("cut.rawlog", whole.substr(0, whole.size() / 4));
+  const std::string cut = folder_->write("cut.rawlog", whole.substr(0, whole.size() / 8));
   const CommandRun run = run_command({"replay", cut, "--out", folder_->file("cut"), "--no-plan"});
   EXPECT_EQ(run.status, exit_damaged) << run.log;
   EXPECT_NE(run.log.find("cut.rawlog"), std::string::npos) << run.log;
@@ -314,10 +325,8 @@ TEST_F(KitchenJob, a_replay_into_the_same_folder_leaves_no_plan_of_the_map_befor
   std::filesystem::copy(folder_->path() / "out", out, std::filesystem::copy_options::recursive);
   ASSERT_FALSE(std::filesystem::is_empty(out + "/plans"));
   const std::string bare = folder.write("bare.yaml", "map: {resolution: 0.005}\n");
-  ASSERT_EQ(
-      run_command({"replay", folder_->file("recording.rawlog"), "--setup", bare, "--out", out, "--quiet"})
-          .status,
-      exit_done);
+  ASSERT_EQ(run_command({"replay", small_recording(folder), "--setup", bare, "--out", out, "--quiet"}).status,
+            exit_done);
   EXPECT_TRUE(std::filesystem::is_empty(out + "/plans"));
   EXPECT_EQ(Json::parse(read_file(out + "/report.json"))["map"]["resolution"], 0.005);
 }
@@ -339,10 +348,7 @@ TEST_F(KitchenJob, bad_recordings_and_folders_are_refused_in_one_sentence_and_le
   expect_refused({"replay", "/usr/share/mrpt/datasets/localization_demo.rawlog", "--setup", setup, "--out",
                   folder.file("out")},
                  "no camera image");
-  const std::string bare = folder.write("bare.yaml", "map: {resolution: 0.005}\n");  // sooner fused
-  expect_refused(
-      {"replay", folder_->file("recording.rawlog"), "--setup", bare, "--out", "/proc/nowhere", "--no-plan"},
-      "/proc/nowhere");
+  expect_refused({"replay", small_recording(folder), "--out", "/proc/nowhere", "--no-plan"}, "/proc/nowhere");
   expect_refused(
       {"replay", folder_->file("recording.rawlog"), "--out", folder.file("out"), "--planner", "beem"},
       "beam");
