@@ -177,7 +177,7 @@ bool find_initial_camera(Bundle& bundle, const BoardPlane& plane, bool is_guess)
   cv::Mat matrix = cv::Mat::eye(3, 3, CV_64F), distortion;
   std::vector<cv::Mat> turns, places;
   Camera& camera = bundle.camera;
-  int flags = cv::CALIB_FIX_K3;
+  int flags = cv::CALIB_FIX_K3 | cv::CALIB_USE_QR;  // by singular values it takes several times as long
   if (is_guess) {
     matrix.at<double>(0, 0) = matrix.at<double>(1, 1) = camera.width;
     matrix.at<double>(0, 2) = 0.5 * (camera.width - 1);
