@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "mapping/system/plain_text.hpp"
 #include "planning/check/path_check_links.hpp"
@@ -98,14 +99,14 @@ class PickCheck {
     if (terms_.has_goal()) add(terms_.standing(pick.map_from_place, false), freed, leave, leg(leave));
   }
 
-  /// While the hand is open it is not deep in the object.
+  /// From where the hand is open first to where it is so last it is not deep in the object.
   void add_open(const Eigen::Isometry3d& map_from_object, const Snapshot& freed, Leg index) {
     const std::optional<Robot> robot = terms_.standing_core(map_from_object);
     if (!robot || !verdict_.valid) return;
     const std::vector<Configuration>& path = leg(index);
     const auto is_open = [&](const Configuration& q) { return terms_.is_open(q); };
     const auto first = std::find_if(path.begin(), path.end(), is_open);
-    const auto last = std::find_if_not(first, path.end(), is_open);
+    const auto last = std::find_if(path.rbegin(), std::make_reverse_iterator(first), is_open).base();
     add(*robot, freed, index, {first, last}, static_cast<std::size_t>(first - path.begin()));
   }
 

@@ -75,10 +75,12 @@ TEST(CheckPick, AMotionThatMovesTheHandWhileItHoldsIsRefusedHoweverItsPathIs) {
 struct OpeningErrand : Errand {
   static constexpr double open = 0.02;
 
-  OpeningErrand()
+  /// @param more links and joints
+  explicit OpeningErrand(const std::string& more = "")
       : Errand(-0.1, 0.1,
                urdf_link("finger", "-0.08 0 0", "<sphere radius='0.005'/>") +
-                   urdf_joint("grip", "prismatic", "hand", "finger", "0 0 0", "0 0 1", urdf_limit(0, 0.1))) {
+                   urdf_joint("grip", "prismatic", "hand", "finger", "0 0 0", "0 0 1", urdf_limit(0, 0.1)) +
+                   more) {
     pick.grip["grip"] = {open, 0.0};
     pick.depth = 0.01;
     const auto with = [](const Configuration& q, double grip) {
@@ -114,6 +116,31 @@ TEST(CheckPickHand, IsAskedForOnEachLegFromTheReachToTheRetreat) {
     errand.legs[5][1][3] = errand.legs[5][2][3] = 0.01;  // half open
   });
   EXPECT_NE(retreat.find("retreat ends with joint 'grip' not open"), std::string::npos) << retreat;
+}
+
+/// On the way back an elbow, which may touch the can, is where it would go through it: closing the hand once
+/// more before does not hide that.
+TEST(CheckPickHand, OnTheWayBackNothingIsDeepInTheObjectHoweverOftenTheHandCloses) {
+  OpeningErrand errand(urdf_link("elbow", "0.08 0 0", "<sphere radius='0.005'/>") +
+                       urdf_joint("raise", "prismatic", "y", "elbow", "0 0 0", "0 0 1", urdf_limit(0, 1)));
+  errand.pick.object.touches = {"elbow"};
+  for (auto& leg : errand.legs)
+    for (Configuration& q : leg) q = (Configuration(5) << q, 0.5).finished();
+  const Snapshot map = shelf();
+  EXPECT_TRUE(errand.path(map).valid) << errand.path(map).first_contact;
+  errand.legs[3].back()[4] = Errand::middle;  // down beside the can
+  for (const std::size_t leg : {4U, 5U})
+    for (Configuration& q : errand.legs[leg]) q[4] = Errand::middle;
+  const Configuration closed = errand.legs[5][0], open = errand.legs[5][1];
+  for (int i = 0; i < 2; ++i) {
+    const PathVerdict verdict = errand.path(map);
+    EXPECT_FALSE(verdict.valid) << i;
+    EXPECT_NE(verdict.first_contact.find("leg retreat, its edge "), std::string::npos)
+        << verdict.first_contact;
+    EXPECT_NE(verdict.first_contact.find("elbow touches can-deeper-than-10mm"), std::string::npos)
+        << verdict.first_contact;
+    errand.legs[5].insert(errand.legs[5].begin(), {closed, open});
+  }
 }
 
 /// A motion that is refused is as near as nothing, whatever was proved before.
