@@ -54,6 +54,19 @@ double difference_of(const ForeignTrajectory& trajectory, std::size_t joint, con
          0.05 * step * step * difference(trajectory.accelerations, joint, judged, 0.0);
 }
 
+/// The same where the file says that the joint is before the trajectory; of a follower beside its master,
+/// which is at the first point if the file does not say otherwise.
+double difference_before(const ForeignTrajectory& trajectory, const Robot& robot, const Link& link) {
+  const bool is_held = held_joint(robot, link.joint_name) != nullptr;
+  const std::map<std::string, double>& before = is_held ? trajectory.start : trajectory.stated_start;
+  const auto start = before.find(link.joint_name);
+  if (start == before.end() || (!is_held && link.joint < 0)) return 0.0;
+  const JudgedJoint judged = judged_joint(trajectory, robot, link);
+  const auto master = before.find(trajectory.joints[judged.master]);
+  const double leads = master != before.end() ? master->second : trajectory.points.front()[judged.master];
+  return std::abs(start->second - judged.factor * leads - judged.offset);
+}
+
 /// What hangs on a joint moves by at most that for each radian or metre of it.
 double reach_of(const Robot& robot, std::size_t link) {
   return std::max(1.0, reach_below(robot, static_cast<int>(link)));
@@ -69,9 +82,7 @@ double slack_of_joints(const ForeignTrajectory& trajectory, const Robot& robot) 
     double beside = 0.0;
     if (!is_planned && joint < trajectory.joints.size())
       beside = difference_of(trajectory, joint, judged_joint(trajectory, robot, link));
-    if (const auto start = trajectory.start.find(link.joint_name);
-        start != trajectory.start.end() && held_joint(robot, link.joint_name) != nullptr)
-      beside = std::max(beside, std::abs(start->second - held_joint(robot, link.joint_name)->value));
+    if (!is_planned) beside = std::max(beside, difference_before(trajectory, robot, link));
     slack += beside * reach_of(robot, i);
   }
   return slack;

@@ -70,11 +70,26 @@ TEST(TrajectorySlack, IsOfFollowersAndTheirRatesAndOfTheBase) {
   const double slack = slack_of({exact, beside}, robot, robot.map_from_base);
   EXPECT_GE(slack, 3e-4);  // the jib's end is 0.95 m from its joint
   EXPECT_LE(slack, 4e-4);
+  ForeignTrajectory before = exact;  // where both stand before it, and where the file says it of one alone
+  before.stated_start = {{"luff", 0.3}, {"follow", 1.6 - 3e-4}};
+  EXPECT_NEAR(slack_of({before}, robot, robot.map_from_base), slack, 1e-9);
+  before.stated_start = {{"follow", 1.1 - 3e-4}};
+  EXPECT_NEAR(slack_of({before}, robot, robot.map_from_base), slack, 1e-9);
   // A cubic between equal points whose ends run 1e-3 too fast, apart, is 1e-3 * 2 s / 4 beside at most.
   ForeignTrajectory faster = exact;
   faster.times = {0.0, 2.0};
   faster.velocities = {{0.0, 0.0, 1e-3}, {0.0, 0.0, -1e-3}};
   EXPECT_GE(slack_of({faster}, robot, robot.map_from_base), 1e-3 * 2.0 / 4.0);
+  // With their accelerations 1e-3 beside, equal, the quintic is 1e-3 * (2 s)^2 / 32 beside half way.
+  ForeignTrajectory bent = faster;
+  bent.velocities = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+  bent.accelerations = {{0.0, 0.0, 1e-3}, {0.0, 0.0, 1e-3}};
+  EXPECT_GE(slack_of({bent}, robot, robot.map_from_base), 1e-3 * 4.0 / 32.0);
+  // From rest to the first point, which it passes 1e-3 too fast after 2 s: the cubic is 4 / 27 of both
+  // beside.
+  ForeignTrajectory late = faster;
+  late.times = {2.0, 2.001};
+  EXPECT_GE(slack_of({late}, robot, robot.map_from_base), 1e-3 * 2.0 * 4.0 / 27.0);
   ForeignTrajectory elsewhere = exact;
   elsewhere.map_from_base =
       Eigen::Translation3d(0, 0, 5e-5) * Eigen::AngleAxisd(5e-5, Eigen::Vector3d::UnitZ());
