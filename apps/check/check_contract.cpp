@@ -244,8 +244,7 @@ class Statement {
     const auto usual = part_policies(loaded, map_, of_parts);
     for (const Load& load : loaded.loads) {
       Term<Policy>& term = terms.at(load.name);
-      const bool is_of_record = flags.critical_by_default && term.source == TermSource::map;
-      if (flags.parts.contains(load.name) || is_of_record) continue;
+      if (flags.parts.contains(load.name) || term.source == TermSource::map) continue;
       if (term.source != TermSource::plan) term = {usual.at(load.name), TermSource::by_default};
       for (const std::string& holder : holders_of(loaded, load.name)) {
         const Term<Policy>& of_holder = terms.at(holder);
