@@ -129,6 +129,24 @@ TEST(ContinuedMap, TheFirstHitCountsWhereTheMapWasSeenFreeForLong) {
   }
 }
 
+TEST(ContinuedMap, TheFirstHitOutlastsAsManyMissesAsAreNamed) {
+  FreeSpaceMap map({.resolution = 0.1});
+  const Eigen::Vector3d voxel(0.25, 0.05, 0.05), sensor(-1.95, 0.05, 0.05), beyond(3.05, 0.05, 0.05);
+  for (int i = 0; i < 5; ++i) map.insert(ray(sensor, beyond));
+  for (const int misses : {1, 3}) {
+    ContinuedMap continued(map.snapshot(),
+                           {.hit_probability = decisive_hit_probability(map.snapshot(), 0.5, misses),
+                            .integration = Integration::compatible});
+    continued.insert(ray(sensor, voxel));
+    for (int i = 0; i < misses; ++i) {
+      continued.insert(ray(sensor, beyond));
+      EXPECT_EQ(continued.snapshot().state(voxel), VoxelState::occupied) << i << " of " << misses;
+    }
+    continued.insert(ray(sensor, beyond));
+    EXPECT_EQ(continued.snapshot().state(voxel), VoxelState::seen_free) << misses;
+  }
+}
+
 TEST(ContinuedMap, ProbabilitiesOutOfRangeAreRefusedByName) {
   try {
     ContinuedMap(Snapshot(), {.hit_probability = 0.4});

@@ -62,6 +62,17 @@ TEST(MapDifference, ComparesPaintByLabel) {
   EXPECT_GT(difference(painted({"a"}, "a"), painted({"c"}, "c")).evidence, 100U);
 }
 
+TEST(MapDifference, NamesVolumesThatCountForOtherParts) {
+  const auto painted_for = [](const std::vector<std::string>& parts) {
+    FreeSpaceMap map({.resolution = 0.05});
+    map.paint(map.add_volume("a", parts), {{0, 0, 0}, 0.3});
+    return map.snapshot();
+  };
+  EXPECT_FALSE(difference(painted_for({"hand"}), painted_for({"hand"})).any());
+  EXPECT_EQ(difference(painted_for({"hand"}), painted_for({"hand", "arm"})).volumes,
+            std::vector<std::string>{"a"});
+}
+
 TEST(MapDifference, DoesNotCompareVoxelsOfDifferentSize) {
   const MapDifference found =
       difference(worlds::random_map(1, 0.05).snapshot(), worlds::random_map(1, 0.1).snapshot());

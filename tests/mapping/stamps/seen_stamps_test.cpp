@@ -111,6 +111,21 @@ TEST(SeenStamps, AnEarlierScanTakesNoRoomFromTheNewest) {
   }
 }
 
+/// As many periods as there are stamps; with one more the newest look would have none.
+TEST(SeenStamps, PeriodsGrowWhereOneMoreThanThereAreStampsIsSpanned) {
+  for (const int periods : {65534, 65535}) {
+    SeenStamps seen;
+    ScanGrid grid;
+    for (const int index : {0, periods}) {
+      grid.clear();
+      grid.set_free({index, 0, 0});
+      seen.see(grid, index / 64.0);
+    }
+    EXPECT_EQ(seen.period(), periods == 65534 ? 1.0 / 64 : 1.0 / 32);
+    expect_true(seen, {{{0, 0, 0}, 0.0}, {{periods, 0, 0}, periods / 64.0}});
+  }
+}
+
 TEST(SeenStamps, AScanWithoutTimeStampsNothing) {
   Dice dice(3);
   SeenStamps seen;
@@ -229,7 +244,12 @@ TEST(SeenStamps, BytesThatAreNoneAreRefusedOrReadAsStampsThatHold) {
     }
     try {
       const SeenStamps read = parse_seen(damaged, "seen");
-      ASSERT_LE(read.oldest(), read.newest());  // whatever they say, none is later than the newest look
+      ASSERT_LE(read.oldest(), read.newest());
+      read.visit_since(std::nextafter(read.newest(), HUGE_VAL), Eigen::Vector3i::Constant(-32768),
+                       Eigen::Vector3i::Constant(32767), [&](const CellCube& cube) {
+                         ADD_FAILURE()
+                             << round << ": " << cube.corner.transpose() << " was seen after the newest look";
+                       });
       ASSERT_LE(read.bytes(), 20 * damaged.size() + 1000);
     } catch (const DamagedFile& error) {
       ++refused;
