@@ -146,6 +146,12 @@ TEST(GateLine, ARefusalHoldsPieceBodyVoxelAndHowFarTheArmMayGo) {
   EXPECT_EQ(passed["id"], 7);
   EXPECT_FALSE(passed.contains("sentence"));
   EXPECT_EQ(passed["may_go"]["until_s"], 1.0);
+  const Json jump = Json::parse(verdict_line(
+      3, "8", gate.judge(parse_chunk_line(R"({"times":[1,2],"positions":[[0.5,0],[0.6,0]]})").chunk)));
+  EXPECT_EQ(jump["passed"], false);  // before anything is proved
+  EXPECT_EQ(jump["reason"], "jump");
+  EXPECT_FALSE(jump.contains("piece"));
+  EXPECT_TRUE(jump["may_go"].is_null());
 }
 
 }  // namespace gate_line_test

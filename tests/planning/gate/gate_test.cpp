@@ -79,6 +79,10 @@ TEST(Gate, AMapOfAnotherRobotIsRefused) {
   Robot renamed = disc();
   std::swap(renamed.joints[0].name, renamed.joints[1].name);
   EXPECT_THROW(gate.publish({renamed, map, {.critical_by_default = false}}), std::invalid_argument);
+  Robot with_more = disc();
+  with_more.joints.push_back(with_more.joints[1]);
+  with_more.joints.back().name = "z";
+  EXPECT_THROW(gate.publish({with_more, map, {.critical_by_default = false}}), std::invalid_argument);
   EXPECT_EQ(gate.publish(before_wall()), 2U);
 }
 

@@ -168,6 +168,12 @@ TEST_F(Chunk, ACornerIsSharpWhereARateChangesByMoreThanTheJointMakesInTheShorter
   chunk.positions[2] = chunk.positions[1];
   chunk.times[2] = 1.0 + 1e-6;  // stands at once, says the chunk
   EXPECT_TRUE(is_sharp(chunk, 1, limits_));
+  for (const Eigen::Vector2d& along : {Eigen::Vector2d(1, 0), Eigen::Vector2d(0, 1)}) {
+    chunk = {{0.0, 0.1, 1.1}, {0.0 * along, 0.03 * along, 0.93 * along}};
+    EXPECT_TRUE(is_sharp(chunk, 1, limits_));  // 0.3 to 0.9 m/s in 0.1 s
+    chunk.positions[1] = 0.05 * along, chunk.positions[2] = 0.95 * along;
+    EXPECT_FALSE(is_sharp(chunk, 1, limits_));
+  }
 }
 
 }  // namespace motion_chunk_test

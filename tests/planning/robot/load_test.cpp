@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <limits>
+#include <optional>
 #include <set>
 
 #include "planning/check/path_check_links.hpp"
@@ -237,6 +238,20 @@ TEST(Load, IsTheSameByNameHoldersPlaceShapeAndMass) {
   EXPECT_FALSE(same([](Load& load) { load.shape = Shape::capsule(0.03, 0.12); }));
 }
 
+/// Hulls of which one corner is elsewhere, or is missing, and which are as wide along each axis and diagonal.
+TEST(Load, OfAnotherHullIsAnother) {
+  const auto hull = [](std::optional<double> inside) {
+    std::vector<Eigen::Vector3d> corners{{0, 0, 0}, {0.3, 0.1, 0}, {0.1, 0.3, 0}, {0, 0, 0.1}};
+    if (inside) corners.emplace_back(0.15, *inside, 0.0);  // the line from corner to corner is at 0.05
+    Load load = can("hand");
+    load.shape = Shape::convex(corners);
+    return load;
+  };
+  EXPECT_TRUE(is_same(hull(0.04), hull(0.04)));
+  EXPECT_FALSE(is_same(hull(0.04), hull(0.035)));
+  EXPECT_FALSE(is_same(hull(0.04), hull(std::nullopt)));
+}
+
 TEST(Load, WeighsAsAPayloadAtItsPlace) {
   Random random(2);
   for (const double scale : {1.0, 0.1}) {
@@ -274,6 +289,10 @@ TEST(Load, LiesInWhatItsHoldersMustLieIn) {
   EXPECT_EQ(part_policies(with_load(load_robot("arm6"), touching), map, {}).at("can"), Policy::painted);
   EXPECT_EQ(part_policies(with_load(load_robot("arm6"), can("link3")), map, {}).at("can"),
             Policy::not_occupied);
+  const Robot gripper = worlds::gripper().robot();  // whose tcp is a frame on the palm
+  EXPECT_EQ(
+      part_policies(with_load(gripper, can("tcp")), map, {.parts = {{"palm", Policy::painted}}}).at("can"),
+      Policy::painted);
 }
 
 TEST(Load, RidesOnItsLegsAlone) {

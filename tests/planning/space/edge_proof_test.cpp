@@ -11,8 +11,10 @@
 #include "tests/worlds/batch_worlds.hpp"
 #include "tests/worlds/fcl_truth.hpp"
 #include "tests/worlds/random_world.hpp"
+#include "tests/worlds/slide_robot.hpp"
 #include "tests/worlds/trials.hpp"
 #include "tests/worlds/urdf_robots.hpp"
+#include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
 namespace edge_proof_test {
@@ -316,6 +318,30 @@ TEST(EdgeProof, WhatIsKnownOfAnEdgeChangesNoAnswer) {
   }
   EXPECT_GT(accepted, 20);
   EXPECT_GT(refused, 20);
+}
+
+/// A ball of 0.05 m before a wall at 0.5 m, on edges that are proved half way or not at all: with the pose of
+/// another place half way, one out of the wall, or into it, would be.
+TEST(EdgeProof, ThePosesOfAnEdgeAreTakenForItsBeginningItsMiddleAndItsEnd) {
+  Robot robot = worlds::slide_robot();
+  robot.joints[0].lower = -1.0;
+  robot.bodies[0].shape = Shape::sphere(0.05);
+  robot.bodies[0].cover = robot.bodies[0].shape.sphere_cover();
+  const VoxelScene wall{0.05, {box_of(0.501, -0.1, -0.1, 0.549, 0.1, 0.1)}, {}, {}};
+  const ConfigurationSpace space(robot, wall.snapshot(), not_occupied(),
+                                 {.padding = 0.0, .max_distance = 1.0, .edge_resolution = 0.4});
+  const CollisionModel& model = space.collision_model();
+  const auto at = [](double x) { return Configuration::Constant(1, x); };
+  for (const auto& [inner, outer] : {std::pair(0.3, -0.06), std::pair(0.46, 0.1)})
+    for (const bool is_inwards : {false, true}) {
+      const Configuration from = at(is_inwards ? outer : inner), to = at(is_inwards ? inner : outer);
+      const EdgePoses poses{forward_kinematics(model.robot, from),
+                            forward_kinematics(model.robot, (from + to) / 2),
+                            forward_kinematics(model.robot, to)};
+      std::vector<RecentCubes> recent(model.bodies.size());
+      EXPECT_EQ(model.is_edge_free(from, to, {0}, recent, nullptr, nullptr, &poses), inner < 0.45)
+          << inner << ' ' << is_inwards;
+    }
 }
 
 TEST(EdgeProof, AnEdgeThatEndsJustInsideOfWhatBlocksIsRefusedFromEitherEnd) {

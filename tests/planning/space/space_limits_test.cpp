@@ -90,6 +90,7 @@ TEST(SpaceLimits, AConfigurationIsWithinItsLimitsUpToTheLastBit) {
     EXPECT_EQ(space.is_edge_free(inside, q), is_free);
     EXPECT_EQ(space.is_edge_free(inside, q, Eigen::Vector2d::Zero()), is_free);
     EXPECT_EQ(space.is_edge_quickly_free(q, inside), is_free);
+    EXPECT_EQ(space.is_edge_quickly_free(inside, q), is_free);
     EXPECT_EQ(space.free_share(inside, q) == 1.0, is_free);
     EXPECT_EQ(space.clearance(q) > 0.0, is_free);
     return is_free;
