@@ -335,6 +335,51 @@ TEST(PlannedMotion, BearsTheWeightOfItsLoadsWhereTheyRide) {
   EXPECT_NEAR(share(3.0).share, greatest, 1e-6);
 }
 
+/// The greatest torque is on the second leg, which follows the first without a rest for a load.
+TEST(PlannedMotion, BearsItsWeightOnEachOfItsLegs) {
+  const FreePanda free;
+  const auto& [robot, space, from, to] = free;
+  Plan plan = plan_and_check(
+      {.space = space, .start = from, .goals = {from + 0.2 * (to - from), to}, .survey = std::nullopt});
+  give_motion(space, plan);
+  ASSERT_TRUE(plan.motion) << plan.motion_caveat;
+  const MotionJudgement judged =
+      judge_motion({robot, space.map(), plan.policies, plan.padding, 0.0, {}}, plan);
+  const TorqueTerms torques = torque_terms(robot);
+  const Motion& motion = plan.motion->motion;
+  std::vector<double> shares;
+  for (std::size_t k = 0; k < motion.positions.size(); ++k)
+    shares.push_back(
+        joint_torques(robot, motion.positions[k], motion.velocities[k], motion.accelerations[k], torques)
+            .cwiseAbs()
+            .cwiseQuotient(torques.limits)
+            .maxCoeff());
+  const auto greatest = std::max_element(shares.begin(), shares.end());
+  ASSERT_GT(greatest - shares.begin(), static_cast<std::ptrdiff_t>(plan.motion->leg_ends[0]));
+  EXPECT_NEAR(judged.torques->share, *greatest, 1e-6);
+}
+
+/// One after the other, the robot at rest until both are.
+TEST(PlannedMotion, LoadsThatAreTakenAtOneStopHaveATimeOfTheirOwn) {
+  const ConfigurationSpace space = walled_space();
+  LegLoad other = ball_on({1}, 0.05);
+  other.load.name = "other";
+  other.load.link_from_load.translation().y() = 0.1;
+  Plan plan = plan_and_check(out_and_back(space, {ball_on({1}, 0.05), other}));
+  give_motion(space, plan, {}, 0.5);
+  ASSERT_TRUE(plan.motion) << plan.motion_caveat;
+  const Trajectory motion = trajectory_of(space.robot(), plan);
+  ASSERT_EQ(motion.events.size(), 4U);
+  for (const std::size_t first : {0U, 2U}) {
+    const TrajectoryEvent &one = motion.events[first], &next = motion.events[first + 1];
+    EXPECT_NE(one.load, next.load);
+    EXPECT_NEAR(next.time, one.time + one.rest, 1e-9);
+    EXPECT_GE(next.rest, 0.5);
+    EXPECT_EQ(plan.motion->motion.at(next.time + next.rest - 1e-6).position,
+              first == 0 ? at(2, 0) : at(0, 0.5));
+  }
+}
+
 TEST(PlannedMotion, OfAPlanThatIsNotProvedIsRefused) {
   const ConfigurationSpace space = walled_space();
   Plan plan = plan_and_check({.space = space, .start = at(0, 0), .goals = {at(1, 0)}});

@@ -245,6 +245,20 @@ TEST(CheckPick, OnTheApproachNothingMayTouchTheObject) {
   }
 }
 
+/// It ends, at rest, where the can is put down.
+TEST(CheckPick, AMotionOfFewerLegsThanItsPathIsRefused) {
+  const Snapshot map = shelf();
+  const Errand errand(-0.1);
+  const SmoothMotion made = errand.smooth();
+  const std::vector<std::size_t> ends(made.leg_ends.begin(), made.leg_ends.end() - 1);
+  const Motion until_place = stretch_of(made.motion, 0, ends.back());
+  MotionToCheck motion{until_place, ends, {errand.legs.front().front()}, rate_limits(errand.robot)};
+  for (std::size_t leg = 0; leg < ends.size(); ++leg) motion.stops.push_back(errand.legs[leg].back());
+  const MotionVerdict verdict = check_pick_motion(errand.stated(map), motion, {}, 0.0);
+  EXPECT_FALSE(verdict.valid);
+  EXPECT_EQ(verdict.fault, "motion: pick 'can': its motion has 5 legs, its path 6");
+}
+
 /// A fork that goes through the support's layer, which is under the place alone.
 TEST(CheckPick, TheRobotItselfKeepsClearOfWhatIsUnderThePlace) {
   const Errand through(0.06 + edge + 0.007);

@@ -46,6 +46,46 @@ TEST(MotionCheck, AcceptsASmoothMotionAndCountsItsSamples) {
   EXPECT_LE(verdict.shares.acceleration, 1.0 + 1e-6);
 }
 
+/// Of two cubics the first ends with the acceleration with which the second would have to begin backwards.
+TEST(MotionCheck, AnAccelerationThatJumpsAtAKnotIsRefusedWhicheverSideTheFileSays) {
+  Corner corner;
+  const double h = corner.motion.period = 0.1, v = 0.1;
+  corner.stops = {at(0, 0), at(v * h * 2.0 / 3.0, 0)};
+  corner.made.leg_ends = {2};
+  for (const double side : {-1.0, 1.0}) {
+    corner.motion.positions = {at(0, 0), at(v * h / 3.0, 0), corner.stops[1]};
+    corner.motion.velocities = {at(0, 0), at(v, 0), at(0, 0)};
+    corner.motion.accelerations = {at(0, 0), at(side * 2.0 * v / h, 0), at(0, 0)};
+    for (Eigen::VectorXd* limit : {&corner.limits.velocity, &corner.limits.acceleration, &corner.limits.jerk})
+      limit->setConstant(1e4);
+    EXPECT_NE(corner.fault().find("give of joint x is "), std::string::npos) << corner.fault();
+  }
+}
+
+/// It swings to 0.15 m and back, at the top half way between two samples, which are 0.04 mm lower.
+TEST(MotionCheck, LimitsOfJointsBindBetweenSamples) {
+  Corner corner;
+  constexpr int last = 101;
+  constexpr double top = 0.15, seconds = 0.001 * last;
+  corner.motion = {0.001, {}, {}, {}};
+  for (int k = 0; k <= last; ++k) {
+    const double s = static_cast<double>(k) / last, u = s * (1.0 - s), turn = 1.0 - 2.0 * s;
+    corner.motion.positions.push_back(at(64.0 * top * u * u * u, 0.0));
+    corner.motion.velocities.push_back(at(192.0 * top * u * u * turn / seconds, 0.0));
+    corner.motion.accelerations.push_back(at(384.0 * top * u * (turn * turn - u) / (seconds * seconds), 0.0));
+  }
+  corner.made.leg_ends = {last};
+  corner.stops = {at(0, 0), at(0, 0)};
+  for (Eigen::VectorXd* limit : {&corner.limits.velocity, &corner.limits.acceleration, &corner.limits.jerk})
+    limit->setConstant(1e7);
+  corner.robot.source.clear();
+  for (const double above : {5e-5, -2e-5}) {
+    corner.robot.joints[0].upper = top + above;
+    EXPECT_EQ(corner.fault().find("position of joint x is ") != std::string::npos, above < 0.0)
+        << corner.fault();
+  }
+}
+
 /// Every place of every cubic is within the tube about its chord: by evaluating the cubics.
 TEST(MotionCheck, TubesHoldTheCubics) {
   Random random(3);
