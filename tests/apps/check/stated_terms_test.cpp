@@ -121,6 +121,7 @@ TEST_F(CheckExports, ALoadThatRidesAllTheWayDoesSoAtTheCheckToo) {
     folder_.write("long.yaml",
                   "{name: bar, link: lower, box: [0.04, 0.7, 0.04], pose: [0.2, 0.3, 0, 0, 0, 0]}");
     EXPECT_EQ(refused_terms(check(file, {"--attach", folder_.file("long.yaml")})), Terms{"load"});
+    EXPECT_EQ(refused_terms(check(file, {"--payload", "0.6"})), Terms{"payload"});
   }
   const CommandRun bare = check("way.yaml", {"--accept-map", "--allow-outside", "all"}, "arm.urdf", "beside");
   EXPECT_EQ(bare.status, exit_done) << bare.out;

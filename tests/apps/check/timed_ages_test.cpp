@@ -11,6 +11,7 @@
 #include "planning/check/path_check.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/map_of_looks.hpp"
+#include "tests/worlds/voxel_scene.hpp"
 
 namespace clearway {
 namespace timed_ages_test {
@@ -79,6 +80,43 @@ TEST_F(TimedAges, OfEachCurveThatAControllerMayTake) {
     EXPECT_EQ(is_valid(trajectory, too_short), beyond > cubic) << beyond;
     EXPECT_TRUE(is_valid(trajectory, long_enough)) << beyond;
   }
+}
+
+bool is_fault_free(const TimedTrajectory& trajectory, double acceleration) {
+  Robot robot = load_robot("point");
+  for (Joint& joint : robot.joints) joint.max_acceleration = acceleration;
+  return check_timed(trajectory, robot, Snapshot(), {{"base", Policy::not_occupied}}, 0.0, 0.0).fault.empty();
+}
+
+/// From rest to rest the quintic asks for 5.77 of way / time^2, the cubic of who knows no acceleration for 6.
+TEST(TimedStart, LimitsBindOnEachCurveFromItTheLongWayToo) {
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(2);
+  for (const double way : {0.1, 0.4}) {
+    TimedTrajectory trajectory;
+    trajectory.points = {{0.0, at(0.0), rest, rest}, {1.0, at(0.1), rest, rest}};
+    EXPECT_TRUE(is_fault_free(trajectory, 0.59));
+    trajectory.has_start = true;
+    if (way > 0.1) trajectory.stated_start = at(0.1 + way);
+    EXPECT_FALSE(is_fault_free(trajectory, 5.9 * way)) << way;
+    EXPECT_TRUE(is_fault_free(trajectory, 6.1 * way)) << way;
+  }
+}
+
+/// Beside the straight way, 0.14 m from it, is a post that the disc of 0.2 m passes on both curves.
+TEST(TimedStart, IsLeftStraightWhereTheControllerKnowsNoVelocity) {
+  const Snapshot map =
+      VoxelScene{0.05, {box_of(0.101, 0.351, 0.001, 0.149, 0.399, 0.049)}, {}, {}}.snapshot();
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(2);
+  TimedTrajectory trajectory;
+  trajectory.points = {
+      {0.0, rest, rest, rest},
+      {2.0, Eigen::Vector2d(0.4, 0.4), Eigen::Vector2d(0.0, 0.9), Eigen::Vector2d(-0.6, 1.2)}};
+  const auto check = [&] {
+    return check_timed(trajectory, load_robot("point"), map, {{"base", Policy::not_occupied}}, 0.0, 0.0).path;
+  };
+  EXPECT_TRUE(check().valid) << check().first_contact;
+  trajectory.has_start = true;
+  EXPECT_NE(check().first_contact.find("base touches a voxel"), std::string::npos) << check().first_contact;
 }
 
 TEST(TimedStart, IsTheSameAfterWholeTurnsOfAJointWithoutLimits) {

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <random>
 
+#include "apps/check/trajectory_entries.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/apps/check/check_command.hpp"
 #include "tests/worlds/urdf_robots.hpp"
@@ -328,6 +329,15 @@ TEST_F(CheckTimed, TorquesBeyondALimitAreRefused) {
   EXPECT_EQ(quick.status, exit_no);
   EXPECT_NE(quick.out.find("the torque of joint turn is "), std::string::npos) << quick.out;
   EXPECT_NEAR(Json::parse(quick.out)["motion"]["torque_share"].get<double>(), greatest(0.7) / 12.0, 1e-3);
+  const Robot pendulum = load_robot(robot);
+  TimedTrajectory up, still;
+  const Configuration low = Configuration::Zero(1), high = Configuration::Constant(1, -1.0);
+  up.points = {{0.0, low, low, low}, {2.0, high, low, low}};
+  still.points = {{0.0, high, low, low}, {1.0, high, low, low}};  // 9.81 cos 1 Nm
+  for (const auto& entries : {std::vector{up, still}, std::vector{still, up}}) {
+    SplineVerdict verdict;
+    EXPECT_NEAR(torques_of(entries, pendulum, {}, verdict).share, greatest(2.0) / 12.0, 1e-3);
+  }
   const std::string brick = folder_.write(
       "brick.yaml",
       "{name: brick, box: [0.02, 0.02, 0.02], link: arm, pose: [0.4, 0, 0, 0, 0, 0], mass: 0.5}");
@@ -465,6 +475,8 @@ TEST_F(CheckTimed, AStartThatIsStatedIsGoneFrom) {
   EXPECT_EQ(from("0,0").out.find("is not said"), std::string::npos) << from("0,0").out;
   EXPECT_EQ(from("-0.3,0").status, exit_no);  // 0.5 m in 0.5 s by a cubic: 1.5 m/s
   EXPECT_EQ(from("0.2,0").status, exit_done);
+  EXPECT_EQ(from("1e9,0").status, exit_bad_input);
+  EXPECT_NE(from("1e9,0").log.find("beyond which angles lose their digits"), std::string::npos);
   EXPECT_NE(check_points(one).out.find("is not said"), std::string::npos);
   EXPECT_NE(check_points(one, {"--pick", folder_.write("pick.yaml", "x")})
                 .log.find("does not say where its legs end"),

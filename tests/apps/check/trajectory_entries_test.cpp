@@ -51,6 +51,22 @@ TEST_F(CheckEntries, TheyAreJudgedAsOneThatRestsWhereTheyMeet) {
   }
 }
 
+/// From rest to rest in a second: 6 times the way.
+TEST_F(CheckEntries, APeakIsThatOfTheOneThatHasIt) {
+  const CheckEntries::Point near{{0.2, 0.1}, {0, 0}}, middle{{0.2, 0.0}, {0, 0}}, far{{-0.3, 0.0}, {0, 0}};
+  for (const std::size_t place : {0U, 1U}) {
+    const Json one = entry(both, {near, middle}), other = entry(both, {middle, far}),
+               back = entry(both, {far, middle}), forth = entry(both, {middle, near});
+    const CommandRun two = run(place == 0 ? std::vector{back, forth} : std::vector{one, other});
+    ASSERT_EQ(two.status, exit_done) << two.out << two.log;
+    const Json rate = Json::parse(two.out)["motion"]["not_judged"][0];
+    EXPECT_NEAR(rate["peak"].get<double>(), 6.0 * 0.5, 1e-9) << rate;
+    EXPECT_NE(rate["sentence"].get<std::string>().find("of trajectory[" + std::to_string(place) + "]"),
+              std::string::npos)
+        << rate;
+  }
+}
+
 /// Each may name joints of its own: the others stay where they were left, or where a later one finds them.
 TEST_F(CheckEntries, JointsThatOneDoesNotNameStayWhereTheyAre) {
   const Json along = entry({"x"}, {{{0.0}}, {{0.7}}}), up = entry({"y"}, {{{0.0}}, {{0.7}}}),
@@ -89,6 +105,10 @@ TEST_F(CheckEntries, WhatDoesNotFollowIsNamedByEntryAndJoint) {
             std::string::npos);
   EXPECT_NE(refusal({entry(both, {{{0.0, 0.0}, {0, 0}}, {{0.3, 0.0}, {0, 0.1}}}), first})
                 .find("trajectory[0]: moves joint 'y' at its last point"),
+            std::string::npos);
+  EXPECT_NE(refusal({first, entry(both, {{{0.3, 0.0}, {0, 0}}, {{0.3, 0.2}, {0, 0.1}}}),
+                     entry(both, {{{0.3, 0.2}}, {{0.3, 0.3}}})})
+                .find("trajectory[1]: moves joint 'y' at its last point"),
             std::string::npos);
   EXPECT_NE(
       refusal({first, entry(both, {{{0.3, 0.0}}, {{0.3, 0.5}}}, 0)}).find("trajectory[1]: has no times"),

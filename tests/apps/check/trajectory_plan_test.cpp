@@ -87,6 +87,17 @@ TEST_F(CheckTrajectory, GoalsOnTheWayAreFoundInTurn) {
   }
 }
 
+/// What rides on one leg alone would ride on none of a trajectory that is cut into legs without it.
+TEST_F(CheckTrajectory, ItIsNotCutIntoLegsWhereSomethingRides) {
+  const std::string rod =
+      folder_.write("rod.yaml", "{name: rod, box: [0.02, 0.02, 0.02], link: base, legs: [1]}");
+  const CommandRun run =
+      check_file("t.json", trajectory({{0.0, 0.5}, {0.5, 0.0}, {0.0, 0.3}}).dump(),
+                 {"--start=0,0.5", "--goal=0.5,0", "--goal=0,0.3", "--attach", rod, "--json"});
+  EXPECT_EQ(run.status, exit_no) << run.out << run.log;
+  EXPECT_EQ(run.out.find("comes to the goals before the last"), std::string::npos) << run.out;
+}
+
 /// `plan --export json`: what it says is checked as the same message of ROS is.
 TEST_F(CheckTrajectory, OurOwnExportWithAListForEachQuantityIsRead) {
   const auto own = [](const Json& positions) {
@@ -174,16 +185,18 @@ TEST_F(CheckTrajectory, AModelOfAnotherNameIsSaid) {
 
 /// MoveIt says by a virtual joint where the base stands: 0.6 along x the disc is painted for other values.
 TEST_F(CheckTrajectory, ABaseThatTheFilePutsElsewhereIsNotJudgedHere) {
-  const auto at = [&](double x, const std::vector<std::string>& flags) {
-    const Json message{{"trajectory", {{{"joint_trajectory", trajectory({{-0.3, 0.0}, {-0.5, 0.0}})}}}},
-                       {"trajectory_start",
-                        {{"multi_dof_joint_state",
-                          {{"joint_names", {"world_joint"}},
-                           {"transforms",
-                            {{{"translation", {{"x", x}, {"y", 0}, {"z", 0}}},
-                              {"rotation", {{"x", 0}, {"y", 0}, {"z", 0}, {"w", 1}}}}}}}}}}};
+  const auto all_at = [&](const std::vector<double>& places, const std::vector<std::string>& flags) {
+    Json transforms = Json::array();
+    for (const double x : places)
+      transforms.push_back({{"translation", {{"x", x}, {"y", 0}, {"z", 0}}},
+                            {"rotation", {{"x", 0}, {"y", 0}, {"z", 0}, {"w", 1}}}});
+    const Json names(std::vector<std::string>(places.size(), "joint")),
+        message{{"trajectory", {{{"joint_trajectory", trajectory({{-0.3, 0.0}, {-0.5, 0.0}})}}}},
+                {"trajectory_start",
+                 {{"multi_dof_joint_state", {{"joint_names", names}, {"transforms", transforms}}}}}};
     return check_file("t.json", message.dump(), flags);
   };
+  const auto at = [&](double x, const std::vector<std::string>& flags) { return all_at({x}, flags); };
   EXPECT_EQ(at(0.0, {}).status, exit_done);
   EXPECT_EQ(at(0.0, {"--base=0.2,0,0"}).status, exit_done) << "the identity says nothing";
   const CommandRun elsewhere = at(0.6, {});
@@ -192,6 +205,30 @@ TEST_F(CheckTrajectory, ABaseThatTheFilePutsElsewhereIsNotJudgedHere) {
   EXPECT_EQ(at(0.6, {"--base=0.6,0,0"}).status, exit_done);
   EXPECT_EQ(at(1.6, {"--base=1.6,0,0"}).status, exit_no);
   EXPECT_EQ(at(0.6, {"--base=0.5,0,0"}).status, exit_bad_input);
+  EXPECT_EQ(all_at({0.0, 0.6}, {"--base=0.6,0,0"}).status, exit_done);
+  const CommandRun two = all_at({0.5, 0.6}, {"--base=0.6,0,0"});
+  EXPECT_EQ(two.status, exit_bad_input) << "which of them holds the base?";
+  EXPECT_NE(two.log.find("expected at most one that is not the identity"), std::string::npos) << two.log;
+}
+
+/// By a tenth of a millimetre and of a milliradian: what that moves is padded.
+TEST_F(CheckTrajectory, ABaseMayStandAndBeTurnedALittleBesideWhereItIsJudged) {
+  const auto is_accepted = [](const Eigen::Isometry3d& base) {
+    ForeignTrajectory trajectory;
+    trajectory.map_from_base = base;
+    try {
+      require_base(trajectory, Eigen::Isometry3d::Identity(), "t.json");
+    } catch (const std::invalid_argument&) {
+      return false;
+    }
+    return true;
+  };
+  for (const double beside : {0.9e-4, 1.1e-4, 0.1}) {
+    const Eigen::Isometry3d moved(Eigen::Translation3d(0, -beside, 0)),
+        turned(Eigen::AngleAxisd(beside, Eigen::Vector3d::UnitX()));
+    EXPECT_EQ(is_accepted(moved), beside < 1e-4) << beside;
+    EXPECT_EQ(is_accepted(turned), beside < 1e-4) << beside;
+  }
 }
 
 TEST_F(CheckTrajectory, JointsThatAreNotNamedStandWhereTheRobotIsBefore) {
@@ -332,6 +369,8 @@ TEST_F(CheckTrajectory, AJointThatFollowsAnotherStandsBeforeItWhereThatTakesIt) 
   };
   EXPECT_EQ(said_of({"grip", "elbow", "shoulder", "follower"}, {0.06, 0.1, 0.2, 0.05}), "");
   EXPECT_EQ(said_of({"follower"}, {0.05}), "");
+  EXPECT_EQ(said_of({"grip", "follower"}, {0.02, 0.07}), "") << "grip comes from 0.02 to the first point";
+  EXPECT_NE(said_of({"grip", "follower"}, {0.02, 0.05}), "");
   for (const std::string& said : {said_of({"grip", "elbow", "shoulder", "follower"}, {0.06, 0.1, 0.2, 0.08}),
                                   said_of({"follower"}, {0.08})})
     EXPECT_NE(
