@@ -17,20 +17,18 @@ namespace clearway::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 using DoubleTag = hn::CappedTag<double, 8>;
 
-/// x, y, z of so many points in turn, a whole number of registers.
-std::size_t farthest_of(const double* coordinates, std::size_t count, const Eigen::Vector3d& direction,
-                        double& largest) {
+/// The first of the points at which `number_at(x, y, z)` is largest. Their x, y and z lie in turn; they are a
+/// whole number of registers.
+template <class NumberAt>
+HWY_ATTR std::size_t first_largest(const double* coordinates, std::size_t count, const NumberAt& number_at,
+                                   double& largest) {
   const DoubleTag d;
-  const auto dx = hn::Set(d, direction.x()), dy = hn::Set(d, direction.y()), dz = hn::Set(d, direction.z());
-  const auto dots = [&](std::size_t first) HWY_ATTR {
-    hn::Vec<DoubleTag> x, y, z;
-    hn::LoadInterleaved3(d, coordinates + 3 * first, x, y, z);
-    return hn::Add(hn::Add(hn::Mul(dx, x), hn::Mul(dy, y)), hn::Mul(dz, z));
-  };
   const auto at = [&](std::size_t i) HWY_ATTR { return hn::Set(d, static_cast<double>(i)); };
   auto most = hn::Set(d, -HUGE_VAL), first_of_most = hn::Zero(d);  // of each lane alone
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
-    const auto here = dots(i);
+    hn::Vec<DoubleTag> x, y, z;
+    hn::LoadInterleaved3(d, coordinates + 3 * i, x, y, z);
+    const auto here = number_at(x, y, z);
     const auto is_farther = hn::Gt(here, most);
     most = hn::IfThenElse(is_farther, here, most);
     first_of_most = hn::IfThenElse(is_farther, at(i), first_of_most);
@@ -40,6 +38,26 @@ std::size_t farthest_of(const double* coordinates, std::size_t count, const Eige
   const auto found = hn::IfThenElse(hn::Eq(most, farthest), places, hn::Set(d, HUGE_VAL));
   largest = hn::GetLane(farthest);
   return static_cast<std::size_t>(hn::GetLane(hn::MinOfLanes(d, found)));
+}
+
+std::size_t farthest_along(const double* coordinates, std::size_t count, const Eigen::Vector3d& direction,
+                           double& largest) {
+  const DoubleTag d;
+  const auto dx = hn::Set(d, direction.x()), dy = hn::Set(d, direction.y()), dz = hn::Set(d, direction.z());
+  const auto dot = [&](const auto& x, const auto& y, const auto& z)
+                       HWY_ATTR { return hn::Add(hn::Add(hn::Mul(dx, x), hn::Mul(dy, y)), hn::Mul(dz, z)); };
+  return first_largest(coordinates, count, dot, largest);
+}
+
+std::size_t farthest_from(const double* coordinates, std::size_t count, const Eigen::Vector3d& point,
+                          double& largest) {
+  const DoubleTag d;
+  const auto px = hn::Set(d, point.x()), py = hn::Set(d, point.y()), pz = hn::Set(d, point.z());
+  const auto squared_distance = [&](const auto& x, const auto& y, const auto& z) HWY_ATTR {
+    const auto dx = hn::Sub(x, px), dy = hn::Sub(y, py), dz = hn::Sub(z, pz);
+    return hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
+  };
+  return first_largest(coordinates, count, squared_distance, largest);
 }
 
 double largest_norm_of(const double* coordinates, std::size_t count) {
@@ -67,14 +85,26 @@ InstructionSet machine() {
   return vectors;
 }
 
-std::size_t farthest_of(const std::vector<Eigen::Vector3d>& points, std::size_t count,
-                        const Eigen::Vector3d& direction, double& largest) {
+std::size_t farthest_along(const std::vector<Eigen::Vector3d>& points, std::size_t count,
+                           const Eigen::Vector3d& direction, double& largest) {
   const double* coordinates = points.front().data();
 #if HWY_ARCH_X86
-  if (machine() == InstructionSet::avx512) return N_AVX3::farthest_of(coordinates, count, direction, largest);
-  if (machine() == InstructionSet::avx2) return N_AVX2::farthest_of(coordinates, count, direction, largest);
+  if (machine() == InstructionSet::avx512)
+    return N_AVX3::farthest_along(coordinates, count, direction, largest);
+  if (machine() == InstructionSet::avx2)
+    return N_AVX2::farthest_along(coordinates, count, direction, largest);
 #endif
-  return HWY_STATIC_DISPATCH(farthest_of)(coordinates, count, direction, largest);
+  return HWY_STATIC_DISPATCH(farthest_along)(coordinates, count, direction, largest);
+}
+
+std::size_t farthest_from(const std::vector<Eigen::Vector3d>& points, std::size_t count,
+                          const Eigen::Vector3d& point, double& largest) {
+  const double* coordinates = points.front().data();
+#if HWY_ARCH_X86
+  if (machine() == InstructionSet::avx512) return N_AVX3::farthest_from(coordinates, count, point, largest);
+  if (machine() == InstructionSet::avx2) return N_AVX2::farthest_from(coordinates, count, point, largest);
+#endif
+  return HWY_STATIC_DISPATCH(farthest_from)(coordinates, count, point, largest);
 }
 
 double largest_norm_of(const std::vector<Eigen::Vector3d>& points, std::size_t count) {
@@ -92,12 +122,25 @@ std::size_t farthest_vertex(const std::vector<Eigen::Vector3d>& points, const Ei
   const std::size_t together = points.size() / widest * widest;
   std::size_t best = 0;
   double largest = direction.dot(points.front());
-  if (together > widest) best = farthest_of(points, together, direction, largest);
+  if (together > widest) best = farthest_along(points, together, direction, largest);
   for (std::size_t i = together > widest ? together : 1; i < points.size(); ++i) {
     const double dot = direction.dot(points[i]);
     if (!(dot > largest)) continue;
     best = i;
     largest = dot;
+  }
+  return best;
+}
+
+std::size_t farthest_from(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& point) {
+  const std::size_t together = points.size() / widest * widest;
+  double largest = -HUGE_VAL;
+  std::size_t best = together > 0 ? farthest_from(points, together, point, largest) : 0;
+  for (std::size_t i = together; i < points.size(); ++i) {
+    const double squared = (points[i] - point).squaredNorm();
+    if (!(squared > largest)) continue;
+    best = i;
+    largest = squared;
   }
   return best;
 }

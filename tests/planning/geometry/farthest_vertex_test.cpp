@@ -7,10 +7,12 @@
 namespace clearway {
 namespace farthest_vertex_test {
 
-std::size_t one_by_one(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& direction) {
+/// The first of the points at which `number_at` is largest.
+template <class NumberAt>
+std::size_t one_by_one(const std::vector<Eigen::Vector3d>& points, const NumberAt& number_at) {
   std::size_t best = 0;
   for (std::size_t i = 1; i < points.size(); ++i) {
-    if (direction.dot(points[i]) > direction.dot(points[best])) best = i;
+    if (number_at(points[i]) > number_at(points[best])) best = i;
   }
   return best;
 }
@@ -28,7 +30,10 @@ TEST(FarthestVertex, IsTheFirstOfTheFarthest) {
       const Eigen::Vector3d direction = round == 0   ? Eigen::Vector3d::Zero()
                                         : round == 1 ? Eigen::Vector3d::UnitZ()
                                                      : random.point(1.0);
-      ASSERT_EQ(farthest_vertex(points, direction), one_by_one(points, direction)) << count;
+      const auto along = [&](const Eigen::Vector3d& point) { return direction.dot(point); };
+      const auto away = [&](const Eigen::Vector3d& point) { return (point - direction).squaredNorm(); };
+      ASSERT_EQ(farthest_vertex(points, direction), one_by_one(points, along)) << count;
+      ASSERT_EQ(farthest_from(points, direction), one_by_one(points, away)) << count;
     }
   }
 }
