@@ -39,7 +39,7 @@ std::optional<Body> shrunk_body(const Body& body, double depth) {
     middle += corner / static_cast<double>(body.shape.vertices().size());
   const double inner = body.shape.has_exact_distance()
                            ? -body.shape.signed_distance(middle)
-                           : HullPlanes(body.shape.vertices()).inner_radius(middle);
+                           : HullPlanes(body.shape.surface()).inner_radius(middle);
   const double share = depth / inner;
   if (!(inner > 0.0 && share < 0.5)) return std::nullopt;
   Body core = body;

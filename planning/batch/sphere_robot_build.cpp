@@ -118,7 +118,7 @@ class Maker {
     const Eigen::Isometry3d shape_from_link = body.link_from_shape.inverse();
     const int first = static_cast<int>(out_.spheres.size());
     std::optional<HullPlanes> planes;
-    if (!body.shape.has_exact_distance()) planes.emplace(body.shape.vertices());
+    if (!body.shape.has_exact_distance()) planes.emplace(body.shape.surface());
     for (const Sphere& sphere : cover) {
       const Eigen::Vector3f at = (frame_from_link * sphere.center).cast<float>();
       out_.spheres.push_back(

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <limits>
 #include <memory>
@@ -104,6 +105,11 @@ std::vector<std::array<int, 3>> hull_triangles(const std::vector<Eigen::Vector3d
   return triangles;
 }
 
+const std::vector<std::array<int, 3>>& HullTriangles::of(const std::vector<Eigen::Vector3d>& corners) const {
+  std::call_once(found_, [&] { triangles_ = hull_triangles(corners); });
+  return triangles_;
+}
+
 namespace {
 
 /// A face: normal . x <= offset inside, normal of length 1.
@@ -147,25 +153,27 @@ namespace {
 
 /// Whether each side of a triangle is a side of exactly one other, the other way round.
 bool is_closed(const std::vector<std::array<int, 3>>& triangles) {
-  std::vector<std::pair<int, int>> sides, back;
+  std::vector<std::uint64_t> sides;  // the lower corner, the higher one, which way: twins are neighbours
+  sides.reserve(3 * triangles.size());
   for (const std::array<int, 3>& corners : triangles) {
     for (std::size_t i = 0; i < 3; ++i) {
-      sides.emplace_back(corners[i], corners[(i + 1) % 3]);
-      back.emplace_back(corners[(i + 1) % 3], corners[i]);
+      const auto [low, high] = std::minmax(corners[i], corners[(i + 1) % 3]);
+      sides.push_back(std::uint64_t(low) << 32U | std::uint64_t(high) << 1U | (low == corners[i] ? 0U : 1U));
     }
   }
   std::sort(sides.begin(), sides.end());
-  std::sort(back.begin(), back.end());
-  return std::adjacent_find(sides.begin(), sides.end()) == sides.end() && sides == back;
+  for (std::size_t i = 0; i < sides.size(); i += 2) {
+    const bool is_next = i == 0 || sides[i] > sides[i - 1];
+    if (!is_next || i + 1 == sides.size() || sides[i] % 2 != 0 || sides[i + 1] != sides[i] + 1) return false;
+  }
+  return true;
 }
 
 }  // namespace
 
-std::vector<std::array<int, 2>> hull_edges(const std::vector<Eigen::Vector3d>& points) {
-  const std::vector<std::array<int, 3>> triangles = hull_triangles(points);
-  if (triangles.size() < 4 || !is_closed(triangles)) return {};
+std::vector<std::array<int, 2>> surface_edges(const ShapeSurface& surface) {
   std::vector<std::array<int, 2>> edges;
-  for (const std::array<int, 3>& corners : triangles) {
+  for (const std::array<int, 3>& corners : surface.triangles) {
     for (std::size_t i = 0; i < 3; ++i) {
       const int from = corners[i], to = corners[(i + 1) % 3];
       if (from < to) edges.push_back({from, to});  // the neighbour has it the other way round
@@ -174,13 +182,13 @@ std::vector<std::array<int, 2>> hull_edges(const std::vector<Eigen::Vector3d>& p
   return edges;
 }
 
-HullPlanes::HullPlanes(const std::vector<Eigen::Vector3d>& points) {
-  const std::vector<std::array<int, 3>> triangles = hull_triangles(points);
-  if (triangles.size() < 4 || !is_closed(triangles)) return;
+HullPlanes::HullPlanes(const ShapeSurface& hull) {
+  if (hull.triangles.size() < 4 || !is_closed(hull.triangles)) return;
+  const std::vector<Eigen::Vector3d>& points = hull.corners;
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& point : points) box.extend(point);
   const double margin = 1e-6 * box.sizes().maxCoeff();
-  for (const auto& [a, b, c] : triangles) {
+  for (const auto& [a, b, c] : hull.triangles) {
     const auto at = [&](int i) -> const Eigen::Vector3d& { return points[static_cast<std::size_t>(i)]; };
     const Eigen::Vector3d normal = (at(b) - at(a)).cross(at(c) - at(a)).normalized();
     const double offset = std::min({normal.dot(at(a)), normal.dot(at(b)), normal.dot(at(c))});

@@ -2,9 +2,11 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <mutex>
 #include <vector>
 
 #include "mapping/voxels/sphere.hpp"
+#include "planning/geometry/shape_surface.hpp"
 
 namespace clearway {
 
@@ -16,14 +18,25 @@ std::vector<Eigen::Vector3d> hull_corners(std::vector<Eigen::Vector3d> points);
 /// points that span no volume. For drawing; collision queries need the corners only.
 std::vector<std::array<int, 3>> hull_triangles(const std::vector<Eigen::Vector3d>& points);
 
-/// The edges of that surface as pairs of indices; empty, too, where it is not closed.
-std::vector<std::array<int, 2>> hull_edges(const std::vector<Eigen::Vector3d>& points);
+/// These triangles of one hull, found when they are first asked for. Safe from many threads.
+class HullTriangles {
+ public:
+  /// @param corners the same each time
+  const std::vector<std::array<int, 3>>& of(const std::vector<Eigen::Vector3d>& corners) const;
 
-/// Spheres that together hold the hull of `points`, at most so many (at least one): around parts of it, of
-/// which the one whose sphere stands out most is halved in turn. A half's sphere may stand out more than that
-/// of the whole: of all these covers it is the one that stands out least. Empty where HullPlanes knows
+ private:
+  mutable std::once_flag found_;
+  mutable std::vector<std::array<int, 3>> triangles_;
+};
+
+/// The edges of a closed surface as pairs of indices, the lower one first.
+std::vector<std::array<int, 2>> surface_edges(const ShapeSurface& surface);
+
+/// Spheres that together hold a hull with this surface, at most so many (at least one): around parts of it,
+/// of which the one whose sphere stands out most is halved in turn. A half's sphere may stand out more than
+/// that of the whole: of all these covers it is the one that stands out least. Empty where HullPlanes knows
 /// nothing.
-std::vector<Sphere> hull_cover(const std::vector<Eigen::Vector3d>& points, std::size_t most);
+std::vector<Sphere> hull_cover(const ShapeSurface& hull, std::size_t most);
 
 /// The corners of what lies `by` (> 0) and more behind each face of the hull of `points`; none where that
 /// does not hold `middle`, or where the points span no volume.
@@ -33,8 +46,8 @@ std::vector<Eigen::Vector3d> corners_behind_faces(const std::vector<Eigen::Vecto
 /// The planes of the hull's faces, for spheres inside it.
 class HullPlanes {
  public:
-  /// Knows nothing where the points span no volume or qhull's faces do not close.
-  explicit HullPlanes(const std::vector<Eigen::Vector3d>& points);
+  /// Knows nothing of a surface that does not close, or has no triangles.
+  explicit HullPlanes(const ShapeSurface& hull);
 
   /// True when no point is farther outside of the planes than a millionth of the hull's size.
   bool is_known() const { return !normals_.empty(); }

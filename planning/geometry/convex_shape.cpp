@@ -59,7 +59,7 @@ class ConvexKind final : public ShapeKind {
   MedialSegment medial_segment(const Shape& s) const override { return boxed::medial_segment(s); }
 
   std::vector<Sphere> sphere_cover(const Shape& s) const override {
-    const std::vector<Sphere> spheres = hull_cover(s.vertices(), most_hull_spheres);
+    const std::vector<Sphere> spheres = hull_cover(surface(s), most_hull_spheres);
     return spheres.empty() ? around_cells(s) : spheres;
   }
 
@@ -98,10 +98,12 @@ class ConvexKind final : public ShapeKind {
     return boxed::signed_distances(s, points);
   }
   Vector offset_to(const Shape& s, const Vector& point) const override { return boxed::offset_to(s, point); }
-  ShapeSurface surface(const Shape& s) const override { return {s.vertices(), hull_triangles(s.vertices())}; }
+  ShapeSurface surface(const Shape& s) const override {
+    return {s.vertices(), s.hull_triangles().of(s.vertices())};
+  }
 
   std::shared_ptr<fcl::CollisionGeometryd> fcl_geometry(const Shape& s) const override {
-    const auto triangles = hull_triangles(s.vertices());
+    const std::vector<std::array<int, 3>>& triangles = s.hull_triangles().of(s.vertices());
     auto faces = std::make_shared<std::vector<int>>();
     for (const auto& triangle : triangles) {
       faces->push_back(3);
@@ -126,6 +128,7 @@ Shape Shape::convex(std::vector<Eigen::Vector3d> vertices) {
   }
   Shape shape(convex_kind());
   shape.vertices_ = hull_corners(std::move(vertices));
+  shape.hull_triangles_ = std::make_shared<const HullTriangles>();
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& vertex : shape.vertices_) box.extend(vertex);
   shape.edges_ = box.sizes();

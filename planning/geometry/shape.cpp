@@ -6,6 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "planning/geometry/convex_hull.hpp"
 #include "planning/geometry/shape_kind.hpp"
 
 namespace clearway {
@@ -81,6 +82,7 @@ Shape Shape::scaled(double factor) const {
   shape.edges_ *= factor;
   shape.box_center_ *= factor;
   for (Eigen::Vector3d& vertex : shape.vertices_) vertex *= factor;
+  if (hull_triangles_) shape.hull_triangles_ = std::make_shared<const HullTriangles>();
   return shape;
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -12,6 +13,7 @@
 
 namespace clearway {
 
+class HullTriangles;
 class ShapeKind;
 
 constexpr std::size_t most_cover_spheres = 64;  ///< in the cover of one shape
@@ -111,7 +113,9 @@ class Shape {
   /// No triangles for a convex body that spans no volume.
   ShapeSurface surface() const;
 
-  const ShapeKind& kind_functions() const { return *kind_; }  ///< not part of the installed library
+  // Not part of the installed library.
+  const ShapeKind& kind_functions() const { return *kind_; }
+  const HullTriangles& hull_triangles() const { return *hull_triangles_; }  ///< @pre convex
 
  private:
   explicit Shape(const ShapeKind& kind) : kind_(&kind) {}
@@ -120,6 +124,7 @@ class Shape {
   double radius_ = 0.0, length_ = 0.0;
   Eigen::Vector3d edges_ = Eigen::Vector3d::Zero();
   std::vector<Eigen::Vector3d> vertices_;
+  std::shared_ptr<const HullTriangles> hull_triangles_;   ///< convex: of the vertices, shared by copies
   Eigen::Vector3d box_center_ = Eigen::Vector3d::Zero();  ///< convex: of the box around the vertices
 };
 

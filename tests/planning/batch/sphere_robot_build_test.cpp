@@ -86,7 +86,7 @@ TEST(SphereRobotBuild, WhatLiesInABodyIsSoToAFewRoundings) {
         const Eigen::Vector3d point = of.link_from_shape.inverse() * one.center;
         const double inside = of.shape.has_exact_distance()
                                   ? -of.shape.signed_distance(point)
-                                  : HullPlanes(of.shape.vertices()).inner_radius(point);
+                                  : HullPlanes(of.shape.surface()).inner_radius(point);
         const double inner = robot.inner[sphere++];
         EXPECT_LE(inner, std::max(inside, 0.0));
         EXPECT_NEAR(inner, inside, 1e-6 * std::abs(inside));

@@ -214,7 +214,7 @@ TEST(Shape, CoresHoldWhatLiesDeepAndNothingElse) {
         } else {
           EXPECT_GE(gap, std::min(depth, 0.2 * least) - 1e-9);
           // Of a hull: deep is how far a point lies behind the nearest face.
-          const HullPlanes faces(shape.vertices()), in_faces(core.vertices());
+          const HullPlanes faces(shape.surface()), in_faces(core.surface());
           const double share = random.unit();
           const Eigen::Vector3d point = share * shape.support(d);
           const double deep = faces.inner_radius(point), in_core = in_faces.inner_radius(point);
