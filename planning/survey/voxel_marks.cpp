@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-#include "planning/geometry/convex_hull.hpp"
+#include "planning/geometry/farthest_vertex.hpp"
 #include "planning/geometry/shape_kind.hpp"
 
 namespace clearway {
@@ -53,28 +53,30 @@ Cell cell_of(int index) {
 
 MarkedShape::MarkedShape(const Shape& shape) : shape_(shape) {
   if (shape.has_exact_distance()) return;
-  const std::vector<Eigen::Vector3d>& corners = shape.vertices();
-  for (const auto& [a, b, c] : hull_triangles(corners)) {
+  const auto& [corners, triangles] = shape.surface();
+  for (const auto& [a, b, c] : triangles) {
     const Eigen::Vector3d& at = corners[static_cast<std::size_t>(a)];
     const Eigen::Vector3d normal =
         (corners[static_cast<std::size_t>(b)] - at).cross(corners[static_cast<std::size_t>(c)] - at);
     if (normal.norm() == 0.0) continue;
     const Eigen::Vector3d unit = normal.normalized();
-    double farthest = unit.dot(at);  // rounding left no corner outside
-    for (const Eigen::Vector3d& corner : corners) farthest = std::max(farthest, unit.dot(corner));
+    const double farthest =
+        unit.dot(corners[farthest_vertex(corners, unit)]);  // rounding left no corner outside
     planes_.emplace_back(unit.x(), unit.y(), unit.z(), farthest);
   }
 }
 
-lanes::Numbers MarkedShape::distances(const FourPoints& points) const {
+lanes::Numbers MarkedShape::distances(const FourPoints& points, double enough) const {
   if (shape_.has_exact_distance()) return shape_.kind_functions().signed_distances(shape_, points);
   // A flat hull has no faces, and no inside.
   if (planes_.empty())
     return lanes::larger(shape_.kind_functions().signed_distances(shape_, points), lanes::all(0.0));
   lanes::Numbers most = lanes::all(-1e300);
-  for (const Eigen::Vector4d& plane : planes_)
+  for (const Eigen::Vector4d& plane : planes_) {
     most = lanes::larger(
         most, plane.x() * points.x + plane.y() * points.y + plane.z() * points.z - lanes::all(plane.w()));
+    if (!lanes::any(most <= lanes::all(enough))) break;
+  }
   return most;
 }
 
@@ -140,7 +142,7 @@ bool VoxelMarks::mark(const MarkedShape& shape, const Eigen::Isometry3d& map_fro
         const Cell at(x, y, z);
         const Eigen::Vector3d middle =
             body.rotation * ((at.cast<double>().array() + 0.5) * brick).matrix() + body.translation;
-        const double distance = shape.distances(FourPoints::all(middle))[0];
+        const double distance = shape.distances(FourPoints::all(middle), reach)[0];
         if (distance > reach) continue;
         const auto known = bricks_.find(at);
         Brick marks = known != bricks_.end() ? known->second : Brick{};
@@ -174,8 +176,8 @@ void VoxelMarks::mark_eighths(const Body& body, const Cell& at, const Eigen::Vec
   const FourPoints around = FourPoints::all(middle);
   const FourPoints lower = around + size / 2 * body.lower, upper = around + size / 2 * body.upper;
   double distances[8];
-  lanes::store(distances, body.shape.distances(lower));
-  lanes::store(distances + 4, body.shape.distances(upper));
+  lanes::store(distances, body.shape.distances(lower, reach));
+  lanes::store(distances + 4, body.shape.distances(upper, reach));
   for (int i = 0; i < 8; ++i) {
     const int bit = first + i * count;
     if (distances[i] > reach || is_full(brick, bit, count)) continue;

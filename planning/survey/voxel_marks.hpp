@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -24,8 +25,9 @@ class MarkedShape {
   explicit MarkedShape(const Shape& shape);
   const Shape& shape() const { return shape_; }
 
-  /// Distances of points (shape's frame) from the surface, negative inside; outside of a hull lower bounds.
-  lanes::Numbers distances(const FourPoints& points) const;
+  /// Distances of points (shape's frame) from the surface, negative inside; outside of a hull lower bounds,
+  /// and any above `enough` where all four are.
+  lanes::Numbers distances(const FourPoints& points, double enough = HUGE_VAL) const;
 
   /// True unless the placed shape is proved apart from the cube: touching counts.
   bool touches(const Eigen::Isometry3d& pose, const Eigen::Vector3d& center, double edge) const;
