@@ -26,8 +26,10 @@ void require_number(std::string_view word, std::size_t line) {
 
 /// Calls `visit` with each line, its number from 1 behind it, until that says no.
 void visit_lines(std::string_view text, const std::function<bool(std::string_view, std::size_t)>& visit) {
+  const auto ends_line = [](char c) { return c == '\n' || c == '\r'; };
   for (std::size_t number = 1; !text.empty(); ++number) {
-    const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
+    const auto end =
+        static_cast<std::size_t>(std::find_if(text.begin(), text.end(), ends_line) - text.begin());
     if (!visit(text.substr(0, end), number)) return;
     text.remove_prefix(end);
     text.remove_prefix(text.starts_with("\r\n") ? 2 : std::min(text.size(), std::size_t{1}));

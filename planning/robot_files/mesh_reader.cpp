@@ -9,8 +9,8 @@
 #include <algorithm>
 #include <assimp/Importer.hpp>
 #include <fstream>
-#include <iterator>
 #include <new>
+#include <sstream>
 #include <stdexcept>
 
 #include "planning/geometry/convex_hull.hpp"
@@ -81,14 +81,20 @@ bool are_sensible(const std::vector<Eigen::Vector3d>& points) {
 
 namespace {
 
+std::string content_of(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw std::runtime_error("it cannot be opened for reading");
+  std::ostringstream content;
+  content << stream.rdbuf();
+  return std::move(content).str();
+}
+
 /// What `points_of` takes from the file's scene, scaled and gated.
 template <class PointsOf>
 std::vector<Eigen::Vector3d> points_of_mesh(const std::filesystem::path& file, const std::string& kind,
                                             const Eigen::Vector3d& scale, unsigned steps,
                                             const PointsOf& points_of) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw std::runtime_error("it cannot be opened for reading");
-  std::string content{std::istreambuf_iterator<char>(stream), {}};
+  std::string content = content_of(file);
   check_mesh_is_whole(content, kind);
   if (kind == "ply") check_numbers_of_ply(content);
   if (kind == "ply") content = plain_ply(content);
