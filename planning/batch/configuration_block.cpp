@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <functional>
-#include <numeric>
 
 namespace clearway {
 namespace {
@@ -53,11 +52,12 @@ ConfigurationBlock::Places ConfigurationBlock::failing() const {
 }
 
 std::size_t ConfigurationBlock::undecided() const {
-  const Places failed_somewhere = failing();
-  return std::transform_reduce(failed_somewhere.begin(), failed_somewhere.end(), blocked.begin(),
-                               std::size_t{0}, std::plus<>(), [](auto fails, auto is_blocked) {
-                                 return static_cast<std::size_t>(std::popcount(fails & ~is_blocked));
-                               });
+  Places open = failing();
+  std::transform(open.begin(), open.end(), blocked.begin(), open.begin(),
+                 [](std::uint64_t fails, std::uint64_t is_blocked) { return fails & ~is_blocked; });
+  std::size_t count = 0;
+  for (const std::uint64_t places : open) count += static_cast<std::size_t>(std::popcount(places));
+  return count;
 }
 
 }  // namespace clearway
