@@ -183,10 +183,4 @@ std::size_t BlockedCells::block_index(const Eigen::Vector3i& block) const {
          static_cast<std::size_t>(blocks_.x()) * (at.y() + static_cast<std::size_t>(blocks_.y()) * at.z());
 }
 
-Eigen::Vector3i BlockedCells::block_at(std::size_t index) const {
-  const auto across = static_cast<std::size_t>(blocks_.x()), along = static_cast<std::size_t>(blocks_.y());
-  return {static_cast<int>(index % across), static_cast<int>(index / across % along),
-          static_cast<int>(index / across / along)};
-}
-
 }  // namespace clearway::check

@@ -148,7 +148,7 @@ class BlockedCells {
 
   /// Visits the blocks of cells that touch the box and hold blocked cells which are not wholly surrounded by
   /// blocked ones: a connected body with one point in a free cell cannot reach those without touching others.
-  /// @param visit called with the block's centre, its half diagonal and its index, for visit_shell()
+  /// @param visit called with the block's centre, its half diagonal and its place, for visit_shell()
   template <class Visit>
   void visit_blocks(const Eigen::AlignedBox3d& box, const Visit& visit) const {
     Eigen::Vector3i low, high;
@@ -161,7 +161,7 @@ class BlockedCells {
           if (!holds_shell_[i]) continue;
           const Eigen::Vector3d middle =
               (first_.cast<double>().array() + block_edge * (Eigen::Array3d(x, y, z) + 0.5)) * edge_;
-          visit(middle, half_diagonal, i);
+          visit(middle, half_diagonal, Eigen::Vector3i(x, y, z));
         }
       }
     }
@@ -169,8 +169,8 @@ class BlockedCells {
 
   /// Visits the centres of these cells of a block, from low z, y and x on.
   template <class Visit>
-  void visit_shell(std::size_t block, const Visit& visit) const {
-    const Eigen::Vector3i corner = block_edge * block_at(block);
+  void visit_shell(const Eigen::Vector3i& block, const Visit& visit) const {
+    const Eigen::Vector3i corner = block_edge * block;
     for (int z = corner.z(); z < std::min(corner.z() + block_edge, size_.z()); ++z) {
       for (int y = corner.y(); y < std::min(corner.y() + block_edge, size_.y()); ++y) {
         const std::uint64_t word = shell_[row(y, z) + static_cast<std::size_t>(corner.x() / 64)];
@@ -193,7 +193,6 @@ class BlockedCells {
   std::uint64_t rows_together(const Bits& bits, int word, int y, int z) const;
   bool blocks_touching(const Eigen::AlignedBox3d& box, Eigen::Vector3i& low, Eigen::Vector3i& high) const;
   std::size_t block_index(const Eigen::Vector3i& block) const;
-  Eigen::Vector3i block_at(std::size_t index) const;
   std::size_t row(int y, int z) const;  ///< first word of a row along x, from the block's corner
   bool is_inside(const Eigen::Vector3i& cell) const;
 

@@ -18,7 +18,7 @@ namespace {
 struct Candidate {
   double bound;
   bool is_block;
-  std::size_t block;
+  Eigen::Vector3i block;
   Eigen::Vector3d voxel;
 };
 
@@ -34,7 +34,7 @@ Nearest nearest_of_shell(const FclBodies& bodies, std::size_t body, const Eigen:
   const double half_diagonal = 0.8660254037844387 * cells.edge() * (1.0 + 1e-9);
   std::vector<Candidate> near;
   cells.visit_blocks(bounds(bodies, body, pose, best.distance),
-                     [&](const Eigen::Vector3d& middle, double reach, std::size_t block) {
+                     [&](const Eigen::Vector3d& middle, double reach, const Eigen::Vector3i& block) {
                        const double bound = away(middle) - reach;
                        if (bound < best.distance)
                          near.push_back({bound, true, block, Eigen::Vector3d::Zero()});
@@ -49,7 +49,7 @@ Nearest nearest_of_shell(const FclBodies& bodies, std::size_t body, const Eigen:
       cells.visit_shell(next.block, [&](const Eigen::Vector3d& voxel) {
         const double bound = away(voxel) - half_diagonal;
         if (bound >= best.distance) return;
-        near.push_back({bound, false, 0, voxel});
+        near.push_back({bound, false, Eigen::Vector3i::Zero(), voxel});
         std::push_heap(near.begin(), near.end(), is_farther);
       });
       continue;

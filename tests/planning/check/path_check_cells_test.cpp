@@ -34,7 +34,7 @@ Snapshot clumps(Random& random) {
 template <class IsNear, class Visit>
 void visit_shell(const BlockedCells& cells, const Eigen::AlignedBox3d& box, const IsNear& is_near,
                  const Visit& visit) {
-  cells.visit_blocks(box, [&](const Eigen::Vector3d& middle, double reach, std::size_t block) {
+  cells.visit_blocks(box, [&](const Eigen::Vector3d& middle, double reach, const Eigen::Vector3i& block) {
     if (!is_near(middle, reach)) return;
     int voxels = 0;
     cells.visit_shell(block, [&](const Eigen::Vector3d& center) { ++voxels, visit(center); });
