@@ -33,11 +33,8 @@ class PairTable {
   /// Of the cell that holds the values of the joints; none for values outside the limits.
   Proof proof(const std::array<double, 2>& values) const;
 
-  /// True when all pairs are proved to be apart in the cell that holds the values.
-  bool is_apart(const std::array<double, 2>& values) const { return proof(values) == Proof::apart; }
-
-  /// The same everywhere between these values, which are the lower and upper ones of each joint; false where
-  /// that is too many cells to look at.
+  /// True when all pairs are proved to be apart everywhere between these values, which are the lower and
+  /// upper ones of each joint; false where that is too many cells to look at.
   bool is_apart(const std::array<double, 2>& lower, const std::array<double, 2>& upper) const;
 
   /// The joints; the second is -1 when there is only one.

@@ -187,7 +187,7 @@ void expect_same_table(const PairTable* a, const PairTable* b, const Robot& robo
     for (std::size_t k = 0; k < 2; ++k) {
       if (a->joints()[k] >= 0) values[k] = q[a->joints()[k]];
     }
-    EXPECT_EQ(a->is_apart(values), b->is_apart(values));
+    EXPECT_EQ(a->proof(values), b->proof(values));
   }
 }
 
