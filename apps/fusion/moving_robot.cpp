@@ -169,10 +169,15 @@ std::optional<std::size_t> MovingRobot::take_out(Scan& scan) const {
         (*links)[static_cast<std::size_t>(body.link)] * body.link_from_shape;
     bodies.push_back({body, map_from_shape.inverse(), growth[i]});
   }
-  return std::erase_if(scan.points, [&](const Eigen::Vector3f& point) {
+  const auto is_another = [&](const Eigen::Vector3f& point) {
     const Eigen::Vector3d placed = scan.map_from_sensor * point.cast<double>();
-    return std::any_of(bodies.begin(), bodies.end(), [&](const Grown& body) { return body.holds(placed); });
-  });
+    return std::none_of(bodies.begin(), bodies.end(), [&](const Grown& body) { return body.holds(placed); });
+  };
+  const auto own = std::stable_partition(scan.points.begin(), scan.points.end(), is_another);
+  const auto count = static_cast<std::size_t>(scan.points.end() - own);
+  scan.taken_out.insert(scan.taken_out.end(), own, scan.points.end());
+  scan.points.erase(own, scan.points.end());
+  return count;
 }
 
 }  // namespace clearway

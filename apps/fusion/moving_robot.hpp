@@ -31,8 +31,8 @@ class MovingRobot {
   /// stream has it in other units than radians and metres (is_possible): two readings in a row, or one in ten
   MovingRobot(const RobotSetup& setup, JointStream joints);
 
-  /// Takes the robot's points out of a scan in its place. @return how many; empty where the joints are not
-  /// known at the scan's time (the scan stays as it is).
+  /// Moves the robot's points of a scan in its place to `taken_out`. @return how many; empty where the joints
+  /// are not known at the scan's time (the scan stays as it is).
   std::optional<std::size_t> take_out(Scan& scan) const;
 
   /// By how much each body is grown at that time, metres. @pre the joints are known then

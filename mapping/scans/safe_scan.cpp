@@ -150,6 +150,25 @@ void spare(const ScanGrid& grid, const SurfaceMargins& margins, ScanTile& tile, 
   grower.take_out(tile.clear);
 }
 
+void spare_around(const ScanGrid& ends, const SurfaceMargins& margins, ScanTile& tile, Grower& grower) {
+  if (!grower.gather(ends, tile)) return;
+  for (const GrowthStep step : margins.spared) grower.grow(step);
+  grower.take_out(tile.free);
+  for (const GrowthStep step : margins.unclear) grower.grow(step);
+  grower.take_out(tile.clear);
+}
+
+/// Visits each tile of a grid with the work memory of a thread.
+template <typename Visit>
+void visit_tiles(ScanGrid& grid, int threads, const Visit& visit) {
+  const std::vector<ScanTile*> tiles = grid.tiles();
+  std::atomic<std::size_t> next{0};
+  parallel(static_cast<std::size_t>(threads), [&](std::size_t) {
+    Grower grower;
+    for (std::size_t i = next++; i < tiles.size(); i = next++) visit(*tiles[i], grower);
+  });
+}
+
 }  // namespace
 
 std::vector<GrowthStep> growth_of(double band, double resolution) {
@@ -169,12 +188,13 @@ std::vector<GrowthStep> clear_growth_of(double band, double resolution) {
 }
 
 void spare_surfaces(ScanGrid& grid, const SurfaceMargins& margins, int threads) {
-  const std::vector<ScanTile*> tiles = grid.tiles();
-  std::atomic<std::size_t> next{0};
-  parallel(static_cast<std::size_t>(threads), [&](std::size_t) {
-    Grower grower;
-    for (std::size_t i = next++; i < tiles.size(); i = next++) spare(grid, margins, *tiles[i], grower);
-  });
+  visit_tiles(grid, threads, [&](ScanTile& tile, Grower& grower) { spare(grid, margins, tile, grower); });
+}
+
+void spare_around(const ScanGrid& ends, const SurfaceMargins& margins, ScanGrid& grid, int threads) {
+  if (ends.tile_count() == 0) return;
+  visit_tiles(grid, threads,
+              [&](ScanTile& tile, Grower& grower) { spare_around(ends, margins, tile, grower); });
 }
 
 }  // namespace clearway

@@ -37,4 +37,8 @@ struct SurfaceMargins {
 /// @param threads >= 1; the result does not depend on it.
 void spare_surfaces(ScanGrid& grid, const SurfaceMargins& margins, int threads);
 
+/// The same around the occupied cells of `ends`, which are no hits of the scan: takes what lies near them out
+/// of `grid`'s free and clear cells, and leaves the spared ones as they are. After spare_surfaces.
+void spare_around(const ScanGrid& ends, const SurfaceMargins& margins, ScanGrid& grid, int threads);
+
 }  // namespace clearway

@@ -19,6 +19,9 @@ struct Scan {
   /// Where rays end that met nothing up to there: they free space as hits do, less the same margin (see
   /// SafeMargins::trim), and set no hit. Sensor frame, metres; most scans say nothing of such rays.
   std::vector<Eigen::Vector3f> clear_to{};
+  /// Where rays end on what may be the robot, a hand or a thing beside them: no hits, and their rays free
+  /// nothing. In safe integration nothing is freed around them, either. Sensor frame, metres.
+  std::vector<Eigen::Vector3f> taken_out{};
   /// Where the sensor was is not known: the points set their hits and no ray is cast.
   bool has_hits_only = false;
 };
@@ -41,7 +44,7 @@ struct ScanFilter {
   double outlier_deviations = 2.0;  ///< and drops points whose mean distance to them exceeds the scan's mean
                                     ///< by more than this many standard deviations
   Eigen::AlignedBox3d crop{};       ///< map frame; points outside are dropped; empty = keep all
-  std::vector<Capsule> bodies{};    ///< the robot, the probe and the hand: points inside are dropped
+  std::vector<Capsule> bodies{};    ///< the robot, the probe and the hand: points inside are taken out
 };
 
 /// What became of the points of one scan. `inserted + beyond_range + dropped_*` = points given.

@@ -51,13 +51,14 @@ Eigen::AlignedBox3d box_of(const std::vector<Capsule>& bodies) {
   return box;
 }
 
-bool is_dropped(const Eigen::Vector3d& point, double range, const ScanFilter& filter,
-                const Eigen::AlignedBox3d& bodies) {
-  if (range < filter.min_range) return true;
-  if (!filter.crop.isEmpty() && !filter.crop.contains(point)) return true;
-  if (!bodies.contains(point)) return false;
-  return std::any_of(filter.bodies.begin(), filter.bodies.end(),
-                     [&](const Capsule& body) { return contains(body, point); });
+bool is_outside(const Eigen::Vector3d& point, double range, const ScanFilter& filter) {
+  return range < filter.min_range || (!filter.crop.isEmpty() && !filter.crop.contains(point));
+}
+
+/// @param box around the bodies
+bool is_in_body(const Eigen::Vector3d& point, const ScanFilter& filter, const Eigen::AlignedBox3d& box) {
+  return box.contains(point) && std::any_of(filter.bodies.begin(), filter.bodies.end(),
+                                            [&](const Capsule& body) { return contains(body, point); });
 }
 
 /// The cube of a grid of such cubes about a point: three whole numbers.
@@ -142,8 +143,11 @@ FilteredPoints filter_points(const Scan& scan, const ScanFilter& filter) {
     const Eigen::Vector3f stored = point.cast<float>();  // OctoMap's own precision
     if (!stored.allFinite()) {
       ++result.dropped_invalid;
-    } else if (is_dropped(point, (point - result.origin).norm(), filter, bodies)) {
+    } else if (is_outside(point, (point - result.origin).norm(), filter)) {
       ++result.dropped_filter;
+    } else if (is_in_body(point, filter, bodies)) {
+      ++result.dropped_filter;
+      result.in_bodies.push_back(stored);
     } else {
       result.points.push_back(stored);
     }

@@ -12,7 +12,8 @@ struct FilteredPoints {
   std::vector<Eigen::Vector3f> points;               ///< finite; nearer or farther than max_range
   /// Where points were thinned: all of them, which were hits, too.
   std::vector<Eigen::Vector3f> thinned = {};
-  std::size_t dropped_invalid = 0;  ///< NaN or infinite
+  std::vector<Eigen::Vector3f> in_bodies = {};  ///< dropped, for a body holds them
+  std::size_t dropped_invalid = 0;              ///< NaN or infinite
   std::size_t dropped_filter = 0;
 };
 

@@ -204,6 +204,15 @@ void add_thinned_hits(const FusedTree& tree, const FilteredPoints& kept, double 
   }
 }
 
+/// Marks the voxels of what is no hit, as it may be the robot or a hand.
+void mark_taken_out(const FusedTree& tree, const Scan& scan, const FilteredPoints& kept, ScanGrid& grid) {
+  const auto mark = [&](const Eigen::Vector3d& point) {
+    if (const auto cell = tree.cell(point)) grid.set_occupied(*cell);
+  };
+  for (const Eigen::Vector3f& point : scan.taken_out) mark(scan.map_from_sensor * point.cast<double>());
+  for (const Eigen::Vector3f& point : kept.in_bodies) mark(point.cast<double>());
+}
+
 /// True when the filter keeps every point, so that scans need not go through filter_points.
 bool keeps_all(const ScanFilter& filter) {
   return filter.min_range == 0.0 && filter.thin_to == 0.0 && filter.crop.isEmpty() && filter.bodies.empty() &&
@@ -229,6 +238,7 @@ void find_gaps(const FusedTree& tree, const Scan& scan, const FilteredPoints* ke
 ScanRays& choose_rays(const FusedTree& tree, const Scan& scan, const ScanFilter& filter,
                       const ScanInsertion& insertion, ScanWorkspace& workspace, ScanCounts& counts) {
   workspace.grid.clear();
+  workspace.taken_out.clear();
   workspace.chosen.ends.clear();
   workspace.gaps = nullptr;
   counts = {};
@@ -277,8 +287,10 @@ ScanRays& choose_rays(const FusedTree& tree, const Scan& scan, const ScanFilter&
     return workspace.chosen;
   }
   add_clear_rays(tree, scan, filter, insertion, workspace.chosen, counts);
-  if (insertion.integration == Integration::safe)
+  if (insertion.integration == Integration::safe) {
+    mark_taken_out(tree, scan, kept, workspace.taken_out);
     find_gaps(tree, scan, whole ? nullptr : &kept, insertion, workspace);
+  }
   return workspace.chosen;
 }
 
@@ -294,15 +306,16 @@ void spare_and_weigh(FusedTree& tree, const ScanInsertion& insertion, ScanEviden
   const bool is_in_doubt = static_cast<double>(agreement.called_free) >
                            margins.most_called_free * static_cast<double>(agreement.looked_up);
   const bool weighs = evidence != nullptr && margins.most_called_free < 1.0 && is_in_doubt;
-  spare_surfaces(grid,
-                 {growth_of(margins.band, resolution), clear_growth_of(margins.band, resolution), weighs},
-                 insertion.threads);
+  const SurfaceMargins surface{growth_of(margins.band, resolution), clear_growth_of(margins.band, resolution),
+                               weighs};
+  spare_surfaces(grid, surface, insertion.threads);
   if (workspace.gaps != nullptr) {
     // One look in four between hits counts against what is occupied: what left before a sensor that stands
     // still is forgotten in the end, and what stands is hit again before.
     const bool counts = evidence != nullptr && evidence->contested.count_scan() % 4 == 3;
     spare_gaps(*workspace.gaps, counts ? &tree : nullptr, grid);
   }
+  spare_around(workspace.taken_out, surface, grid, insertion.threads);
   if (weighs) evidence->contested.weigh(tree, grid, insertion.threads);
   if (evidence != nullptr)
     evidence->grazed.weigh(tree, workspace.chosen.origin.cast<double>(), grid, insertion.threads);

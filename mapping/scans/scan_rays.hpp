@@ -42,6 +42,7 @@ struct ChosenEnds {
 struct ScanWorkspace {
   RayWorkspace rays;
   ScanGrid grid;
+  ScanGrid taken_out;  ///< occupied: voxels of points that are no hits, around which nothing is freed
   ScanRays chosen;
   SurfaceGaps surface;
   std::vector<Eigen::Vector3f> ways;              ///< of filtered points, sensor frame
@@ -60,8 +61,8 @@ struct ScanEvidence {
 /// max_range frees its ray up to that range and sets no hit. In safe integration the hits are the same (a
 /// discretized one within range counts wherever its voxel's centre lies) and a subset is freed: rays that
 /// hit end early by margins.trim(length), and nothing is freed within the band
-/// around this scan's hits (see SafeMargins) or between neighbouring ones (SurfaceGaps). The tree learns how
-/// far the scan agrees with it (FusedTree::agreement).
+/// around this scan's hits (see SafeMargins) and around what was taken out of it, or between neighbouring
+/// hits (SurfaceGaps). The tree learns how far the scan agrees with it (FusedTree::agreement).
 /// @param evidence of the scans before; null: none is weighed.
 /// @throws std::invalid_argument for a filter that makes no sense (see filter_points); std::runtime_error,
 /// and the tree is as before, when its voxels need more memory than the machine has left.

@@ -96,7 +96,9 @@ TEST_P(MovingRobots, LeaveNoneOfTheirPointsWhateverTheStatedErrors) {
     for (const Eigen::Vector3d& point : points_of(robot, forward_kinematics(robot, q), random))
       scan.points.push_back((scan.map_from_sensor.inverse() * (point + off)).cast<float>());
     all += scan.points.size();
-    taken += *moving.take_out(scan);
+    const std::size_t own = *moving.take_out(scan);
+    EXPECT_EQ(scan.taken_out.size(), own);
+    taken += own;
   }
   ASSERT_GT(all, 1000U);
   EXPECT_GE(taken, all - all / 1000);
