@@ -89,6 +89,7 @@ void MovingRobot::take(const Joint& joint) {
   // One that cannot turn past itself does not wrap.
   if (joint.kind == JointKind::revolute && joint.upper - joint.lower > whole_turn - 0.1)
     joints_.let_wrap(joint.name);
+  if (joint.max_acceleration > 0.0) joints_.let_accelerate(joint.name, joint.max_acceleration);
   const std::map<double, double> readings = joints_.readings(joint.name);
   std::vector<double> impossible;
   for (const auto& [time, position] : readings)
@@ -118,8 +119,16 @@ void MovingRobot::take(const Joint& joint) {
   }
 }
 
+/// How far each joint may have been from its place at that time.
+std::vector<double> MovingRobot::deviations(double time) const {
+  std::vector<double> moved = joints_.deviations(names_, time, setup_.latency);
+  const std::vector<double> bent = joints_.uncertainties(names_, time, setup_.latency);
+  for (std::size_t j = 0; j < moved.size(); ++j) moved[j] += bent[j];
+  return moved;
+}
+
 std::vector<double> MovingRobot::growths(double time) const {
-  const std::vector<double> moved = joints_.deviations(names_, time, setup_.latency);
+  const std::vector<double> moved = deviations(time);
   std::vector<double> result;
   for (const std::vector<double>& levers : levers_) {
     double growth = setup_.self_margin + setup_.place_error;
@@ -148,7 +157,7 @@ std::pair<double, double> MovingRobot::motion(double time, int link, const Eigen
   const LinkPoses links = *poses(time);
   const Eigen::Vector3d point = links[static_cast<std::size_t>(link)] * in_link;
   const auto by_joints = jacobian(robot_, links, link, point);
-  const std::vector<double> moved = joints_.deviations(names_, time, setup_.latency);
+  const std::vector<double> moved = deviations(time);
   double shift = 0.0, turn = 0.0;
   for (std::size_t j = 0; j < moved.size(); ++j) {
     const auto by_joint = by_joints.col(static_cast<Eigen::Index>(j));

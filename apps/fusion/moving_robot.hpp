@@ -22,9 +22,9 @@ std::optional<JointStream> recorded_joints(const Setup& setup, const std::filesy
 /// A robot that moves while scans are taken: its own bodies are taken out of each scan where it was then.
 ///
 /// A point is its own when it lies within a body, grown by what is not known of the body's place: the setup's
-/// self_margin and place_error; and for each joint that moves the body its lever times how far the joint was
-/// from its place within `latency` before and after the scan, and times joint_error. Nothing farther is taken
-/// out.
+/// self_margin and place_error; and for each joint that moves the body its lever times how far the joint may
+/// have been from its place within `latency` before and after the scan, between readings too
+/// (JointStream::uncertainties), and times joint_error. Nothing farther is taken out.
 class MovingRobot {
  public:
   /// @throws std::invalid_argument naming a joint of the robot that the stream does not have, or where the
@@ -50,8 +50,8 @@ class MovingRobot {
   /// Why `poses` is empty, as a clause.
   std::string why_unknown(double time) const { return joints_.why_unknown(names_, time); }
 
-  /// How far a point of a link may have been from its place there, as the setup's latency leaves it open:
-  /// metres, and radians that the link turned; at most, to first order.
+  /// How far a point of a link may have been from its place there, as the setup's latency and the readings
+  /// leave it open: metres, and radians that the link turned; at most, to first order.
   /// @pre the joints are known at `time`
   std::pair<double, double> motion(double time, int link, const Eigen::Vector3d& in_link) const;
 
@@ -62,6 +62,7 @@ class MovingRobot {
 
  private:
   void take(const Joint& joint);
+  std::vector<double> deviations(double time) const;
 
   RobotSetup setup_;
   std::vector<std::string> doubts_;

@@ -226,8 +226,8 @@ std::optional<Eigen::Isometry3d> ScanInserter::place(const Waiting& waiting) con
   return *carrier * sensor->mount;
 }
 
-/// The same of a sensor on the robot, where the latency of the joints leaves less than half a voxel at 1 m
-/// open.
+/// The same of a sensor on the robot, where latency and readings of the joints leave less than half a voxel
+/// at 1 m open.
 std::optional<Eigen::Isometry3d> ScanInserter::place_on_robot(const SensorSetup& sensor, double time) const {
   const auto poses = moving_robot_->poses(time);
   if (!poses) return std::nullopt;

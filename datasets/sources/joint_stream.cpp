@@ -101,6 +101,69 @@ std::vector<double> JointStream::deviations(const std::vector<std::string>& name
   return result;
 }
 
+/// From the straight lines to the readings about half the gap away and farther, which noise bends little.
+std::optional<double> JointStream::shown_acceleration(const std::string& name, Reading before,
+                                                      Reading after) const {
+  const Readings& readings = readings_.at(name);
+  const double half = 0.5 * (after->first - before->first);
+  const auto speed = [&](Reading from, Reading to) {
+    return way(name, from->second, to->second) / (to->first - from->first);
+  };
+  std::optional<double> most;
+  const auto take = [&](Reading first, Reading middle, Reading last) {
+    if (middle->first - first->first > max_gap_ || last->first - middle->first > max_gap_) return;
+    const double change = std::abs(speed(middle, last) - speed(first, middle));
+    most = std::max(most.value_or(0.0), 2.0 * change / (last->first - first->first));
+  };
+  const auto earlier = readings.upper_bound(before->first - half);
+  if (earlier != readings.begin()) take(std::prev(earlier), before, after);
+  const auto later = readings.lower_bound(after->first + half);
+  if (later != readings.end()) take(before, after, later);
+  return most;
+}
+
+/// Of the readings within a second, those around that time among them.
+double JointStream::usual_spacing(const std::string& name, double time) const {
+  const Readings& readings = readings_.at(name);
+  const auto first = readings.lower_bound(time - 1.0), last = std::prev(readings.upper_bound(time + 1.0));
+  const auto spacings = static_cast<double>(std::distance(first, last));
+  return spacings > 0.0 ? (last->first - first->first) / spacings : 0.0;
+}
+
+double JointStream::acceleration(const std::string& name, Reading before, Reading after, double usual) const {
+  constexpr double most_spacings = 2.5;  // one reading may be missing
+  constexpr double of_any_joint = 10.0;
+  const auto stated = accelerations_.find(name);
+  const double possible = stated == accelerations_.end() ? of_any_joint : stated->second;
+  const auto shown = shown_acceleration(name, before, after);
+  if (!shown) return possible;
+  const bool is_usual = after->first - before->first <= most_spacings * usual;
+  return is_usual ? 2.0 * *shown : std::max(2.0 * *shown, possible);
+}
+
+std::vector<double> JointStream::uncertainties(const std::vector<std::string>& names, double time,
+                                               double span) const {
+  std::vector<double> result;
+  for (const std::string& name : names) {
+    const Readings& readings = readings_.at(name);
+    const double usual = usual_spacing(name, time);
+    double most = 0.0;
+    auto after = readings.upper_bound(time - span);
+    if (after == readings.begin()) ++after;
+    for (; after != readings.end() && std::prev(after)->first < time + span; ++after) {
+      const auto before = std::prev(after);
+      const double gap = after->first - before->first;
+      if (gap > max_gap_) continue;
+      const double since = std::clamp(0.5 * gap, std::max(0.0, time - span - before->first),
+                                      std::min(gap, time + span - before->first));
+      const double bend = 0.5 * since * (gap - since);
+      if (bend > 0.0) most = std::max(most, bend * acceleration(name, before, after, usual));
+    }
+    result.push_back(most);
+  }
+  return result;
+}
+
 std::vector<double> JointStream::times(const std::vector<std::string>& names) const {
   std::vector<double> times;
   const auto first = names.empty() ? readings_.end() : readings_.find(names.front());

@@ -25,12 +25,21 @@ class JointStream {
   /// readings it goes the shorter way round.
   void let_wrap(const std::string& name) { wrapping_.insert(name); }
 
+  /// What a joint's speed changes by at most, rad/s² or m/s², > 0; of others 10.
+  void let_accelerate(const std::string& name, double acceleration) { accelerations_[name] = acceleration; }
+
   /// The positions of these joints at `time`; empty when one of them is not known then.
   std::optional<std::vector<double>> at(const std::vector<std::string>& names, double time) const;
 
   /// How far each joint was from its place at `time`, at most, within `span` seconds before and after it, as
   /// far as readings go on without a gap. @pre at(names, time) has them
   std::vector<double> deviations(const std::vector<std::string>& names, double time, double span) const;
+
+  /// How far each joint may have been from its straight lines, at most, within `span` seconds before and
+  /// after `time`: a (t - t0) (t1 - t) / 2 between readings at t0 and t1. Where readings come as they usually
+  /// do, a is twice the acceleration that those around show. Where more than one is missing, or there are no
+  /// others around, it is at least what the joint can do. @pre at(names, time) has them
+  std::vector<double> uncertainties(const std::vector<std::string>& names, double time, double span) const;
 
   /// Why `at` is empty, as a clause: the gap that is too wide, or that the readings begin later or end
   /// earlier.
@@ -50,10 +59,15 @@ class JointStream {
   using Readings = std::map<double, double>;  ///< of one joint
   std::optional<double> position_at(const std::string& name, double time) const;
   double way(const std::string& name, double from, double to) const;
+  using Reading = Readings::const_iterator;
+  std::optional<double> shown_acceleration(const std::string& name, Reading before, Reading after) const;
+  double usual_spacing(const std::string& name, double time) const;
+  double acceleration(const std::string& name, Reading before, Reading after, double usual) const;
 
   double max_gap_;
   std::map<std::string, Readings> readings_;
   std::set<std::string> wrapping_;
+  std::map<std::string, double> accelerations_;  ///< by joint
 };
 
 /// A table: a first line "time, NAME, NAME, …", then numbers (seconds; radians or metres), apart by commas;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -137,15 +138,10 @@ TEST(Fusion, ASensorOnTheRobotIsWhereItsJointsSayAndScansOfFastMotionAreCounted)
   Eigen::VectorXd first(6), second(6);
   first << 0.1, -0.6, 0.3, 0.2, 0.5, -0.3;
   second << 0.9, -0.9, 0.5, -0.2, 0.4, 0.3;
-  for (const auto& [time, q] :
-       std::vector<std::pair<double, Eigen::VectorXd>>{{99.9, first},
-                                                       {100.3, first},
-                                                       {100.6, first},
-                                                       {101.0, 0.5 * (first + second)},
-                                                       {101.4, second},
-                                                       {101.8, second}}) {
+  for (int i = 0; i <= 95; ++i) {
+    const double time = 99.9 + 0.02 * i, share = std::clamp((time - 100.6) / 0.8, 0.0, 1.0);
     joints += "\n" + to_text(time);
-    for (const double value : q) joints += "," + to_text(value);
+    for (const double value : (1.0 - share) * first + share * second) joints += "," + to_text(value);
   }
   write_text(folder / "joints.csv", joints + "\n");
   write_text(folder / "s.yaml",
@@ -167,6 +163,24 @@ TEST(Fusion, ASensorOnTheRobotIsWhereItsJointsSayAndScansOfFastMotionAreCounted)
   write_text(folder / "still.yaml", "robot: {name: puma560}\nsensors: [{name: laser, link: tip}]\n");
   EXPECT_NE(complaint([&] { load_setup(folder / "still.yaml"); }).find("expected `robot` with joint_file"),
             std::string::npos);
+}
+
+/// It may have turned and come back meanwhile.
+TEST(Fusion, ScansOfASensorOnTheRobotAreLeftOutWhileReadingsOfItsJointsAreMissing) {
+  const TemporaryFolder folder;
+  RecordingWriter writer(folder / "r.rawlog");
+  for (int i = 0; i <= 18; ++i) writer.write(scan_frame(100.05 + 0.1 * i, "laser", {ahead}));
+  writer.finish();
+  std::string joints = "time";
+  for (const Joint& joint : load_robot("puma560").joints) joints += "," + joint.name;
+  for (int i = 0; i <= 100; ++i)
+    if (i <= 40 || i >= 62) joints += "\n" + to_text(100.0 + 0.02 * i) + ",0.1,-0.6,0.3,0.2,0.5,-0.3";
+  write_text(folder / "joints.csv", joints + "\n");
+  write_text(folder / "s.yaml",
+             "robot: {name: puma560, joint_file: joints.csv}\nsensors: [{name: laser, link: tip}]\n");
+  const Fusion fusion = fused(folder / "r.rawlog", folder / "s.yaml");
+  EXPECT_EQ(fusion.counts.scans_without_pose, 5U);  // 100.85 to 101.25
+  EXPECT_EQ(fusion.counts.scans_inserted, 14U);
 }
 
 TEST(Fusion, AFileOfPosesCarriesASensorAndScansBeyondItsTimeAreCounted) {

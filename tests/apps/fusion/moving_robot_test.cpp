@@ -34,9 +34,11 @@ Configuration place_at(const Robot& robot, double time) {
   return q;
 }
 
-JointStream stream_of(const Robot& robot) {
+/// @param burst s, that readings come for of each half second
+JointStream stream_of(const Robot& robot, double burst = 0.5) {
   JointStream stream;
   for (double time = 0.0; time < 6.0; time += 0.01) {
+    if (std::fmod(time, 0.5) > burst) continue;
     const Configuration q = place_at(robot, time);
     stream.add(time, names_of(robot), {q.begin(), q.end()});
   }
@@ -102,6 +104,29 @@ TEST_P(MovingRobots, LeaveNoneOfTheirPointsWhateverTheStatedErrors) {
   }
   ASSERT_GT(all, 1000U);
   EXPECT_GE(taken, all - all / 1000);
+}
+
+TEST_P(MovingRobots, LeaveNoneOfTheirPointsWhileReadingsAreMissing) {
+  const Robot robot = load_robot(GetParam());
+  RobotSetup setup;
+  setup.name = GetParam();
+  setup.self_margin = setup.latency = setup.joint_error = setup.place_error = 0.0;
+  const MovingRobot moving(setup, stream_of(robot, 0.045));
+  std::mt19937 random(10);
+  std::size_t left = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    Scan scan;
+    scan.time = 0.2 + 0.13 * trial;
+    for (const Eigen::Vector3d& point :
+         points_of(robot, forward_kinematics(robot, place_at(robot, scan.time)), random))
+      scan.points.push_back(point.cast<float>());
+    const std::vector<Eigen::Vector3f> own = scan.points;
+    const std::size_t taken = *moving.take_out(scan);
+    EXPECT_EQ(scan.taken_out.size(), taken);
+    EXPECT_EQ(scan.points.size() + taken, own.size());
+    left += scan.points.size();
+  }
+  EXPECT_LE(left, 20U);  // roundings, of bodies in their places
 }
 
 TEST_P(MovingRobots, TakeOutNothingBeyondTheStatedGrowth) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -63,6 +64,69 @@ TEST(JointStream, DeviationsHoldEveryPlaceOfTheSpan) {
       found = std::max(found, std::abs(stream.at({"a"}, time + span * k / 200.0)->at(0) - here));
     EXPECT_GE(most, found - 1e-12);
     EXPECT_LE(most, found + 0.01) << "and is no larger than it need be";
+  }
+}
+
+/// Stands, turns by this much within a tenth of a second from 1.0 s on, and stands.
+double quick_turn(double time, double angle) {
+  const double share = std::clamp((time - 1.0) / 0.1, 0.0, 1.0);
+  return angle * (3.0 * share * share - 2.0 * share * share * share);
+}
+
+TEST(JointStream, WhileReadingsAreMissingAJointMayBeElsewhere) {
+  JointStream stream(0.5);
+  for (int i = 0; i <= 300; ++i)
+    if (const double time = 0.01 * i; time < 1.005 || time > 1.4895)
+      stream.add(time, {"pan"}, {quick_turn(time, 0.215)});
+  for (int i = 0; i <= 2900; ++i) {
+    const double time = 0.05 + 0.001 * i, at = stream.at({"pan"}, time)->at(0),
+                 open = stream.uncertainties({"pan"}, time, 0.0)[0];
+    EXPECT_LE(std::abs(quick_turn(time, 0.215) - at), open + 1e-9) << time;
+    const bool is_read = time < 0.98 || time > 1.51;
+    EXPECT_TRUE(!is_read || open < 1e-9) << "it stands at " << time;
+  }
+  EXPECT_GT(stream.uncertainties({"pan"}, 0.99, 0.05)[0], 0.05) << "within the span";
+}
+
+/// By arithmetic.
+TEST(JointStream, AcrossMissingReadingsItCanDoWhatIsStated) {
+  JointStream stream(0.5);
+  for (int i = 0; i <= 200; ++i)
+    if (i <= 100 || i >= 140) stream.add(0.01 * i, both, {0.0, 0.01 * i});
+  stream.let_accelerate("b", 2.0);
+  const std::vector<double> open = stream.uncertainties(both, 1.1, 0.0);
+  EXPECT_NEAR(open[0], 10.0 * 0.1 * 0.3 / 2.0, 1e-9);
+  EXPECT_NEAR(open[1], 2.0 * 0.1 * 0.3 / 2.0, 1e-9);
+  EXPECT_NEAR(stream.uncertainties(both, 1.1, 0.06)[1], 2.0 * 0.16 * 0.24 / 2.0, 1e-9);
+  EXPECT_NEAR(stream.uncertainties(both, 1.1, 0.5)[1], 2.0 * 0.2 * 0.2 / 2.0, 1e-9);
+  JointStream lonely(0.5);
+  lonely.add(1.0, {"a"}, {0.0});
+  lonely.add(1.4, {"a"}, {0.0});
+  EXPECT_NEAR(lonely.uncertainties({"a"}, 1.1, 0.0)[0], 10.0 * 0.1 * 0.3 / 2.0, 1e-9);
+}
+
+/// Smooth motion that is read as usual is known far better than what the joint could do; a reading that is
+/// missing, or comes twice, changes that little.
+TEST(JointStream, RegularReadingsOfASmoothMotionTellWhatIsBetweenThem) {
+  for (const double rate : {1000.0, 100.0, 30.0, 10.0, 3.0}) {
+    JointStream stream(0.5);
+    const auto truth = [](double time) { return 0.8 * std::sin(1.5 * time); };
+    std::mt19937 random(3);
+    std::normal_distribution<double> noise(0.0, 1e-5);
+    const int count = static_cast<int>(8.0 * rate);
+    for (int i = 0; i <= count; ++i) {
+      const double time = i / rate;
+      if (rate >= 10.0 && i % 17 == 5) continue;
+      stream.add(time, {"a"}, {truth(time) + noise(random)});
+      if (i % 8 == 0) stream.add(time + 1e-4 / rate, {"a"}, {truth(time) + noise(random)});
+    }
+    const double most = 0.8 * 1.5 * 1.5 / (rate * rate) + 3e-4;
+    for (double time = 0.5; time < 7.0; time += 0.0137) {
+      const double off = std::abs(truth(time) - stream.at({"a"}, time)->at(0)),
+                   open = stream.uncertainties({"a"}, time, 0.0)[0];
+      EXPECT_LE(off, open + 5e-5) << rate << ' ' << time;
+      EXPECT_LE(open, most) << rate << ' ' << time;
+    }
   }
 }
 
