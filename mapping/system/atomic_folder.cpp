@@ -149,7 +149,10 @@ std::string AtomicFolder::unfinished_work() const {
 void AtomicFolder::publish() {
   std::error_code error;
   existed_ = fs::is_directory(target_, error);
-  if (existed_) kept_.update(target_, staging_, is_ours_);
+  if (existed_) {
+    require_no_other_command(folder_, is_ours_);  // it may have been written meanwhile
+    kept_.update(target_, staging_, is_ours_);
+  }
   kept_.write_list(staging_);
   sync_all_folders(staging_, folder_);
   take_over_permissions();

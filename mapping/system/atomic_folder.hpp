@@ -50,7 +50,8 @@ class AtomicFolder {
   std::string unfinished_work() const;
 
   /// Syncs everything to the disk and puts it in the place of the older folder, which is then removed.
-  /// @throws std::runtime_error naming the folder; the older one is then in its place.
+  /// @throws std::runtime_error naming the folder, also where another command has written it since; the older
+  /// one is then in its place.
   void publish();
 
  private:

@@ -128,6 +128,29 @@ TEST(AtomicFolder, WhatAnotherCommandWroteDoesNotGo) {
   EXPECT_EQ(content(out), (Content{{"a.txt", "new"}}));
 }
 
+TEST(AtomicFolder, WhatAnotherCommandFinishedMeanwhileDoesNotGoAndNeitherDoesTheLongWork) {
+  const TemporaryFolder folder;
+  const fs::path out = folder / "out";
+  {
+    AtomicFolder slow(
+        out, [](const fs::path& relative) { return relative.extension() == ".log"; }, Unpublished::kept);
+    save_file(slow.path() / "runs.log", "hours");
+    slow.note_progress("3 problems are");
+    publish(out, {{"map.txt", "of a quick command"}});
+    try {
+      slow.publish();
+      ADD_FAILURE();
+    } catch (const std::runtime_error& error) {
+      EXPECT_NE(std::string(error.what()).find("it holds 'map.txt', which another command wrote"),
+                std::string::npos)
+          << error.what();
+    }
+    EXPECT_EQ(slow.unfinished_work(), "3 problems are in '" + out.string() + ".partial'");
+  }
+  EXPECT_EQ(content(out), (Content{{"map.txt", "of a quick command"}}));
+  EXPECT_EQ(content(AtomicFolder::partial_of(out)), (Content{{"runs.log", "hours"}}));
+}
+
 TEST(AtomicFolder, FilesOfOthersThatComeOrChangeMeanwhileAreKeptAsTheyAreThen) {
   const TemporaryFolder folder;
   const fs::path out = folder / "out";
