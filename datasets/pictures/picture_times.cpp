@@ -28,8 +28,6 @@ namespace fs = std::filesystem;
 constexpr std::size_t largest_table = 64U << 20U;
 constexpr std::size_t exif_reach = 256U << 10U;  ///< bytes of a file within which its EXIF must lie
 
-constexpr double clock_begins = 1e9;  ///< s since 1970, which no number of a picture reaches
-
 constexpr char no_times[] = "the pictures have no times";
 constexpr char shared_times[] =
     "EXIF states one time for several of the pictures, as of a burst without SubSecTimeOriginal";
@@ -303,20 +301,14 @@ std::vector<TimedFile> together(const std::vector<fs::path>& files, const std::v
   return timed;
 }
 
-/// Whether whole numbers, rising, would be years apart as seconds: they count from a start in a finer unit.
-bool count_from_zero(const std::vector<double>& times) {
-  constexpr double some_years = 1e8;  // s
-  return times.size() > 2 && times.front() < clock_begins && times.back() < 1e12 &&
-         times.back() - times.front() > some_years &&
-         std::all_of(times.begin(), times.end(), [](double time) { return time == std::floor(time); });
-}
-
-/// Of such: nanoseconds where they are a millisecond or more apart as such, else microseconds (which a second
-/// and more apart are taken for nanoseconds).
-std::vector<double> finer_than_seconds(std::vector<double> times) {
-  const double apart = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
-  for (double& time : times) time *= apart >= 1e6 ? 1e-9 : 1e-6;
-  return times;
+/// @param files in the order of their times
+void require_one_unit(const std::vector<fs::path>& files, const std::vector<double>& times) {
+  const auto other = of_another_unit(times);
+  if (!other) return;
+  const auto name = [](const fs::path& file) { return quote(file.filename().string()); };
+  throw std::invalid_argument("the names " + name(files[*other]) + " and " + name(files.back()) +
+                              " hold times of a clock in two units, expected one: seconds, or milliseconds, "
+                              "microseconds or nanoseconds since 1970");
 }
 
 std::vector<TimedFile> evenly_timed(const std::vector<fs::path>& files, double rate) {
@@ -415,6 +407,7 @@ std::vector<TimedFile> times_of_names(const std::vector<fs::path>& given) {
   auto times = name_times(files);
   if (!times || !are_distinct(*times)) return evenly_timed(files, 1.0);
   if (count_from_zero(*times)) return together(files, finer_than_seconds(*times));
+  require_one_unit(files, *times);
   make_seconds(*times);
   return together(files, *times);
 }

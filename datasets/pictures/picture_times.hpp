@@ -38,6 +38,7 @@ std::vector<std::filesystem::path> in_order_of_names(std::vector<std::filesystem
 /// Files in the order of their names, numbers within names by their value (a9 before a10), each with its
 /// time: that in its name, where all have one and none is there twice (numbers that would be years apart as
 /// seconds count nanoseconds or microseconds), else its place in that order, one a second.
+/// @throws std::invalid_argument naming two files whose times are those of a clock in two units
 std::vector<TimedFile> times_of_names(const std::vector<std::filesystem::path>& files);
 
 /// The sentence about times of names that are no clock's, of scans: "clouds"; empty where they are, or there

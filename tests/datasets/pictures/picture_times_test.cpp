@@ -105,6 +105,31 @@ TEST_F(PictureTimes, NumbersThatWouldBeYearsApartAreNanosecondsFromAStart) {
   EXPECT_NEAR(times()[1].second, 0.1, 1e-12);
 }
 
+TEST_F(PictureTimes, NanosecondsFromAStartMayHaveTenDigits) {
+  for (const long start : {1500000000L, 5000000000L}) {
+    files_.clear();
+    for (int i = 0; i < 6; ++i) add(std::to_string(start + 100000000L * i) + ".png");
+    const Names found = times();
+    EXPECT_NEAR(found[5].second - found[0].second, 0.5, 1e-9) << start;
+    EXPECT_NE(caveat_.find("years apart"), std::string::npos) << start;
+  }
+  files_.clear();
+  for (long i = 0; i < 48; ++i) add(std::to_string(1600000000L + 2600000L * i) + ".png");  // one a month
+  EXPECT_EQ(times()[1].second, 1602600000.0);
+  EXPECT_EQ(caveat_, "");
+}
+
+TEST_F(PictureTimes, OfAClockInTwoUnitsAreRefused) {
+  for (const char* name : {"1760000000123456789.png", "1760000000223456789.png", "1760000001.5.png"})
+    add(name);
+  const std::string sentence = complaint([&] { times(); });
+  EXPECT_NE(sentence.find("'1760000001.5.png' and '1760000000223456789.png'"), std::string::npos) << sentence;
+  EXPECT_NE(sentence.find("two units"), std::string::npos) << sentence;
+  files_.clear();
+  for (const char* name : {"0.png", "1760000000123456789.png", "1760000000223456789.png"}) add(name);
+  EXPECT_NEAR(times()[1].second, 1760000000.123, 1e-3) << "a name without a time beside them";
+}
+
 TEST_F(PictureTimes, ATableAboutSomethingElseOrWrittenByTrackIsNone) {
   for (const char* name : {"1305031102.50.png", "1305031102.75.png"}) add(name);
   const Names expected{{"1305031102.50.png", 1305031102.5}, {"1305031102.75.png", 1305031102.75}};
