@@ -122,6 +122,11 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   fusion.setup.source.camera_seconds = options.camera_seconds;
   const MapOptions map = map_options(options, fusion.setup.map);
   fusion.setup.source.resolution = map.resolution;
+  std::optional<MovingRobot> robot;
+  if (auto joints = recorded_joints(fusion.setup, recording)) {
+    robot.emplace(*fusion.setup.robot, std::move(*joints));
+    fusion.setup.source.bag.robot_base = robot->robot().links.front().name;
+  }
   std::unique_ptr<FrameSource> frames = open_frames(recording, fusion.setup.source);
   if (!frames->is_live()) frames = std::make_unique<OrderedFrames>(std::move(frames), recording.string());
   if (options.is_paced && !frames->is_live()) frames = std::make_unique<PacedFrames>(std::move(frames));
@@ -141,9 +146,6 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   std::optional<Painter> painter;
   if (fusion.setup.probe) painter.emplace(fusion.setup, fusion.map, fusion.counts);
   BoardPoses boards(fusion.setup);
-  std::optional<MovingRobot> robot;
-  if (auto joints = recorded_joints(fusion.setup, recording))
-    robot.emplace(*fusion.setup.robot, std::move(*joints));
   std::optional<BodyPainter> body;
   if (robot && !fusion.setup.robot->paints.empty()) body.emplace(fusion.setup, *robot, fusion.map);
   ScanInserter scans(fusion.setup, fusion.map, fusion.counts, boards, robot ? &*robot : nullptr,

@@ -309,6 +309,11 @@ std::vector<std::string> BagFrames::left_out() const {
     for (const std::string& clause :
          tell_contradictions(transforms_, options_.bag.fixed_frame, sensor_frames_))
       clauses.push_back(clause);
+  if (!options_.bag.fixed_frame.empty() && !options_.bag.robot_base.empty())
+    if (const std::string moves =
+            tell_moving_base(transforms_, options_.bag.fixed_frame, options_.bag.robot_base);
+        !moves.empty())
+      clauses.push_back(moves);
   if (transforms_.left_out() > 0 && !transforms_.frames().empty())  // else why_unknown says so
     clauses.push_back("holds " + std::to_string(transforms_.left_out()) +
                       " transforms that are no turns, not finite, or of a frame in itself");

@@ -172,4 +172,20 @@ std::vector<std::string> tell_contradictions(const TransformTree& tree, const st
   return clauses;
 }
 
+std::string tell_moving_base(const TransformTree& tree, const std::string& root, const std::string& base) {
+  constexpr double still = 0.02;  // m, rad
+  double way = 0.0, turn = 0.0;
+  for (const std::string& frame : tree.way_between(root, base)) {
+    way += tree.way_of(frame);
+    turn += tree.turn_of(frame);
+  }
+  if (way <= still && turn <= still) return "";
+  return "moves the base of the robot, frame " + quote(base) + ", by " + short_text(way, 3) + " m and " +
+         short_text(turn, 3) + " rad in " + quote(root) +
+         ", but `robot` is taken to stand at its `base`: while it was elsewhere, its points are in the map, "
+         "and "
+         "things where it is taken to be are not; `from` and `to` of `source: {bag: …}` take a part in which "
+         "it stands";
+}
+
 }  // namespace clearway

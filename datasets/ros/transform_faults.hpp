@@ -55,4 +55,8 @@ void refuse_contradictions(const TransformTree& tree, const std::string& root,
 std::vector<std::string> tell_contradictions(const TransformTree& tree, const std::string& root,
                                              const std::set<std::string>& sensors);
 
+/// A clause where the base of the robot moves in `root`, as a mobile robot's does, though it is taken to
+/// stand; else empty.
+std::string tell_moving_base(const TransformTree& tree, const std::string& root, const std::string& base);
+
 }  // namespace clearway

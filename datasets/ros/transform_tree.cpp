@@ -221,6 +221,15 @@ double TransformTree::way_of(const std::string& frame) const {
   return box.diagonal().norm();
 }
 
+double TransformTree::turn_of(const std::string& frame) const {
+  const Edge* const found = edge_of(frame);
+  if (found == nullptr || found->is_fixed) return 0.0;
+  double largest = 0.0;
+  for (const auto& [time, pose] : found->poses)
+    largest = std::max(largest, pose.rotation.angularDistance(found->poses.begin()->second.rotation));
+  return largest;
+}
+
 double TransformTree::longest_step_of(const std::string& frame) const {
   const Edge* const edge = edge_of(frame);
   if (edge == nullptr || edge->is_fixed) return 0.0;

@@ -83,6 +83,8 @@ class TransformTree {
   PoseConflicts conflicts_of(const std::string& frame) const;
   /// m, the diagonal of the box of its places in its parent; 0 where it is fixed.
   double way_of(const std::string& frame) const;
+  /// rad, the largest turn away from its first pose; 0 where it is fixed.
+  double turn_of(const std::string& frame) const;
   /// m, the longest way from one of its places to the next; 0 where it is fixed.
   double longest_step_of(const std::string& frame) const;
   /// How often the pose of a fixed frame was replaced by another one.

@@ -17,6 +17,7 @@
 #include "planning/robot/robot.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/datasets/complaint.hpp"
+#include "tests/worlds/bags/scan_bag.hpp"
 #include "tests/worlds/small_scene.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
@@ -181,6 +182,30 @@ TEST(Fusion, ScansOfASensorOnTheRobotAreLeftOutWhileReadingsOfItsJointsAreMissin
   const Fusion fusion = fused(folder / "r.rawlog", folder / "s.yaml");
   EXPECT_EQ(fusion.counts.scans_without_pose, 5U);  // 100.85 to 101.25
   EXPECT_EQ(fusion.counts.scans_inserted, 14U);
+}
+
+TEST(Fusion, ABagInWhichTheBaseOfTheRobotMovesIsTold) {
+  const TemporaryFolder folder;
+  const Robot robot = load_robot("puma560");
+  worlds::ScanBag bag(folder / "a.mcap");
+  bag.transform(9.0, "map", "lidar", Eigen::Isometry3d::Identity(), true);
+  std::string joints = "time";
+  for (const Joint& joint : robot.joints) joints += "," + joint.name;
+  for (int i = 0; i <= 20; ++i) {
+    const double time = 10.0 + 0.1 * i;
+    bag.transform(time, "map", robot.links.front().name,
+                  Eigen::Isometry3d(Eigen::Translation3d(0.02 * i, 5.0, 0.0)));
+    bag.cloud("/points", time, "lidar", {{1, 0, 0}});
+    joints += "\n" + to_text(time) + ",0,0,0,0,0,0";
+  }
+  bag.write();
+  write_text(folder / "joints.csv", joints + "\n");
+  write_text(folder / "s.yaml",
+             "robot: {name: puma560, base: [0, 5, 0, 0, 0, 0], joint_file: joints.csv}\n"
+             "source: {bag: {clouds: [/points], fixed_frame: map}}\n");
+  const Fusion fusion = fused(folder / "a.mcap", folder / "s.yaml");
+  ASSERT_EQ(fusion.warnings.size(), 1U);
+  EXPECT_NE(fusion.warnings[0].find("moves the base of the robot"), std::string::npos) << fusion.warnings[0];
 }
 
 TEST(Fusion, AFileOfPosesCarriesASensorAndScansBeyondItsTimeAreCounted) {

@@ -126,5 +126,24 @@ TEST_F(TransformFaultsTest, WhereNoTransformIsATurnThatIsTheReasonGiven) {
   EXPECT_EQ(reading.warnings.find("no transform has"), std::string::npos) << reading.warnings;
 }
 
+TEST_F(TransformFaultsTest, ARobotWhoseBaseMovesIsTold) {
+  ScanBag bag(folder_ / "a.mcap");
+  add_run(bag, 0);
+  bag.transform(9, "map", "pedestal", base_at(10), true);
+  for (double time = 10; time < 13.001; time += 0.5) bag.transform(time, "map", "stand", base_at(10));
+  bag.sort();
+  const auto warnings = [&](const std::string& base) {
+    BagTopics named;
+    named.robot_base = base;
+    return read(bag, "a.mcap", false, named).warnings;
+  };
+  for (const std::string base : {"base", "sensor"})
+    EXPECT_NE(warnings(base).find("moves the base of the robot, frame '" + base +
+                                  "', by 0.3 m and 0.9 rad in 'map', but `robot` is taken to stand"),
+              std::string::npos)
+        << warnings(base);
+  for (const std::string base : {"pedestal", "stand", "nobody", ""}) EXPECT_EQ(warnings(base), "") << base;
+}
+
 }  // namespace transform_faults_test
 }  // namespace clearway
