@@ -18,6 +18,11 @@ namespace {
 
 constexpr Bounds any_value{-1e6, 1e6};
 
+/// A long trajectory is millions of short numbers: as many as fill the largest file that is read, for which
+/// yaml-cpp takes some 4 GB.
+const YamlBounds dense_numbers{.nodes = 8'000'000,
+                               .advice = "; expected fewer points, as of a longer --period"};
+
 /// What holds a trajectory and, beside it, where the robot is before: of actions and services of ROS and
 /// MoveIt the field with the message.
 YamlFields unwrapped(const YamlFields& root) {
@@ -214,7 +219,7 @@ std::vector<ForeignTrajectory> read_trajectories(const std::filesystem::path& fi
                       text.find("\"joints\"") != std::string::npos &&
                       text.find("\"legs\"") == std::string::npos;
   if (!is_yaml && !is_own && text.find("\"joint_names\"") == std::string::npos) return {};
-  const YamlFields whole(text, "trajectory " + quote_path(file.string()));
+  const YamlFields whole(text, "trajectory " + quote_path(file.string()), dense_numbers);
   if (is_own) return {own_export(whole, text, file)};
   const YamlFields root = unwrapped(whole);
   std::vector<ForeignTrajectory> entries;

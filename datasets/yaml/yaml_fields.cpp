@@ -54,8 +54,9 @@ std::string shown_node(const YAML::Node& node) {
   return node.IsSequence() ? "a list" : node.IsMap() ? "a map" : "nothing";
 }
 
-YamlFields::YamlFields(const std::string& text, const std::string& name, std::size_t most) : name_(name) {
-  require_yaml(text, name, most);
+YamlFields::YamlFields(const std::string& text, const std::string& name, const YamlBounds& bounds)
+    : name_(name) {
+  require_yaml(text, name, bounds);
   try {
     node_ = std::make_shared<YAML::Node>(YAML::Load(text));
   } catch (const YAML::Exception& error) {

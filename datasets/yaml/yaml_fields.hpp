@@ -36,8 +36,8 @@ constexpr Bounds robot_scales{1e-6, 1e3};  ///< least_scale and most_scale of pl
 class YamlFields {
  public:
   /// @throws std::invalid_argument when `text` is not a YAML map. `name` is what errors call it, for example
-  /// "setup 'kitchen.yaml'". @param most see require_yaml
-  YamlFields(const std::string& text, const std::string& name, std::size_t most = most_yaml_nodes);
+  /// "setup 'kitchen.yaml'". @param bounds see require_yaml
+  YamlFields(const std::string& text, const std::string& name, const YamlBounds& bounds = {});
 
   bool has(const std::string& key) const;
   bool names(const std::string& key) const;     ///< has it, if with nothing after it

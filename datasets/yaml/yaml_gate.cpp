@@ -26,13 +26,13 @@ constexpr size_t deepest = 32;
 /// Counts what a document would become, before it becomes anything.
 class Counter : public YAML::EventHandler {
  public:
-  Counter(const std::string& name, size_t most) : name_(name), most_(most) {}
+  Counter(const std::string& name, const YamlBounds& bounds) : name_(name), bounds_(bounds) {}
 
   void OnDocumentStart(const YAML::Mark& mark) override {
     if (!begins_.empty() && begins_.back().pos == mark.pos)  // yaml-cpp would stay here for ever
       refuse(name_, mark, "not valid YAML, expected the end of the file");
     begins_.push_back(mark);
-    nodes_ = 0;
+    nodes_ = repeated_ = 0;
     sizes_.clear();
   }
   void OnDocumentEnd() override {
@@ -51,6 +51,11 @@ class Counter : public YAML::EventHandler {
     const auto found = sizes_.find(anchor);
     if (found == sizes_.end()) refuse(name_, mark, "expected an alias of what is complete before it");
     add(mark, found->second);
+    repeated_ += found->second;
+    if (repeated_ > bounds_.repeated)
+      refuse(name_, mark,
+             "expected aliases to repeat at most " + std::to_string(bounds_.repeated) +
+                 " words, lists and maps in a file of this size");
   }
   void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
                        YAML::EmitterStyle::value) override {
@@ -74,10 +79,10 @@ class Counter : public YAML::EventHandler {
  private:
   void add(const YAML::Mark& mark, size_t nodes) {
     nodes_ += nodes;
-    if (nodes_ > most_)
+    if (nodes_ > bounds_.nodes)
       refuse(name_, mark,
-             "expected at most " + std::to_string(most_) +
-                 " words, lists and maps in a file of this size, repeated ones included");
+             "expected at most " + std::to_string(bounds_.nodes) +
+                 " words, lists and maps in a file of this size, repeated ones included" + bounds_.advice);
   }
   void leaf(const YAML::Mark& mark, YAML::anchor_t anchor) {
     add(mark, 1);
@@ -95,8 +100,8 @@ class Counter : public YAML::EventHandler {
   }
 
   const std::string& name_;
-  const size_t most_;
-  size_t nodes_ = 0, nulls_ = 0;
+  const YamlBounds bounds_;  ///< of this file
+  size_t nodes_ = 0, repeated_ = 0, nulls_ = 0;
   size_t documents_ = 0;            ///< up to the last one that holds something
   std::vector<YAML::Mark> begins_;  ///< of all documents
   std::vector<std::pair<YAML::anchor_t, size_t>> open_;
@@ -123,10 +128,11 @@ std::string expected(const std::string& message) {
 
 }  // namespace
 
-void require_yaml(const std::string& text, const std::string& name, size_t most) {
+void require_yaml(const std::string& text, const std::string& name, const YamlBounds& bounds) {
   std::istringstream stream(text);
-  // yaml-cpp takes some 600 bytes for each: with this, 150 MB and twenty times the file at most.
-  Counter counter(name, most + text.size() / 32);
+  // yaml-cpp takes some 500 bytes for each: by default 150 MB and twenty times the file at most.
+  const size_t by_size = text.size() / 32;
+  Counter counter(name, {bounds.nodes + by_size, bounds.repeated + by_size, bounds.advice});
   try {
     YAML::Parser parser(stream);
     while (parser.HandleNextDocument(counter)) {

@@ -7,9 +7,9 @@
 namespace clearway {
 namespace yaml_gate_test {
 
-std::string refusal(const std::string& text) {
+std::string refusal(const std::string& text, const YamlBounds& bounds = {}) {
   try {
-    require_yaml(text, "suite 's'");
+    require_yaml(text, "suite 's'", bounds);
   } catch (const std::invalid_argument& error) {
     return error.what();
   }
@@ -34,6 +34,19 @@ TEST(YamlGate, what_an_alias_repeats_counts_as_often_as_it_is_repeated) {
   EXPECT_NE(refusal("[" + repeated("0,", 280'000) + "0]").find("at most 267500 words"), std::string::npos);
   EXPECT_EQ(refusal("[" + repeated("-0.12345678901234567,", 400'000) + "0]"),
             "accepted");  // a long trajectory
+}
+
+/// Short numbers that a file holds may be many where its reader expects them, but no more repeated ones.
+TEST(YamlGate, what_a_file_holds_and_what_aliases_repeat_have_bounds_of_their_own) {
+  const YamlBounds dense{.nodes = 500'000, .advice = "; fewer points"};
+  EXPECT_EQ(refusal("[" + repeated("0,", 280'000) + "0]", dense), "accepted");
+  EXPECT_NE(refusal("[" + repeated("0,", 550'000) + "0]", dense)
+                .find("at most 534375 words, lists and maps in a file of this size, repeated ones included; "
+                      "fewer points."),
+            std::string::npos);
+  const std::string bomb = "a: &a [" + repeated("0,", 999) + "0]\nb: [" + repeated("*a,", 300) + "*a]\n";
+  EXPECT_NE(refusal(bomb, dense).find("expected aliases to repeat at most 2500"), std::string::npos)
+      << refusal(bomb, dense);
 }
 
 /// `ros2 topic echo` ends each message with "---": one is a document, of two the second would be lost.
