@@ -344,7 +344,7 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
   contract.payload = statement.payload();
   contract.gravity = statement.gravity();
   contract.grip_time = statement.grip_time();
-  if (plan.motion && contract.gravity.source == TermSource::plan &&
+  if (is_timed && contract.gravity.source == TermSource::plan &&
       !contract.gravity.value.isApprox(Plan().gravity, contract_tolerance))
     contract.notes.push_back("the gravity is the plan's, " + to_text(Configuration(contract.gravity.value)) +
                              " m/s^2; by default it is " + to_text(Configuration(Plan().gravity)));

@@ -12,7 +12,18 @@
 namespace clearway {
 namespace {
 
-constexpr Bounds any_length{-1e6, 1e6}, most_payload{0.0, 1e6};
+constexpr Bounds any_length{-1e6, 1e6}, most_payload{0.0, 1e6}, any_gravity{-1e3, 1e3};
+
+/// Numbers with commas between them; NaN for a word that is none.
+std::vector<double> listed_numbers(std::string list) {
+  std::vector<double> values;
+  for (char& c : list)
+    if (c == ',') c = ' ';
+  std::string_view words = list;
+  for (std::string_view word = next_word(words); !word.empty(); word = next_word(words))
+    values.push_back(parsed_number(word).value_or(NAN));
+  return values;
+}
 
 /// Loads that ride all the way: a trajectory has no legs.
 std::vector<LegLoad> riding_loads(const JsonField& field) {
@@ -62,6 +73,8 @@ class Comments {
         stated_.payload = number();
         if (!(stated_.payload >= 0.0 && stated_.payload <= most_payload.high))
           refuse("expected a mass of 0 to 1e6 kg");
+      } else if (begins("# gravity: ")) {
+        read_gravity();
       } else if (begins("# map: ")) {
         name_before(", sha256 ");
         stated_.map_sha256 = name_before("");
@@ -114,23 +127,20 @@ class Comments {
     stated_.loads = riding_loads(JsonField(json, file_.string() + ": comment '# carries'"));
   }
 
+  void read_gravity() {
+    const std::vector<double> values = listed_numbers(rest_);
+    if (values.size() != 3 || !(Eigen::Vector3d(values.data()).norm() <= any_gravity.high))
+      refuse("expected 'X, Y, Z' of at most 1000 m/s^2");
+    stated_.gravity = Eigen::Vector3d(values.data());
+  }
+
   void read_base() {
-    std::string text = rest_;
-    std::vector<double> at, turn;
     const std::string between = " m, quaternion x y z w ";
-    const std::size_t middle = text.find(between);
-    const auto numbers = [](std::string list) {
-      std::vector<double> values;
-      for (char& c : list)
-        if (c == ',') c = ' ';
-      std::string_view words = list;
-      for (std::string_view word = next_word(words); !word.empty(); word = next_word(words))
-        values.push_back(parsed_number(word).value_or(NAN));
-      return values;
-    };
+    const std::size_t middle = rest_.find(between);
     std::optional<Eigen::Isometry3d> pose;
     if (middle != std::string::npos)
-      pose = pose_of(numbers(text.substr(0, middle)), numbers(text.substr(middle + between.size())));
+      pose = pose_of(listed_numbers(rest_.substr(0, middle)),
+                     listed_numbers(rest_.substr(middle + between.size())));
     if (!pose || !pose->matrix().allFinite())
       refuse("expected 'at X, Y, Z m, quaternion x y z w X, Y, Z, W' of length 1");
     stated_.map_from_base = *pose;
@@ -174,6 +184,7 @@ std::optional<StatedTerms> stated_in_json(const YamlFields& root, const std::str
     stated.loads = riding_loads(JsonField(json, "trajectory " + file.string()).at("loads"));
   }
   stated.payload = root.number("payload_kg", most_payload, 0.0);
+  if (root.has("gravity")) stated.gravity = Eigen::Vector3d(root.numbers("gravity", any_gravity, 3).data());
   if (root.is_map("map")) stated.map_sha256 = root.map("map").prose("sha256", "");
   return stated;
 }
@@ -186,6 +197,7 @@ void state_terms(const StatedTerms& stated, Plan& plan) {
   plan.held = stated.held;
   plan.loads = stated.loads;
   plan.payload = stated.payload;
+  plan.gravity = stated.gravity.value_or(plan.gravity);
   plan.map_sha256 = stated.map_sha256;
 }
 

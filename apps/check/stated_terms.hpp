@@ -16,11 +16,12 @@ struct StatedTerms {
   std::string robot{};            ///< name or path
   std::optional<double> scale{};  ///< none: not said
   Eigen::Isometry3d map_from_base = Eigen::Isometry3d::Identity();
-  std::string group{};                   ///< planning group; empty: all joints but those held
-  std::map<std::string, double> held{};  ///< joints that stand still, rad or m at full size
-  std::vector<LegLoad> loads{};          ///< that ride all the way
-  double payload = 0.0;                  ///< kg at full size
-  std::string map_sha256{};              ///< empty: not said
+  std::string group{};                       ///< planning group; empty: all joints but those held
+  std::map<std::string, double> held{};      ///< joints that stand still, rad or m at full size
+  std::vector<LegLoad> loads{};              ///< that ride all the way
+  double payload = 0.0;                      ///< kg at full size
+  std::optional<Eigen::Vector3d> gravity{};  ///< m/s^2, map frame; none: not said, the usual one
+  std::string map_sha256{};                  ///< empty: not said
 };
 
 /// Of the comments that a YAML file begins with; none unless they name the base, as those of other programs.

@@ -278,12 +278,14 @@ void adopt_terms(const std::optional<StatedTerms>& stated, bool is_timed, Contra
     plan.loads = contract.loads.value;
     take_default(contract.loads);
   }
-  plan.gravity = contract.gravity.value;
+  if (!stated || !stated->gravity) {
+    plan.gravity = contract.gravity.value;
+    take_default(contract.gravity);
+  }
   if (plan.map_sha256.empty()) plan.map_sha256 = contract.map_sha256.value;
   for (auto& [part, term] : contract.policies) take_default(term);
   take_default(contract.padding);
   take_default(contract.seen_within);
-  take_default(contract.gravity);
   if (is_timed) return;
   contract.notes.push_back(
       "the points of the trajectory, which have no times, are checked as joined by straight edges; where a "

@@ -82,12 +82,20 @@ bool lacks_trajectory(const PlanOptions& options, const Plan& plan) {
   return (!options.trajectories.empty() || options.motion) && !plan.motion;
 }
 
-/// A message alone, or a table, has no place for what rides on the robot all the way.
-void note_unsaid_loads(const PlanOptions& options, const Plan& plan, Console& console) {
+/// A message alone, or a table, has no place for what rides on the robot all the way and what pulls it.
+void note_unsaid_terms(const PlanOptions& options, const Plan& plan, Console& console) {
+  std::vector<std::string> flags;
+  if (!plan.loads.empty()) flags.emplace_back("--attach");
+  if (plan.payload > 0.0) flags.emplace_back("--payload");
+  const bool is_heavy = !flags.empty(), is_pulled = plan.gravity != Plan().gravity;
+  if (is_pulled) flags.emplace_back("--gravity");
+  const std::string unsaid = is_heavy && is_pulled ? "what the robot carries and its gravity"
+                             : is_pulled           ? "the gravity"
+                                                   : "what the robot carries";
   for (const auto& [format, file] : options.trajectories)
-    if (!plan.loads.empty() && (format == "ros-json" || format == "csv"))
-      return console.warn("note: a trajectory as " + format +
-                          " does not say what the robot carries: clearway check needs --attach for it");
+    if (!flags.empty() && (format == "ros-json" || format == "csv"))
+      return console.warn("note: a trajectory as " + format + " does not say " + unsaid +
+                          ": clearway check needs " + listed(flags) + " for it");
 }
 
 void save_trajectories(const PlanOptions& options, const Robot& robot, const Plan& plan) {
@@ -336,7 +344,7 @@ int run_plan(const PlanOptions& options, Console& console) {
   if (!options.csv.empty()) save_file(options.csv, to_csv(plan));
   if (!options.view.empty()) save_file(options.view, plan_page(options, plan, space, start));
   save_trajectories(options, robot, plan);
-  if (plan.motion) note_unsaid_loads(options, plan, console);
+  if (plan.motion) note_unsaid_terms(options, plan, console);
   if (console.json) {
     console.out() << text << '\n';
   } else {

@@ -58,6 +58,9 @@ std::vector<LegLoad> carried_throughout(const Plan& plan, const Trajectory& traj
   return loads;
 }
 
+/// Another than the usual one, which whoever reads the file takes unless it says more.
+bool has_own_gravity(const Plan& plan) { return plan.gravity != Plan().gravity; }
+
 /// What the motion was proved for beside its joints: where the base is, those that stand still, and what
 /// rides.
 std::string standing_text(const Plan& plan, const Trajectory& trajectory) {
@@ -72,6 +75,9 @@ std::string standing_text(const Plan& plan, const Trajectory& trajectory) {
     text += "\n# carries: " +
             json_of(loads).dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
   if (plan.payload > 0.0) text += "\n# payload: " + to_text(plan.payload);
+  if (has_own_gravity(plan))
+    text += "\n# gravity: " + to_text(plan.gravity.x()) + ", " + to_text(plan.gravity.y()) + ", " +
+            to_text(plan.gravity.z());
   return text;
 }
 
@@ -139,6 +145,7 @@ std::string write_json(const Robot& robot, const Plan& plan, const Trajectory& t
   if (!plan.held.empty()) json["held"] = plan.held;
   if (const auto loads = carried_throughout(plan, trajectory); !loads.empty()) json["loads"] = json_of(loads);
   if (plan.payload > 0.0) json["payload_kg"] = plan.payload;
+  if (has_own_gravity(plan)) json["gravity"] = {plan.gravity.x(), plan.gravity.y(), plan.gravity.z()};
   for (const char* name : {"times_s", "positions", "velocities", "accelerations"})
     json[name] = nlohmann::ordered_json::array();
   for (const TrajectoryPoint& point : trajectory.points) {

@@ -32,7 +32,8 @@ struct TrajectoryFormat {
 /// Events (a load is grasped or let go) are comments of `ros`, calls of functions that the user fills of
 /// `urscript`, an array of `json`, a last column of `csv`; the message of `ros-json` has no place for them,
 /// and the arm rests there all the same. A load that rides all the way is a comment of `ros` and `urscript`,
-/// a key of `json`; `ros-json` and `csv` have no place for it. Joints are the robot's own: those of its
+/// a key of `json`; `ros-json` and `csv` have no place for it. So is a payload, and a gravity that is not the
+/// usual one. Joints are the robot's own: those of its
 /// planning group. Accelerations are written where the trajectory has them. A smooth motion (trajectory_of)
 /// goes by cubics between its points: controllers that interpolate positions and velocities by cubics, or
 /// accelerations too by quintics, follow the proved curve itself. servoj is given the positions at their

@@ -127,6 +127,31 @@ TEST_F(CheckExports, ALoadThatRidesAllTheWayDoesSoAtTheCheckToo) {
   EXPECT_EQ(bare.status, exit_done) << bare.out;
 }
 
+/// As a plan's own JSON: what flags state is judged, and what the file says beside it is told.
+TEST_F(CheckExports, TheGravityThatTheyWerePlannedUnderIsJudged) {
+  const CommandRun planned =
+      plan({"--payload", "0.5", "--gravity=0,0,-1.62", "--trajectory", "ros", folder_.file("moon.yaml"),
+            "--trajectory", "json", folder_.file("moon.json"), "--trajectory", "ros-json",
+            folder_.file("moon.ros.json")});
+  ASSERT_EQ(planned.status, exit_done) << planned.out << planned.log;
+  EXPECT_NE(planned.log.find("a trajectory as ros-json does not say what the robot carries and its gravity: "
+                             "clearway check needs --payload, --gravity for it"),
+            std::string::npos)
+      << planned.log;
+  for (const char* file : {"moon.yaml", "moon.json"}) {
+    const Json contract = Json::parse(check(file).out)["contract"];
+    EXPECT_EQ(contract["gravity"], Json({{"value", {0.0, 0.0, -1.62}}, {"source", "plan"}})) << file;
+    EXPECT_NE(contract["notes"].dump().find("the gravity is the plan's"), std::string::npos) << file;
+    const CommandRun flag = check(file, {"--gravity=0,0,-9.81"});
+    EXPECT_EQ(refused_terms(flag), Terms{"payload"}) << file;
+    EXPECT_EQ(Json::parse(flag.out)["contract"]["gravity"]["source"], "flag");
+    EXPECT_EQ(check(file, {"--gravity=0,0,-1.62"}).status, exit_done) << file;
+  }
+  EXPECT_EQ(read_file(folder_.file("way.yaml")).find("gravity"), std::string::npos);
+  const CommandRun foreign = check("way.yaml", {"--gravity=0,0,-1.62"});
+  EXPECT_EQ(foreign.status, exit_done) << foreign.out;
+}
+
 /// As exports of JSON were until they named it.
 TEST_F(CheckExports, AScaleThatIsNotStatedIsNotCompared) {
   Json json = Json::parse(read_file(folder_.file("way.json")));
@@ -190,6 +215,10 @@ TEST_F(CheckExports, CommentsThatWereEditedWronglyAreNamed) {
       refusal("# points: ", "# at 1.5 s: attach \"can\", at rest for 1 s").find("is in the plan's JSON"),
       std::string::npos);
   EXPECT_NE(refusal("# points: ", "# payload: -3").find("expected a mass of 0 to 1e6 kg"), std::string::npos);
+  for (const char* gravity : {"# gravity: 0, -9.81", "# gravity: 0, 0, down", "# gravity: 0, 0, -2000"})
+    EXPECT_NE(refusal("# points: ", gravity).find("expected 'X, Y, Z' of at most 1000 m/s^2"),
+              std::string::npos)
+        << gravity;
   EXPECT_NE(refusal("# points: ", "# carries: [{\"name\":").find("expected loads as JSON"),
             std::string::npos);
   EXPECT_NE(
@@ -231,6 +260,7 @@ TEST(StatedTerms, AreReadBackAsTheyWereWritten) {
   can.touches = {"finger, left"};
   plan.loads = {{can, {}}};
   plan.payload = 1.0 / 3.0;
+  plan.gravity = {1e-17, -1.0 / 3.0, 1.62};
   Trajectory trajectory;
   trajectory.sampling_period = 0.008;
   trajectory.points.push_back({0.0, Configuration::Zero(1), Configuration::Zero(1), {}});
@@ -252,6 +282,7 @@ TEST(StatedTerms, AreReadBackAsTheyWereWritten) {
     ASSERT_EQ(read.loads.size(), 1U);
     EXPECT_TRUE(is_same(read.loads[0].load, can));
     EXPECT_EQ(read.payload, plan.payload);
+    EXPECT_EQ(read.gravity, plan.gravity);
   }
 }
 
