@@ -279,6 +279,16 @@ void give_motion(const ConfigurationSpace& space, Plan& plan, const SmoothMotion
   }
 }
 
+namespace {
+
+/// Of the robot's limits, of which those that the motion keeps may be a part (MotionScales).
+MotionShares of_whole_limits(const MotionShares& shares, const MotionScales& scales) {
+  return {shares.velocity * scales.speed, shares.acceleration * scales.acceleration,
+          shares.jerk * scales.jerk};
+}
+
+}  // namespace
+
 MotionJudgement judge_motion(const MotionTerms& terms, const Plan& plan) {
   require_joint_order(terms.robot, plan);
   const std::vector<LegLoad> loads = riding_on(plan);
@@ -289,6 +299,7 @@ MotionJudgement judge_motion(const MotionTerms& terms, const Plan& plan) {
                              : check_motion(terms.robot, terms.map, terms.policies, terms.padding, motion,
                                             loads, terms.seen_within);
   if (judged.verdict.valid) judge_torques(terms, motion, loads, judged);
+  judged.verdict.shares = of_whole_limits(judged.verdict.shares, plan.motion->scales);
   return judged;
 }
 

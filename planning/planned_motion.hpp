@@ -46,7 +46,8 @@ struct MotionJudgement {
 };
 
 /// The verdict on a plan's motion, whatever the plan says of it: by check_motion or check_pick_motion, with
-/// the limits of the robot's own files; then torques, of each leg with the loads that ride on it.
+/// the limits of the robot's own files, scaled as the motion states; then torques, of each leg with the loads
+/// that ride on it. Its shares are of the limits before they are scaled.
 /// @param plan with the loads and the pick that are stated, not its own; where a picked object rides is the
 /// plan's @pre plan.motion, and its path was found valid under the same terms
 MotionJudgement judge_motion(const MotionTerms& terms, const Plan& plan);

@@ -145,5 +145,24 @@ TEST_F(CheckTorques, WithoutAMotionAreReportedAsUnknown) {
   EXPECT_EQ(check(plan).out.find("torques belong to a motion"), std::string::npos);
 }
 
+/// Of the robot's limits, as for its export, however slowly the motion was asked to go.
+TEST_F(CheckTorques, SharesOfASlowMotionAreOfTheRobotsLimits) {
+  const std::string slow = folder_.file("slow.json"), ros = folder_.file("slow.yaml");
+  ASSERT_EQ(run_command({"plan", "--map", folder_.file("map"), "--robot", "panda", "--policy", "not_occupied",
+                         "--allow-outside", "all", "--start=0,-0.5,0,-2,0,1.6,0",
+                         "--goal=0.2,-0.4,0,-1.9,0,1.6,0.1", "--speed", "0.05", "--motion", "--out", slow,
+                         "--trajectory", "ros", ros})
+                .status,
+            exit_done);
+  const Json motion = Json::parse(check(Json::parse(read_file(slow))).out)["motion"];
+  EXPECT_LE(motion["velocity_share"].get<double>(), 0.05 * (1.0 + 1e-6));
+  EXPECT_GT(motion["velocity_share"].get<double>(), 0.04);
+  const CommandRun exported = run_command({"check", ros, "--map", folder_.file("map"), "--robot", "panda",
+                                           "--policy", "not_occupied", "--allow-outside", "all", "--json"});
+  ASSERT_EQ(exported.status, exit_done) << exported.out << exported.log;
+  EXPECT_NEAR(Json::parse(exported.out)["motion"]["velocity_share"].get<double>(),
+              motion["velocity_share"].get<double>(), 1e-3);
+}
+
 }  // namespace check_torques_test
 }  // namespace clearway
