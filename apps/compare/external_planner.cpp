@@ -3,6 +3,7 @@
 #include <cmath>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <optional>
 #include <stdexcept>
 
@@ -77,6 +78,22 @@ std::string join_ends(std::vector<Configuration>& waypoints, const PlanProblem& 
   return "";
 }
 
+/// Why the path winds a joint without limits farther than the check, and the motion, can follow; else empty.
+std::string winding(const std::vector<Configuration>& waypoints, const Robot& robot) {
+  constexpr double most_turns = 200.0;  // twice as many as from a start to a goal
+  for (std::size_t joint = 0; joint < robot.dof(); ++joint) {
+    if (!is_endless(robot.joints[joint])) continue;
+    const auto j = static_cast<Eigen::Index>(joint);
+    double turns = 0.0;
+    for (std::size_t i = 1; i < waypoints.size(); ++i)
+      turns += std::abs(waypoints[i][j] - waypoints[i - 1][j]) / (2.0 * std::numbers::pi);
+    if (turns > most_turns)
+      return "The program's path winds joint " + shortened(robot.joints[joint].name) + " by " +
+             short_text(turns) + " turns in all: expected at most " + short_text(most_turns) + ".";
+  }
+  return "";
+}
+
 void read_answer(const std::string& line, const PlanProblem& problem, PlanResult& result) {
   const Json answer = answer_of(line);
   result.status = PlanStatus::no_path;
@@ -89,6 +106,7 @@ void read_answer(const std::string& line, const PlanProblem& problem, PlanResult
   if (!answer.contains("path")) refuse(line, "'path' or 'failed'");
   std::vector<Configuration> waypoints = path_of(answer["path"], problem, line);
   result.explanation = join_ends(waypoints, problem);
+  if (result.explanation.empty()) result.explanation = winding(waypoints, problem.space.robot());
   if (!result.explanation.empty()) {
     result.explored = std::move(waypoints);
     return;

@@ -61,7 +61,7 @@ IsolatedEnd end_of(const ChildOutcome& outcome, const CompareIsolation& isolatio
   const bool threw = !outcome.is_late && WIFEXITED(outcome.status) && outcome.failure != "its reader crashed";
   if (outcome.is_late) {
     end.ended = "hung";
-    end.explanation = "The run did not end within " + significant(seconds) +
+    end.explanation = "The run, with its check and its motion, did not end within " + significant(seconds) +
                       " s, its time limit and what is granted beyond, and was stopped.";
   } else if (is_too_large) {
     end.ended = "out_of_memory";

@@ -57,9 +57,15 @@ std::optional<CompareMotion> motion_of(const Plan& plan, const Robot& robot) try
   return std::nullopt;
 }
 
+/// As pages show them. A longer one may take longer to make and to check than a run is granted.
+bool is_short_enough_to_move(const Plan& plan, const Robot& robot) {
+  constexpr double longest_motion = 1200.0;  // s
+  return least_duration(robot, plan.waypoints()) <= longest_motion;
+}
+
 /// The motion along a proved plan, which is no part of the time that it took to plan.
 void add_motion(Plan plan, const ConfigurationSpace& space, CompareRun& run) {
-  if (!plan.is_proved()) return;
+  if (!plan.is_proved() || !is_short_enough_to_move(plan, space.robot())) return;
   const ThreadStopwatch cpu(run.motion_cpu);
   give_motion(space, plan);
   run.motion = motion_of(plan, space.robot());
@@ -340,7 +346,7 @@ class RobotServer : public ProblemServer {
       Plan plan = planned == plans.end() ? load_plan(file) : parse_plan(planned->second, file.string());
       plan.map_integration = to_string(integration_of(open.stage.map));
       plan.map_caveat = map_caveat(open.stage.map);
-      give_motion(open.space, plan);
+      if (is_short_enough_to_move(plan, experiment_.robot)) give_motion(open.space, plan);
       page.plans.push_back(page_of_plan(plan, open.space, problem.start, experiment_.planners[i].label));
     }
     return render_report_page(page);

@@ -13,20 +13,6 @@ namespace {
 constexpr std::size_t most_waypoints = 1500;
 constexpr double longest_motion = 1200.0;  ///< s
 
-/// A motion along the path takes at least that long, s.
-double least_duration(const Robot& robot, const std::vector<Configuration>& path) {
-  double duration = 0.0;
-  for (std::size_t i = 1; i < path.size(); ++i) {
-    double edge = 0.0;
-    for (std::size_t j = 0; j < robot.dof(); ++j) {
-      const auto at = static_cast<Eigen::Index>(j);
-      edge = std::max(edge, std::abs(path[i][at] - path[i - 1][at]) / velocity_limit(robot, j));
-    }
-    duration += edge;
-  }
-  return duration;
-}
-
 /// Of samples `first` to `last` the greatest change of velocity of each joint since the sample before, over
 /// the period.
 Eigen::VectorXd greatest_acceleration(const std::vector<Eigen::VectorXd>& velocities, std::size_t first,

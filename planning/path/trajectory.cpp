@@ -207,6 +207,19 @@ double greatest_change(const Trajectory& trajectory) {
 
 }  // namespace
 
+double least_duration(const Robot& robot, const std::vector<Configuration>& path) {
+  double duration = 0.0;
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    double edge = 0.0;
+    for (std::size_t j = 0; j < robot.dof(); ++j) {
+      const auto at = static_cast<Eigen::Index>(j);
+      edge = std::max(edge, std::abs(path[i][at] - path[i - 1][at]) / velocity_limit(robot, j));
+    }
+    duration += edge;
+  }
+  return duration;
+}
+
 double velocity_limit(const Robot& robot, std::size_t j, const TrajectoryOptions& options) {
   const double given = robot.joints[j].max_velocity;
   return given > 0.0 ? given : options.default_max_velocity;

@@ -76,4 +76,8 @@ LimitShares limit_shares(const Robot& robot, const Trajectory& trajectory,
 /// The velocity limit of joint `j`, rad/s or m/s: its own, else the default.
 double velocity_limit(const Robot& robot, std::size_t j, const TrajectoryOptions& options = {});
 
+/// A motion along the path within these limits takes at least that long, s.
+/// @pre each waypoint is one value for each joint
+double least_duration(const Robot& robot, const std::vector<Configuration>& path);
+
 }  // namespace clearway

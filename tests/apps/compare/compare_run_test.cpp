@@ -120,6 +120,22 @@ TEST(IsolatedRuns, ACrashInThePreparationIsOneToo) {
   expect_only_its_runs(Deed::prepares_badly, "crashed", "ended by SIGSEGV", 2);
 }
 
+/// Making it, and checking it, would take longer than all else.
+TEST(CompareRuns, AMotionOfMoreThanTwentyMinutesIsNotMade) {
+  Suite suite = parse_suite(small_suite, "small.yaml");
+  suite.experiments[0].problems.resize(1);
+  suite.experiments[0].runs = 1;
+  for (const double speed : {1.0, 4e-4}) {
+    PreparedExperiment prepared = prepare(suite, suite.experiments[0], {"rrtconnect"});
+    for (Joint& joint : prepared.robot.joints) joint.max_velocity = speed;
+    const TemporaryFolder folder;
+    const CompareExperiment found = run_experiment(suite, prepared, {.seed = 3, .out = folder.path()});
+    const CompareRun& run = found.problems.at(0).runs.at(0);
+    ASSERT_TRUE(run.is_valid()) << run.explanation << run.contact;
+    EXPECT_EQ(run.motion.has_value(), speed == 1.0);
+  }
+}
+
 /// One problem: each hang takes its time.
 TEST(IsolatedRuns, AHangEndsWithTheTimeLimitAndWhatIsGranted) {
   for (const Deed deed : {Deed::hangs, Deed::hangs_preparing}) {

@@ -74,6 +74,27 @@ TEST_F(ExternalPlannerOf, JoinsEndsThatAProgramRoundedByEdges) {
   EXPECT_NE(of_one.explanation.find("from the goal"), std::string::npos) << of_one.explanation;
 }
 
+/// The check goes along each turn, and would take longer than a run may.
+TEST_F(ExternalPlannerOf, TakesNoPathThatWindsAJointBeyondMeasure) {
+  Robot robot = load_robot("planar2");
+  robot.joints[1].lower = -INFINITY;
+  robot.joints[1].upper = INFINITY;
+  const ConfigurationSpace space(robot, Snapshot(), {{}, Policy::not_occupied, false});
+  const PathCost cost(space.robot());
+  const auto answer_to = [&](const std::string& turned) {
+    const ExternalPlanner planner(
+        "sh -c 'read world; echo \"{\\\"ready\\\": true}\"; read query; echo "
+        "\"{\\\"path\\\": [[0, 0], [0, " +
+        turned + "], [0.1, 0]]}\"; read more'");
+    return planner.plan({space, cost, Eigen::Vector2d::Zero(), Eigen::Vector2d(0.1, 0.0), 1});
+  };
+  EXPECT_EQ(answer_to("-600").status, PlanStatus::solved);
+  const PlanResult wound = answer_to("-10000");
+  EXPECT_EQ(wound.status, PlanStatus::no_path);
+  EXPECT_EQ(wound.explanation,
+            "The program's path winds joint elbow by 3183 turns in all: expected at most 200.");
+}
+
 TEST_F(ExternalPlannerOf, TellsWhyThereIsNoPath) {
   EXPECT_EQ(planned("{\\\"failed\\\": \\\"no luck\\\"}").explanation, "no luck");
   const PlanResult elsewhere = planned("{\\\"path\\\": [[0.2, 0], [0.6, 0.25]]}");

@@ -105,6 +105,19 @@ TEST(Trajectory, KeepsItsPromisesOnRandomPaths) {
   }
 }
 
+TEST(Trajectory, NoneIsShorterThanTheLeastDuration) {
+  Random random(12);
+  for (int trial = 0; trial < 100; ++trial) {
+    const Robot robot = robot_of(random.below(7), 1 + random.below(3));
+    const std::vector<Configuration> path = random_path(robot, random);
+    EXPECT_LE(least_duration(robot, path), time_parameterize(robot, path).points.back().time + 1e-9);
+  }
+  const Robot two = robot_of(2, 0);  // 0.4 and 1.1 rad/s
+  EXPECT_DOUBLE_EQ(
+      least_duration(two, {Eigen::Vector2d(0, 0), Eigen::Vector2d(2, 1), Eigen::Vector2d(2, 3.2)}),
+      5.0 + 2.0);
+}
+
 TEST(Trajectory, UsesWhatItMayWhereNoCornerForbidsIt) {
   Robot robot = robot_of(2, 0);
   const LimitShares free =
