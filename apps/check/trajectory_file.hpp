@@ -28,6 +28,7 @@ struct ForeignTrajectory {
   std::string field{};  ///< "trajectory[1]" of one of several, by which messages name it; else empty
   std::optional<StatedTerms> stated{};           ///< of one that we exported
   std::map<std::string, double> stated_start{};  ///< trajectory_start itself, of which `start` may know more
+  std::map<std::string, double> drawn{};  ///< by joint, the farthest that draw_to_limits moved it, rad or m
 };
 
 /// The trajectories of the file, of which each but the first begins where the one before ends

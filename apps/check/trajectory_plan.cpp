@@ -7,6 +7,7 @@
 #include "apps/console/parse.hpp"
 #include "apps/query/query.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "planning/problem/limit_rounding.hpp"
 
 namespace clearway {
 namespace {
@@ -195,6 +196,38 @@ std::vector<std::string> hold_unnamed_joints(ForeignTrajectory& trajectory, cons
     append(trajectory.accelerations, 0.0);
   }
   return unnamed;
+}
+
+void draw_to_limits(ForeignTrajectory& trajectory, const Robot& robot) {
+  for (const Joint& joint : robot.joints) {
+    double farthest = 0.0;
+    const auto draw = [&](double& value) {
+      const double drawn = drawn_to_limit(joint, value);
+      farthest = std::max(farthest, std::abs(value - drawn));
+      value = drawn;
+    };
+    const auto place =
+        static_cast<std::size_t>(std::find(trajectory.joints.begin(), trajectory.joints.end(), joint.name) -
+                                 trajectory.joints.begin());
+    if (place < trajectory.joints.size())
+      for (std::vector<double>& point : trajectory.points) draw(point[place]);
+    if (const auto start = trajectory.start.find(joint.name); start != trajectory.start.end())
+      draw(start->second);
+    if (farthest > 0.0) trajectory.drawn[joint.name] = farthest;
+  }
+}
+
+std::vector<std::string> drawn_notes(const std::vector<ForeignTrajectory>& trajectories) {
+  std::map<std::string, double> farthest;
+  for (const ForeignTrajectory& trajectory : trajectories)
+    for (const auto& [joint, by] : trajectory.drawn) farthest[joint] = std::max(farthest[joint], by);
+  std::vector<std::string> notes;
+  constexpr double unseen = 1e-9;  // rad or m
+  for (const auto& [joint, by] : farthest)
+    if (by > unseen)
+      notes.push_back("joint " + shortened(joint) + " is beyond its limit by up to " + significant(by, 3) +
+                      ", as rounding to single precision has it: judged at the limit");
+  return notes;
 }
 
 void require_base(const ForeignTrajectory& trajectory, const Eigen::Isometry3d& map_from_base,

@@ -16,6 +16,13 @@ const HeldJoint* held_joint(const Robot& robot, const std::string& name);
 /// controller leaves them there, and so they are in every point now. Returns their names.
 std::vector<std::string> hold_unnamed_joints(ForeignTrajectory& trajectory, const Robot& robot);
 
+/// Values beyond a joint's limit by rounding become the limit (drawn_to_limit); says how far in
+/// ForeignTrajectory::drawn.
+void draw_to_limits(ForeignTrajectory& trajectory, const Robot& robot);
+
+/// A sentence for each joint that was drawn by more than 1e-9 rad or m.
+std::vector<std::string> drawn_notes(const std::vector<ForeignTrajectory>& trajectories);
+
 /// @throws std::invalid_argument naming `file` where it says that the robot's base stands elsewhere, by more
 /// than 1e-4 m or rad. The identity says nothing.
 void require_base(const ForeignTrajectory& trajectory, const Eigen::Isometry3d& map_from_base,

@@ -67,6 +67,13 @@ double difference_before(const ForeignTrajectory& trajectory, const Robot& robot
   return std::abs(start->second - judged.factor * leads - judged.offset);
 }
 
+/// How far draw_to_limits moved the joint, or the one that it follows, for it.
+double drawn_of(const ForeignTrajectory& trajectory, const Robot& robot, const Link& link) {
+  if (link.joint < 0) return 0.0;
+  const auto found = trajectory.drawn.find(robot.joints[static_cast<std::size_t>(link.joint)].name);
+  return found == trajectory.drawn.end() ? 0.0 : std::abs(link.multiplier) * found->second;
+}
+
 /// What hangs on a joint moves by at most that for each radian or metre of it.
 double reach_of(const Robot& robot, std::size_t link) {
   return std::max(1.0, reach_below(robot, static_cast<int>(link)));
@@ -83,7 +90,7 @@ double slack_of_joints(const ForeignTrajectory& trajectory, const Robot& robot) 
     if (!is_planned && joint < trajectory.joints.size())
       beside = difference_of(trajectory, joint, judged_joint(trajectory, robot, link));
     if (!is_planned) beside = std::max(beside, difference_before(trajectory, robot, link));
-    slack += beside * reach_of(robot, i);
+    slack += (beside + drawn_of(trajectory, robot, link)) * reach_of(robot, i);
   }
   return slack;
 }

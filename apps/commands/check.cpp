@@ -151,8 +151,8 @@ void pad_by_slack(double slack, Contract& contract, Plan& plan) {
   contract.padding.value += slack;
   plan.padding = contract.padding.value;
   contract.notes.push_back(
-      "the trajectory has its base, or joints that stand still or follow others, a little beside where they "
-      "are judged: the padding is " +
+      "the trajectory has its base, or joints that stand still, follow others or are at a limit, a little "
+      "beside where they are judged: the padding is " +
       significant(1000.0 * slack, 3) + " mm larger, by which that may move the robot");
 }
 
@@ -189,6 +189,7 @@ int run_check(const CheckOptions& options, Console& console) {
     if (&entry == &entries.front()) unnamed = held;
   }
   if (is_trajectory) take_start(options, robot, entries.front());
+  for (ForeignTrajectory& entry : entries) draw_to_limits(entry, robot);
   plan = is_trajectory ? plan_of_trajectories(entries, robot, options.plan)
                        : in_order_of(robot, std::move(plan));
   if (stated) state_terms(*stated, plan);
@@ -216,6 +217,7 @@ int run_check(const CheckOptions& options, Console& console) {
     pad_by_slack(slack_of(entries, with_all_loads(robot, report.contract.loads.value),
                           report.contract.map_from_base.value),
                  report.contract, plan);
+    for (const std::string& note : drawn_notes(entries)) report.contract.notes.push_back(note);
     if (const std::string note = model_note(entries.front(), robot); !note.empty())
       report.contract.notes.push_back(note);
     if (!unnamed.empty())

@@ -14,6 +14,7 @@
 #include "mapping/system/plain_text.hpp"
 #include "planning/files/json_field.hpp"
 #include "planning/files/json_text.hpp"
+#include "planning/problem/limit_rounding.hpp"
 
 namespace clearway {
 namespace {
@@ -48,7 +49,7 @@ std::vector<Configuration> path_of(const Json& path, const PlanProblem& problem,
     for (Eigen::Index j = 0; j < joints; ++j) {
       const Json& value = row[static_cast<std::size_t>(j)];
       if (!value.is_number() || !std::isfinite(value.get<double>())) refuse(line, expected);
-      q[j] = value.get<double>();
+      q[j] = drawn_to_limit(problem.space.robot().joints[static_cast<std::size_t>(j)], value.get<double>());
     }
     waypoints.push_back(std::move(q));
   }

@@ -24,6 +24,12 @@ std::string short_text(double value, int digits) {
   return std::string(buffer, end.ptr);
 }
 
+std::string text_beside(double value, double limit) {
+  int digits = 6;
+  while (digits < 17 && value != limit && short_text(value, digits) == short_text(limit, digits)) ++digits;
+  return short_text(value, digits);
+}
+
 std::string place_text(double metres) {
   int digits = 4;
   for (double reach = 10.0; digits < 17 && std::abs(metres) >= reach; reach *= 10.0) ++digits;

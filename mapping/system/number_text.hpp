@@ -11,6 +11,8 @@ std::string to_text(double value);
 std::string to_text(const std::vector<double>& values);  ///< comma-separated
 std::string short_text(double value);                    ///< four digits, for sentences
 std::string short_text(double value, int digits);        ///< so many significant digits, >= 1
+/// A value beside a limit, for sentences: six digits, and as many more as tell it from the limit.
+std::string text_beside(double value, double limit);
 /// A coordinate in metres, for sentences: four digits, and to the millimetre however far it is.
 std::string place_text(double metres);
 

@@ -170,8 +170,8 @@ class MotionChecker {
     std::ostringstream text;
     text.imbue(std::locale::classic());
     text << "after " << motion_.period * static_cast<double>(k) << " s the " << what << " of joint "
-         << shortened(robot_.joints[static_cast<std::size_t>(j)].name) << " is " << value << other_is
-         << other;
+         << shortened(robot_.joints[static_cast<std::size_t>(j)].name) << " is " << text_beside(value, other)
+         << other_is << other;
     refuse(text.str());
   }
 

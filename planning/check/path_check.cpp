@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "mapping/stamps/seen_stamps.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/check/path_check_links.hpp"
 #include "planning/check/path_check_model.hpp"
@@ -312,8 +313,9 @@ std::string malformed(const Robot& robot, const std::vector<Configuration>& path
         return text.str();
       }
       if (std::isfinite(value) && value >= joint.lower && value <= joint.upper) continue;
-      text << "joint " << shortened(joint.name) << " is " << value << ", outside its limits " << joint.lower
-           << " to " << joint.upper << whose_limit(robot, j, value > joint.upper);
+      text << "joint " << shortened(joint.name) << " is "
+           << text_beside(value, value > joint.upper ? joint.upper : joint.lower) << ", outside its limits "
+           << joint.lower << " to " << joint.upper << whose_limit(robot, j, value > joint.upper);
       return text.str();
     }
   }

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/path/bezier.hpp"
 
@@ -231,7 +232,8 @@ class SplineChecker {
   bool refuse_limits(std::size_t edge, const BezierPeak& found, const Joint& joint) {
     std::ostringstream text;
     text.imbue(std::locale::classic());
-    text << at(edge, found.share) << "joint " << shortened(joint.name) << " is " << found.value
+    text << at(edge, found.share) << "joint " << shortened(joint.name) << " is "
+         << text_beside(found.value, found.value > joint.upper ? joint.upper : joint.lower)
          << ", outside its limits " << joint.lower << " to " << joint.upper;
     verdict_.path.first_contact = text.str();
     verdict_.path.edge = static_cast<int>(edge);

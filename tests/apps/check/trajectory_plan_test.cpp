@@ -276,6 +276,34 @@ TEST_F(CheckTrajectory, WhatDoesNotFitTheRobotIsNamed) {
   EXPECT_NE(run.log.find("joint_names"), std::string::npos) << run.log;
 }
 
+/// As programs write a limit that reckon in single precision, with times and without.
+TEST_F(CheckTrajectory, ValuesAtALimitMayBeRounded) {
+  const std::string limited = folder_.write(
+      "limited.urdf",
+      "<robot name='limited'><link name='world'/><link name='slide'/><link name='base'><collision><geometry>"
+      "<sphere radius='0.1'/></geometry></collision></link>"
+      "<joint name='x' type='prismatic'><parent link='world'/><child link='slide'/><axis xyz='1 0 0'/>"
+      "<limit lower='-0.3' upper='0.3' effort='1' velocity='1'/></joint>"
+      "<joint name='y' type='prismatic'><parent link='slide'/><child link='base'/><axis xyz='0 1 0'/>"
+      "<limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>");
+  for (const double time : {0.0, 4.0}) {
+    const auto checked = [&](double x) {
+      Json message = trajectory({{-0.3, 0.0}, {x, 0.1}});
+      message["points"][1]["time_from_start"]["sec"] = time;
+      return run_command({"check", folder_.write("limit.json", message.dump()), "--map", folder_.file("map"),
+                          "--robot", limited, "--policy", "not_occupied"});
+    };
+    const CommandRun rounded = checked(0.3F);
+    EXPECT_EQ(rounded.status, exit_done) << rounded.out << rounded.log;
+    EXPECT_NE(rounded.out.find("joint x is beyond its limit by up to 1.19e-08"), std::string::npos)
+        << rounded.out;
+    const CommandRun beyond = checked(0.3000002);
+    EXPECT_EQ(beyond.status, exit_no);
+    EXPECT_NE(beyond.out.find("joint x is 0.3000002, outside its limits -0.3 to 0.3"), std::string::npos)
+        << beyond.out;
+  }
+}
+
 TEST_F(CheckTrajectory, JointsThatStandStillMayBeInItWhereTheyStand) {
   const std::string urdf = folder_.write("arm.urdf", worlds::arm_with_finger());
   const Robot robot = load_robot(RobotRequest{urdf, {}, {}, {{"grip", 0.03}}});

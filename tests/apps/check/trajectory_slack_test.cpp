@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "apps/check/trajectory_plan.hpp"
 #include "planning/robot/held_joints.hpp"
 #include "planning/robot/kinematics.hpp"
 #include "tests/apps/check/check_command.hpp"
@@ -106,6 +107,23 @@ TEST(TrajectorySlack, OfABaseInOneTrajectoryAndAJointInTheNextIsBoth) {
   EXPECT_NEAR(both,
               slack_of({first}, robot, robot.map_from_base) + slack_of({second}, robot, robot.map_from_base),
               1e-12);
+}
+
+TEST(TrajectorySlack, OfAJointThatRoundingTookBeyondItsLimitIsThatOfAllThatFollows) {
+  const Robot& robot = crane().robot();
+  const double beyond = robot.joints[1].upper + 3e-7;
+  ForeignTrajectory trajectory{{"slew", "luff"}, {{0.1, beyond}, {0.1, 0.5}}};
+  draw_to_limits(trajectory, robot);
+  EXPECT_EQ(trajectory.points[0][1], robot.joints[1].upper);
+  EXPECT_NE(drawn_notes({trajectory}).at(0).find("joint luff is beyond its limit by up to 3e-07"),
+            std::string::npos);
+  const double slack = slack_of({trajectory}, robot, robot.map_from_base);
+  EXPECT_GE(slack,
+            apart(robot, Eigen::Vector2d(0.1, beyond), robot, Eigen::Vector2d(0.1, robot.joints[1].upper)));
+  EXPECT_LE(slack, 1e-5);
+  trajectory = {{"slew", "luff"}, {{0.1, robot.joints[1].upper + 2e-6}}};
+  draw_to_limits(trajectory, robot);
+  EXPECT_TRUE(drawn_notes({trajectory}).empty());
 }
 
 TEST_F(Check, ATrajectoryALittleBesideIsPaddedByWhatThatMoves) {

@@ -74,6 +74,22 @@ TEST_F(ExternalPlannerOf, JoinsEndsThatAProgramRoundedByEdges) {
   EXPECT_NE(of_one.explanation.find("from the goal"), std::string::npos) << of_one.explanation;
 }
 
+/// A program that reckons in single precision may be a little beyond a limit.
+TEST_F(ExternalPlannerOf, DrawsValuesThatRoundingTookBeyondALimitToIt) {
+  Robot robot = load_robot("point");
+  robot.joints[0].upper = 0.5;
+  const ConfigurationSpace space(robot, space_.map(), {{}, Policy::not_occupied, false});
+  const auto path_by = [&](const std::string& x) {
+    const ExternalPlanner planner(
+        "sh -c 'read world; echo \"{\\\"ready\\\": true}\"; read query; echo "
+        "\"{\\\"path\\\": [[0.2, 0], [" +
+        x + ", 0.1], [0.5, 0.25]]}\"; read more'");
+    return planner.plan({space, cost_, start_, goal_, 1}).waypoints;
+  };
+  EXPECT_EQ(path_by("0.50000003")[1][0], 0.5);
+  EXPECT_EQ(path_by("0.500001")[1][0], 0.500001);  // the check refuses it
+}
+
 /// The check goes along each turn, and would take longer than a run may.
 TEST_F(ExternalPlannerOf, TakesNoPathThatWindsAJointBeyondMeasure) {
   Robot robot = load_robot("planar2");

@@ -30,5 +30,13 @@ TEST(NumberText, WhatIsCountedIsOneOrMany) {
   EXPECT_EQ(counted(1, "body", "bodies") + ", " + counted(2, "body", "bodies"), "1 body, 2 bodies");
 }
 
+TEST(NumberText, BesideALimitHasTheDigitsThatTellItFromThat) {
+  EXPECT_EQ(text_beside(3.0, 2.0), "3");
+  EXPECT_EQ(text_beside(2.0000001, 2.0), "2.0000001");
+  EXPECT_EQ(text_beside(2.0 + 1e-10, 2.0), "2.0000000001");
+  EXPECT_EQ(text_beside(2.0, 2.0), "2");
+  EXPECT_EQ(text_beside(std::nan(""), 2.0), "nan");
+}
+
 }  // namespace number_text_test
 }  // namespace clearway

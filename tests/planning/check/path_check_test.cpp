@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "mapping/system/number_text.hpp"
 #include "planning/check/path_check_model.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/batch_worlds.hpp"
@@ -162,6 +163,12 @@ TEST(PathCheck, PathsThatAreNoPathsAreRefusedNamingTheWaypoint) {
             "waypoint 1: joint shoulder is nan, outside its limits -3.14159 to 3.14159");
   EXPECT_EQ(contact({Eigen::Vector2d(0, 3)}),
             "waypoint 0: joint elbow is 3, outside its limits -2.79253 to 2.79253");
+  const double upper = robot.joints[0].upper;
+  EXPECT_EQ(contact({Eigen::Vector2d(upper + 1e-5, 0)}),
+            "waypoint 0: joint shoulder is 3.1416, outside its limits -3.14159 to 3.14159");
+  EXPECT_EQ(contact({Eigen::Vector2d(upper + 1e-8, 0)}), "waypoint 0: joint shoulder is " +
+                                                             text_beside(upper + 1e-8, upper) +
+                                                             ", outside its limits -3.14159 to 3.14159");
   EXPECT_THROW(check_path(robot, Snapshot(), {}, -1.0, {q}), std::invalid_argument);
   const std::string part = robot.bodies.back().part;
   EXPECT_FALSE(check_path(robot, Snapshot(), {{part, Policy::painted}}, 0.0, {q}).valid);
