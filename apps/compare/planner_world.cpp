@@ -5,9 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "mapping/system/input_file.hpp"
 #include "mapping/voxels/voxel_state.hpp"
 #include "planning/files/json_field.hpp"
 #include "planning/files/load_json.hpp"
+#include "planning/robot_files/robot_settings.hpp"
 #include "planning/space/part_policies.hpp"
 
 namespace clearway {
@@ -60,6 +62,19 @@ Json bodies_of(const Robot& robot) {
   return bodies;
 }
 
+/// The file that a planner may read the robot from: what xacro makes stays in no file.
+Json urdf_file(const Robot& robot) {
+  if (robot.source.empty()) return nullptr;
+  const std::filesystem::path urdf = urdf_of_robot(robot);
+  return extension_of(urdf) == ".xacro" ? Json(nullptr) : Json(urdf.string());
+}
+
+Json held_of(const Robot& robot) {
+  Json held = Json::object();
+  for (const HeldJoint& joint : robot.held) held[joint.name] = joint.value;
+  return held;
+}
+
 /// The voxels that one requirement allows, or blocks, whichever a map holds.
 Json region_of(const Snapshot& map, const Requirement& requirement) {
   const bool is_unknown_free = allows(requirement, VoxelState::unknown, 0);
@@ -98,9 +113,10 @@ Json planner_world(const ConfigurationSpace& space) {
   for (const auto& [first, second] : robot.exempt) apart.push_back({first, second});
   return {{"robot",
            {{"name", robot.name},
-            {"urdf", robot.source.string()},
-            {"srdf", robot.srdf.string()},
+            {"urdf", urdf_file(robot)},
+            {"srdf", robot.srdf.empty() ? Json(nullptr) : Json(robot.srdf.string())},
             {"group", robot.group},
+            {"held", held_of(robot)},
             {"scale", robot.scale},
             {"map_from_base", json_of(robot.map_from_base)},
             {"joints", joints_of(robot)},

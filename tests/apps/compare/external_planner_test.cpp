@@ -208,5 +208,18 @@ TEST_F(ExternalPlannerOf, IsToldARobotWhoseSpheresHoldItsBodies) {
     EXPECT_EQ(robot["bodies"][i]["spheres"].size(), arm.bodies[i].cover.size());
 }
 
+/// What a program may read: the URDF, not the settings that name it, and what xacro made is in no file.
+TEST_F(ExternalPlannerOf, IsToldTheUrdfAndWhereHeldJointsStand) {
+  Robot panda = load_robot(RobotRequest{.robot = "panda", .fixed = {{"joint7", 0.3}}});
+  const auto told = [](const Robot& robot) {
+    return planner_world(ConfigurationSpace(robot, Snapshot(), {}, {}))["robot"];
+  };
+  const Json robot = told(panda);
+  EXPECT_TRUE(robot["urdf"].get<std::string>().ends_with("panda.urdf")) << robot["urdf"];
+  EXPECT_EQ(robot["held"]["joint7"], 0.3) << robot["held"];
+  panda.source = "panda.urdf.xacro";
+  EXPECT_TRUE(told(panda)["urdf"].is_null());
+}
+
 }  // namespace external_planner_test
 }  // namespace clearway
