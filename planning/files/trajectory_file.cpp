@@ -241,6 +241,11 @@ std::string urscript_stops(const std::string& timing, const std::string& period)
          "  end\n";
 }
 
+bool is_at_rest(const TrajectoryPoint& point) {
+  constexpr double still = 1e-9;  // rad/s: what rounding leaves
+  return point.velocity.cwiseAbs().maxCoeff() <= still;
+}
+
 std::string write_urscript(const Robot& robot, const Plan& plan, const Trajectory& trajectory) {
   std::string joints;
   for (const Joint& joint : robot.joints) joints += (joints.empty() ? "" : ", ") + quoted(joint.name);
@@ -254,13 +259,22 @@ std::string write_urscript(const Robot& robot, const Plan& plan, const Trajector
       list(trajectory.points.front().position) + ", \"The arm is not at the start of the path.\")\n";
   auto event = trajectory.events.begin();
   double rests_until = -1.0;
-  for (const TrajectoryPoint& point : trajectory.points) {
+  bool has_moved = false;  // since the start, or since it last came to rest
+  for (std::size_t k = 0; k < trajectory.points.size(); ++k) {
+    const TrajectoryPoint& point = trajectory.points[k];
     if (point.time > rests_until) text += "  servoj(" + list(point.position) + timing;
     for (; event != trajectory.events.end() && event->time <= point.time; ++event) {
       if (event->time > rests_until + 1e-9) text += "  come_to_rest(" + list(point.position) + ")\n";
       text += "  " + std::string(to_string(event->kind)) + "(" + quoted(event->load) + ")\n";
       rests_until = event->time + event->rest;
+      has_moved = false;
     }
+    const bool goes_on = k + 1 < trajectory.points.size() && !is_at_rest(trajectory.points[k + 1]);
+    if (has_moved && goes_on && is_at_rest(point)) {
+      text += "  come_to_rest(" + list(point.position) + ")\n";
+      has_moved = false;
+    }
+    if (!is_at_rest(point)) has_moved = true;
   }
   return text + "  come_to_rest(" + list(trajectory.points.back().position) + ")\nend\n";
 }

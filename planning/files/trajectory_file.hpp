@@ -24,8 +24,8 @@ struct TrajectoryFormat {
 /// - `urscript`: a program `clearway_path()` for Universal Robots controllers that streams the points with
 ///   servoj; for robots of six revolute joints. It stops with a message when the arm is not within 0.01 rad
 ///   of the start. servoj follows with a lag and rounds corners by what `lookahead_time` smooths. Where the
-///   path stops, at events and at its end, the program holds the arm until it has caught up within 0.001 rad,
-///   at most 2 s; it stops with a message when the arm is then not within 0.01 rad.
+///   path stops, as at goals, events and its end, the program holds the arm until it has caught up within
+///   0.001 rad, at most 2 s; it stops with a message when the arm is then not within 0.01 rad.
 /// - `ros-json`: the message of `ros` as JSON;
 /// - `json`: arrays of times, positions, velocities and accelerations, with robot, planner and map;
 /// - `csv`: a table with a heading: time, then positions, velocities and accelerations of all joints.

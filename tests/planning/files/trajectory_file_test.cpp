@@ -262,6 +262,25 @@ TEST(TrajectoryFile, UrscriptComesToRestOnceForLoadsThatAreTakenOneAfterTheOther
       << calls.substr(0, 200);
 }
 
+/// A goal on the way is reached, not cut by the lag: once, where the arm has come to rest.
+TEST(TrajectoryFile, UrscriptHoldsWhereThePathStopsOnItsWay) {
+  const Robot robot = chain(6, false);
+  Trajectory trajectory = motion(robot);
+  const std::size_t goal = trajectory.points.size() - 1;
+  for (int rests = 0; rests < 3; ++rests) trajectory.points.push_back(trajectory.points.back());
+  for (std::size_t k = goal; k-- > 0;) trajectory.points.push_back(trajectory.points[k]);
+  for (std::size_t k = 0; k < trajectory.points.size(); ++k)
+    trajectory.points[k].time = 0.008 * static_cast<double>(k);
+  std::istringstream text(trajectory_format("urscript", robot).write(robot, plan_of(robot), trajectory));
+  std::vector<std::size_t> stops;
+  std::size_t streamed = 0;
+  for (std::string line; std::getline(text, line);) {
+    streamed += line.starts_with("  servoj([");
+    if (line.starts_with("  come_to_rest([")) stops.push_back(streamed);
+  }
+  EXPECT_EQ(stops, (std::vector<std::size_t>{goal + 4, trajectory.points.size()}));
+}
+
 TEST(TrajectoryFile, CsvHasAHeadingAndALineForEachPoint) {
   Robot robot = chain(2, false);
   robot.joints[1].name = "el,bow";
