@@ -102,7 +102,9 @@ PairedFigure paired(const CompareExperiment& experiment, std::size_t first, std:
 void count_successes(const CompareExperiment& experiment, PairedPlanners& pair) {
   for (const CompareProblem& problem : experiment.problems) {
     int difference = 0, runs_more = 0;
+    bool is_solved = false;
     for (const CompareRun& run : problem.runs) {
+      is_solved |= run.is_valid() && (run.planner == pair.first || run.planner == pair.second);
       if (run.planner == pair.first) difference += run.is_valid();
       if (run.planner == pair.second) difference -= run.is_valid();
       runs_more += (run.planner == pair.first) - (run.planner == pair.second);
@@ -110,6 +112,7 @@ void count_successes(const CompareExperiment& experiment, PairedPlanners& pair) 
     if (runs_more != 0) continue;  // interrupted: one of them has not had its turn
     pair.first_more += difference > 0;
     pair.second_more += difference < 0;
+    pair.solved += is_solved;
   }
   pair.success_p = sign_test(pair.first_more, pair.second_more);
 }
@@ -123,6 +126,7 @@ void correct(std::vector<PairedPlanners>& pairs, const std::function<double&(Pai
 
 std::string success_words(const PairedPlanners& pair, const std::string& a, const std::string& b) {
   const std::size_t differ = pair.first_more + pair.second_more;
+  if (pair.solved == 0) return "Neither solves a problem.";
   if (differ == 0) return "Both solve the same problems.";
   const bool first_leads = pair.first_more > pair.second_more;
   const std::string counts = std::to_string(std::max(pair.first_more, pair.second_more)) + " of " +

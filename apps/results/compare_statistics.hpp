@@ -72,7 +72,8 @@ struct PairedFigure {
 struct PairedPlanners {
   std::size_t first = 0, second = 0;            ///< indices of the experiment's planners
   std::size_t first_more = 0, second_more = 0;  ///< problems of which one has more valid runs
-  double success_p = 1.0;                       ///< sign test of these
+  std::size_t solved = 0;                       ///< problems of which one or both have a valid run
+  double success_p = 1.0;                       ///< sign test of those of which one has more
   PairedFigure cpu = {}, cost = {};
   std::string words = {};  ///< what that means, a sentence or more
 };

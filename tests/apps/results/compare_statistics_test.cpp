@@ -236,6 +236,9 @@ TEST(PairedPlanners, ComparesProblemByProblemInWords) {
       "sure solves more (10 of 10 problems on which they differ, p = 0.002). sure needs 33.33 % of slow's "
       "CPU time (median over 10 problems that both solve, p = 0.002). No difference in path cost beyond "
       "chance (10 problems that both solve, p = 1).");
+  for (CompareProblem& problem : experiment.problems)
+    for (CompareRun& run : problem.runs) run.check = "none";
+  EXPECT_EQ(paired_planners(experiment)[0].words, "Neither solves a problem.");
 }
 
 }  // namespace compare_statistics_test
