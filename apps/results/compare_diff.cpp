@@ -379,6 +379,16 @@ std::vector<std::string> notes_on(const StoredResults& before, const StoredResul
   return notes;
 }
 
+/// Of the rows that lose runs which no test counts, and no rule.
+std::string lost_by_externals(const std::vector<DiffRow>& rows) {
+  std::string lost;
+  for (const DiffRow& row : rows)
+    if (row.is_external && row.lost > row.won && row.worse.empty())
+      lost += (lost.empty() ? "" : ", ") + quote(row.planner) + " in experiment " + quote(row.experiment) +
+              " lost " + std::to_string(row.lost) + ", won " + std::to_string(row.won);
+  return lost.empty() ? "" : " Runs of external planners count only by the sign test: " + lost + ".";
+}
+
 }  // namespace
 
 bool CompareDiff::is_worse() const {
@@ -389,13 +399,16 @@ std::string CompareDiff::verdict() const {
   if (is_worse()) return "Worse beyond noise.";
   const auto small =
       std::count_if(rows.begin(), rows.end(), [](const DiffRow& row) { return row.is_too_small; });
-  if (small == 0) return "Nothing is worse beyond noise.";
+  const std::string lost = lost_by_externals(rows);
+  if (small == 0)
+    return (lost.empty() ? "Nothing is worse" : "Nothing is shown to be worse") +
+           std::string(" beyond noise.") + lost;
   std::size_t needed = 1;
   while (least_p(needed, rows.size()) >= beyond_chance) ++needed;
   return "Nothing is shown to be worse; " + std::to_string(small) + " of " + counted(rows.size(), "row") +
          " could show only twice the CPU time, and more on each of three problems or more, or lost runs: "
          "expected " +
-         std::to_string(needed) + " problems or more to tell less from noise.";
+         std::to_string(needed) + " problems or more to tell less from noise." + lost;
 }
 
 CompareDiff compare_diff(const fs::path& before_file, const fs::path& after_file) {

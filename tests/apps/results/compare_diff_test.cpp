@@ -231,8 +231,15 @@ TEST(CompareDiff, OfAnExternalProgramTheTestAloneDecides) {
       results->experiments[0].planners = {{"one", "external", {}, true}};
     save_database(before, folder.path() / "old.sqlite");
     save_database(after, folder.path() / "new.sqlite");
-    return compare_diff(folder.path() / "old.sqlite", folder.path() / "new.sqlite").is_worse();
+    const CompareDiff diff = compare_diff(folder.path() / "old.sqlite", folder.path() / "new.sqlite");
+    const std::string words =
+        " Runs of external planners count only by the sign test: 'one' in experiment "
+        "'e' lost " +
+        std::to_string(lost) + ", won 0.";
+    EXPECT_EQ(diff.verdict().ends_with(words), lost > 0 && !diff.is_worse()) << diff.verdict();
+    return diff.is_worse();
   };
+  EXPECT_FALSE(is_worse(0));
   EXPECT_FALSE(is_worse(1));
   EXPECT_FALSE(is_worse(4));
   EXPECT_TRUE(is_worse(12));
