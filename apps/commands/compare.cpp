@@ -39,11 +39,14 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Refuses a chosen name that is not among the known ones.
+/// @param hint a sentence more about one that is not
 void require_known(const std::string& flag, const std::vector<std::string>& chosen,
-                   const std::vector<std::string>& known) {
+                   const std::vector<std::string>& known, const std::string& hint = "") {
   for (const std::string& name : chosen) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    throw std::invalid_argument(flag + ": the suite has no " + quote(name) + ": " + suggestion(name, known));
+    throw std::invalid_argument(
+        flag + ": the suite has no " + quote(name) + ": " +
+        (hint.empty() ? suggestion(name, known) : ended(suggestion(name, known)) + " " + hint));
   }
 }
 
@@ -305,8 +308,8 @@ void add_printed_planner(const std::string& name, Suite& suite) {
   }
 }
 
-/// Leaves the planner of that name alone. Returns the number of the run.
-int choose_planner(const std::string& name, PreparedExperiment& experiment) {
+/// Leaves the planner of that name alone. Returns the number of the run. @param hint see require_known
+int choose_planner(const std::string& name, const std::string& hint, PreparedExperiment& experiment) {
   std::vector<std::string> known;
   const std::vector<std::string> planners = names_as_files(experiment.planners);
   const int runs = experiment.setup.runs;
@@ -320,7 +323,7 @@ int choose_planner(const std::string& name, PreparedExperiment& experiment) {
       return number;
     }
   }
-  require_known("--rerun", {name}, known);
+  require_known("--rerun", {name}, known, hint);
   return 1;
 }
 
@@ -346,7 +349,9 @@ int rerun(const CompareOptions& options, Console& console) {
   add_printed_planner(id.planner, suite);
   suite.experiments.front().plots = {"animation"};
   std::vector<PreparedExperiment> prepared = prepare_all(suite, options);
-  const int number = choose_planner(id.planner, prepared.front());
+  const std::string hint =
+      options.externals.empty() ? "An external planner needs its --external NAME=COMMAND here, too." : "";
+  const int number = choose_planner(id.planner, hint, prepared.front());
   const CompareAsked asked = asked_of(suite, prepared, options);
   const fs::path beside = fs::temp_directory_path() / ("clearway-rerun-" + std::to_string(::getpid()));
   AtomicFolder folder(options.out.empty() ? beside : options.out, is_of_comparison);

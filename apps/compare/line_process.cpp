@@ -180,6 +180,8 @@ void LineProcess::fail(const std::string& what) {
   }
   std::string sentence = "the planner's program " + (ended > 0 ? end_of_process(status) : what);
   if (ended > 0) process_ = -1;
+  if (!received_.empty() && received_.size() <= longest_line)
+    sentence += "; its last line has no newline, expected one after each answer";
   const std::size_t end = last_words_.find_last_not_of(" \r\n");
   if (end != std::string::npos) {
     const std::string words = last_words_.substr(0, end + 1);

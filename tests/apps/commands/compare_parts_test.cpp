@@ -358,6 +358,7 @@ TEST_F(CompareParts, OneRunIsRepeatedByItsId) {
   refused("swing", "expected EXPERIMENT/PROBLEM/PLANNER");
   refused("swign/swing/beam", "did you mean 'swing'?");
   refused("swing/swing/bream", "did you mean 'beam'?");
+  refused("round/there_and_back/mine-2", "An external planner needs its --external NAME=COMMAND here, too.");
   refused("swing/swnig/beam", "no problem 'swnig'");
 }
 

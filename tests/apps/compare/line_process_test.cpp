@@ -84,6 +84,12 @@ TEST(LineProcess, SaysHowItEndedAndItsLastLineOfErrors) {
   EXPECT_EQ(noisy, "the planner's program ended with status 0; its last line of errors: '100000'");
 }
 
+TEST(LineProcess, SaysThatAnAnswerHasNoNewline) {
+  const std::string words = "; its last line has no newline, expected one after each answer";
+  EXPECT_EQ(end_of("sh -c 'read l; printf answer'"), "the planner's program ended with status 0" + words);
+  EXPECT_EQ(end_of("sh -c 'read l; exit 3'").find("newline"), std::string::npos);
+}
+
 TEST(LineProcess, EndsTheProgramAndWhatThatStarted) {
   const TemporaryFolder folder;
   const std::string file = (folder.path() / "pids").string();
