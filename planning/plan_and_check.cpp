@@ -167,15 +167,17 @@ void plan_legs(const PlanQuery& query, const Planner& planner, const LegSpaces& 
     for (const Load& load : space.robot().loads)
       for (const int j : grip_joints(space.robot(), load)) to[j] = from[j];
     planner.prepare(space);
-    const ThreadStopwatch cpu(plan.cpu_s);
+    const double cpu_before = thread_cpu_seconds();
     const auto begin = Clock::now();
     const PathCost cost = path_cost(query, space.robot());
     const PlanProblem problem{
         space,           cost, from, to, query.seed, [&] { return seconds_since(begin) > query.time_limit; },
         query.time_limit};
     plan.legs.push_back(held_to_task(planner, problem));
-    plan.time_s += seconds_since(begin);
-    plan.cpu_s += plan.legs.back().process_cpu;
+    const ProcessTime own{seconds_since(begin), thread_cpu_seconds() - cpu_before};
+    const ProcessTime took = plan.legs.back().process_time.value_or(own);
+    plan.time_s += took.wall;
+    plan.cpu_s += took.cpu;
     report_step_beyond_way(plan.options, plan.legs.back());
     if (plan.legs.back().status != PlanStatus::solved) break;
     from = plan.legs.back().waypoints.back();

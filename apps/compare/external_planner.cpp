@@ -162,6 +162,7 @@ void ExternalPlanner::prepare(const ConfigurationSpace& space) const {
 
 PlanResult ExternalPlanner::plan(const PlanProblem& problem) const {
   PlanResult result = check_ends(problem);
+  result.process_time.emplace();
   if (result.status != PlanStatus::solved) return result;
   if (problem.start == problem.goal) {  // nobody need be asked
     result.waypoints = {problem.start};
@@ -175,15 +176,21 @@ PlanResult ExternalPlanner::plan(const PlanProblem& problem) const {
   const double cpu_before = program.cpu_seconds();
   Json query{{"start", json_of(problem.start)}, {"goal", json_of(problem.goal)}, {"seed", problem.seed}};
   if (std::isfinite(problem.time_limit)) query["time_limit"] = problem.time_limit;
-  const std::optional<std::string> line = program.ask(Json{{"query", query}}.dump(), problem.out_of_time);
-  if (!line) {
+  const std::string question = Json{{"query", query}}.dump();
+  std::optional<std::string> line;
+  {
+    const Stopwatch watch(result.process_time->wall);
+    line = program.ask(question, problem.out_of_time);
+  }
+  result.process_time->cpu = program.cpu_seconds() - cpu_before;
+  const bool is_late = result.process_time->wall > problem.time_limit;
+  if (!line || is_late) {
     result.status = PlanStatus::timed_out;
-    result.explanation = "The program did not answer in time.";
-    result.process_cpu = program.cpu_seconds() - cpu_before;
-    state_->program.reset();  // its late answer is to no other question
+    result.explanation =
+        line ? "The program answered after its time limit." : "The program did not answer in time.";
+    if (!line) state_->program.reset();  // its late answer is to no other question
     return result;
   }
-  result.process_cpu = program.cpu_seconds() - cpu_before;
   read_answer(*line, problem, result);
   return result;
 }

@@ -37,7 +37,9 @@ void replace_figures(const PlanProblem& problem, PlanResult& result) {
     result.last_segment_cost = 0.0;
   }
   if (!std::isfinite(result.final_distance)) result.final_distance = 0.0;
-  if (!std::isfinite(result.process_cpu)) result.process_cpu = 0.0;
+  if (result.process_time &&
+      !(std::isfinite(result.process_time->wall) && std::isfinite(result.process_time->cpu)))
+    result.process_time.reset();
 }
 
 }  // namespace

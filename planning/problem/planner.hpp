@@ -36,6 +36,11 @@ struct PlanProblem {
 /// Start, goals and base count as kept within this, in radians and metres; scales within this share.
 constexpr double contract_tolerance = 1e-6;
 
+/// What a process of a planner's own took for a query, s.
+struct ProcessTime {
+  double wall = 0.0, cpu = 0.0;
+};
+
 /// The answer to one query.
 struct PlanResult {
   PlanStatus status = PlanStatus::no_path;
@@ -52,7 +57,8 @@ struct PlanResult {
   int search_steps = 0;         ///< edges, the last segment not counted
   std::uint64_t configurations_checked = 0;
   std::uint64_t edges_checked = 0;
-  double process_cpu = 0.0;                    ///< s that a process of the planner took beside this one
+  /// Counts in place of what this process took, which only reads and costs the answer.
+  std::optional<ProcessTime> process_time;
   std::map<std::string, double> statistics;    ///< planner's own figures, by name
   std::optional<BoundaryPlusStage> solved_by;  ///< none of another planner, and unless solved
 };

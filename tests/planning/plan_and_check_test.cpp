@@ -372,6 +372,40 @@ TEST(PlanAndCheck, APlannerThatDoesNotReachWhatItWasAskedIsNotBelieved) {
   }
 }
 
+/// Whose answer is read and costed here, which is none of its time.
+class InAProcess : public Planner {
+ public:
+  explicit InAProcess(ProcessTime took) : Planner("external", {}), took_(took) {}
+  PlanResult plan(const PlanProblem& problem) const override {
+    PlanResult result;
+    result.status = PlanStatus::solved;
+    result.waypoints = {problem.start, problem.goal};
+    for (int i = 0; i < 20'000; ++i) result.cost = problem.cost(result.waypoints);
+    result.process_time = took_;
+    return result;
+  }
+
+ private:
+  ProcessTime took_;
+};
+
+TEST(PlanAndCheck, TimesOfAPlannerInAProcessOfItsOwnAreThatProcesss) {
+  const ConfigurationSpace space = walled_space();
+  const auto planned = [&](const ProcessTime& took) {
+    return plan_and_check({.space = space,
+                           .start = left,
+                           .goals = {above, right},
+                           .planner = std::make_shared<InAProcess>(took),
+                           .survey = {},
+                           .advice_time = 0.0});
+  };
+  const Plan plan = planned({1e-6, 2e-6});
+  EXPECT_EQ(plan.legs.size(), 2U);
+  EXPECT_DOUBLE_EQ(plan.time_s, 2e-6);
+  EXPECT_DOUBLE_EQ(plan.cpu_s, 4e-6);
+  EXPECT_GT(planned({std::nan(""), 1e-6}).time_s, 1e-5);
+}
+
 /// The step to the exact goal is not free: the search ends in the goal's box, as the paper has it, which the
 /// plan says and `check` refuses.
 TEST(PlanAndCheck, ABeamMayEndInTheBoxOfItsGoal) {

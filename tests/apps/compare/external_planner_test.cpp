@@ -123,6 +123,24 @@ TEST_F(ExternalPlannerOf, TellsWhyThereIsNoPath) {
             PlanStatus::timed_out);
 }
 
+/// Of the program alone; what reads and costs its answer is ours.
+TEST_F(ExternalPlannerOf, TakesTheTimeFromQueryToAnswerAndNoLaterOne) {
+  const ExternalPlanner slow(
+      "sh -c 'read world; echo \"{\\\"ready\\\": true}\"; while read query; do sleep 0.3; "
+      "echo \"{\\\"path\\\": [[0.2, 0], [0.5, 0.25]]}\"; done'");
+  slow.prepare(space_);
+  const PlanResult in_time = slow.plan({space_, cost_, start_, goal_, 1});
+  EXPECT_EQ(in_time.status, PlanStatus::solved);
+  ASSERT_TRUE(in_time.process_time);
+  EXPECT_GE(in_time.process_time->wall, 0.3);
+  EXPECT_LT(in_time.process_time->cpu, 0.3);
+  const PlanResult late = slow.plan({space_, cost_, start_, goal_, 1, [] { return false; }, 0.1});
+  EXPECT_EQ(late.status, PlanStatus::timed_out);
+  EXPECT_EQ(late.explanation, "The program answered after its time limit.");
+  EXPECT_TRUE(late.waypoints.empty());
+  EXPECT_EQ(slow.plan({space_, cost_, start_, goal_, 1}).status, PlanStatus::solved);
+}
+
 /// Problems that follow each other in one process may have their spaces in one place.
 TEST_F(ExternalPlannerOf, ASpaceInThePlaceOfAnotherIsAWorldOfItsOwn) {
   const ExternalPlanner tells(  // its process, of which each world has one
