@@ -194,7 +194,7 @@ Probe::Verdict Probe::judge_history(const PaintingSample& sample) const {
                                            "' is visible, which another tag of it contradicted: ",
                                            "one of the two is not where the setup has it")};
   };
-  const Verdict base = judge_alone(*sample.base, base_, base_record_.tags);
+  const Verdict base = sample.base_agrees ? Verdict{} : judge_alone(*sample.base, base_, base_record_.tags);
   if (base.refusal != Refusal::none) return base;
   const Verdict probe = judge_alone(*sample.probe, probe_.body, probe_record_.tags);
   if (probe.refusal != Refusal::none) return probe;
@@ -236,7 +236,7 @@ void Probe::remember(const PaintingSample& sample, Refusal refusal) {
   if (refusal != Refusal::none) return;
   last_accepted_ = place;
   const auto alone = [](const BodyPose& pose) { return pose.tags.size() == 1 ? pose.tags.front() : kNoTag; };
-  ++accepted_alone_[{alone(*sample.base), alone(*sample.probe)}];
+  ++accepted_alone_[{sample.base_agrees ? kNoTag : alone(*sample.base), alone(*sample.probe)}];
 }
 
 Probe::Doubts Probe::doubts() const {

@@ -12,8 +12,8 @@ namespace clearway {
 /// showed three, can.
 class TagRecord {
  public:
-  /// Counts the tags that this pose kept and rejected, or that it showed alone with one another; one tag says
-  /// nothing. @param is_explained whether the errors that are stated explain the pose's corners
+  /// Counts the tags that this pose kept and rejected, or that it showed as a pair; one tag says nothing.
+  /// @param is_explained whether the errors that are stated explain the pose's corners
   void note(const BodyPose& pose, bool is_explained);
 
   /// False for a tag that was rejected in most of the last images that could show it, and at least three

@@ -119,6 +119,21 @@ void MovingRobot::take(const Joint& joint) {
   }
 }
 
+double MovingRobot::open_between_readings(double time) const {
+  const std::vector<double> bent = joints_.uncertainties(names_, time, setup_.latency);
+  double most = 0.0;
+  for (const std::vector<double>& levers : levers_)
+    most = std::max(most, std::inner_product(levers.begin(), levers.end(), bent.begin(), 0.0));
+  return most;
+}
+
+std::string MovingRobot::why_unknown(double time) const {
+  const std::string reason = joints_.why_unknown(names_, time);
+  if (!reason.empty()) return reason;
+  return "the readings around it leave open by " + short_text(open_between_readings(time), 2) +
+         " m where its bodies were, at most " + short_text(most_open, 2) + " m";
+}
+
 /// How far each joint may have been from its place at that time.
 std::vector<double> MovingRobot::deviations(double time) const {
   std::vector<double> moved = joints_.deviations(names_, time, setup_.latency);
@@ -169,7 +184,7 @@ std::pair<double, double> MovingRobot::motion(double time, int link, const Eigen
 
 std::optional<std::size_t> MovingRobot::take_out(Scan& scan) const {
   const auto links = poses(scan.time);
-  if (!links) return std::nullopt;
+  if (!links || open_between_readings(scan.time) > most_open) return std::nullopt;
   const std::vector<double> growth = growths(scan.time);
   std::vector<Grown> bodies;
   for (std::size_t i = 0; i < robot_.bodies.size(); ++i) {

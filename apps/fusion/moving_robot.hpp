@@ -32,7 +32,8 @@ class MovingRobot {
   MovingRobot(const RobotSetup& setup, JointStream joints);
 
   /// Moves the robot's points of a scan in its place to `taken_out`. @return how many; empty where the joints
-  /// are not known at the scan's time (the scan stays as it is).
+  /// are not known at the scan's time, or leave the bodies' places open by more than `most_open` between
+  /// their readings (the scan stays as it is).
   std::optional<std::size_t> take_out(Scan& scan) const;
 
   /// By how much each body is grown at that time, metres. @pre the joints are known then
@@ -47,8 +48,8 @@ class MovingRobot {
 
   /// map_from_link of all links; empty where the joints are not known at that time.
   std::optional<LinkPoses> poses(double time) const;
-  /// Why `poses` is empty, as a clause.
-  std::string why_unknown(double time) const { return joints_.why_unknown(names_, time); }
+  /// Why `poses` is empty, or `take_out`, as a clause.
+  std::string why_unknown(double time) const;
 
   /// How far a point of a link may have been from its place there, as the setup's latency and the readings
   /// leave it open: metres, and radians that the link turned; at most, to first order.
@@ -60,8 +61,12 @@ class MovingRobot {
   /// Clauses: the first reading of each joint that is beyond its limits, and readings that were left out.
   const std::vector<std::string>& doubts() const { return doubts_; }
 
+  static constexpr double most_open = 0.1;  ///< metres
+
  private:
   void take(const Joint& joint);
+  /// How far a body may have been from where it is between the readings around that time, metres.
+  double open_between_readings(double time) const;
   std::vector<double> deviations(double time) const;
 
   RobotSetup setup_;

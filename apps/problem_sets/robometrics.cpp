@@ -67,7 +67,7 @@ void read_capsule(const YamlFields& capsule, ForeignSolid& solid) {
 class SetReader {
  public:
   SetReader(const std::string& text, const std::filesystem::path& file, const SceneContext& context)
-      : root_(text, "problem set " + quote_path(file.string()), most_set_nodes),
+      : root_(text, "problem set " + quote_path(file.string()), YamlBounds{most_set_nodes, most_set_nodes}),
         file_(file),
         context_(context) {
     frames_.place_links(context_.robot, {});

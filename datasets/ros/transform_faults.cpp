@@ -180,12 +180,11 @@ std::string tell_moving_base(const TransformTree& tree, const std::string& root,
     turn += tree.turn_of(frame);
   }
   if (way <= still && turn <= still) return "";
-  return "moves the base of the robot, frame " + quote(base) + ", by " + short_text(way, 3) + " m and " +
-         short_text(turn, 3) + " rad in " + quote(root) +
+  return "moves the base of the robot, frame " + quote(base) + ", by up to " + short_text(way, 3) +
+         " m and " + short_text(turn, 3) + " rad in " + quote(root) +
          ", but `robot` is taken to stand at its `base`: while it was elsewhere, its points are in the map, "
-         "and "
-         "things where it is taken to be are not; `from` and `to` of `source: {bag: …}` take a part in which "
-         "it stands";
+         "and things where it is taken to be are not; `from` and `to` of `source: {bag: …}` take a part in "
+         "which it stands";
 }
 
 }  // namespace clearway

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "mapping/system/parallel.hpp"
 #include "mapping/voxels/tile_node.hpp"
@@ -13,10 +14,26 @@ namespace clearway {
 namespace {
 
 constexpr int reach = 10, enough = 6;  ///< voxels along the line of sight, and how many of them are occupied
-constexpr int thick = 3;               ///< voxels: a layer of more is no layer
+constexpr int most_thick = 3;          ///< voxels of a layer, and
+constexpr double most_metres = 0.12;   ///< metres
 constexpr int around = 16;             ///< directions across the line of sight
 constexpr int tile_level = 5;
+constexpr int far = 20;               ///< voxels before and behind: from so many the angle is measured
+constexpr double steepest = 0.044;    ///< sine of 2.5 degrees
 constexpr double same_view = 0.9986;  ///< cosine of 3 degrees
+
+/// The directions across it, in a plane.
+const std::array<Eigen::Vector2d, around>& ways_around() {
+  static const std::array<Eigen::Vector2d, around> ways = [] {
+    std::array<Eigen::Vector2d, around> made;
+    for (int i = 0; i < around; ++i) {
+      const double angle = 2.0 * std::numbers::pi * i / around;
+      made[static_cast<std::size_t>(i)] = {std::cos(angle), std::sin(angle)};
+    }
+    return made;
+  }();
+  return ways;
+}
 
 /// Looks up voxels that lie near each other.
 class Occupied {
@@ -49,20 +66,31 @@ bool goes_on(Occupied& is_occupied, const Eigen::Vector3d& place, const Eigen::V
 
 /// Of a place and the direction in which something may reach from it, across the line of sight.
 struct Side {
-  bool is_filled = false;  ///< occupied as far as `thick`
-  bool is_wide = false;    ///< goes on
+  bool is_filled = false;  ///< occupied as far as a layer may be thick
+  bool is_wide = false;    ///< occupied two voxels away
 };
 
-bool is_layer(const std::array<Side, around>& sides) {
+bool is_thin(const std::array<Side, around>& sides, int normal) {
   constexpr int eighth = around / 8, half = around / 2, quarter = around / 4;
   const auto side = [&](int i) { return sides[static_cast<std::size_t>((i + around) % around)]; };
-  for (int normal = 0; normal < half; ++normal) {
-    bool is_thin = true;
-    for (int k = -eighth; k <= eighth && is_thin; ++k)
-      is_thin = !side(normal + k).is_filled && !side(normal + half + k).is_filled;
-    if (is_thin && (side(normal + quarter).is_wide || side(normal - quarter).is_wide)) return true;
+  for (int k = -eighth; k <= eighth; ++k)
+    if (side(normal + k).is_filled || side(normal + half + k).is_filled) return false;
+  return side(normal + quarter).is_wide || side(normal - quarter).is_wide;
+}
+
+/// How far a layer goes along its normal for each voxel along the line of sight: least squares over the
+/// occupied voxels about the line.
+double slope_of(Occupied& is_occupied, const Eigen::Vector3d& place, const Eigen::Vector3d& along,
+                const Eigen::Vector3d& normal) {
+  double count = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
+  for (int k = -far; k <= far; ++k) {
+    for (int n = -most_thick; n <= most_thick; ++n) {
+      if (!is_occupied(place + k * along + n * normal)) continue;
+      ++count, x += k, y += n, xx += k * k, xy += k * n;
+    }
   }
-  return false;
+  const double spread = xx - x * x / count;
+  return spread > 0.0 ? (xy - x * y / count) / spread : 0.0;
 }
 
 /// From the rays' origin, in cells, to the middle of a word's cube.
@@ -104,20 +132,28 @@ bool GrazedSurfaces::View::is_same_way(const Eigen::Vector3d& other) const {
 
 bool is_seen_edge_on(const FusedTree& tree, const Eigen::Vector3i& cell, const Eigen::Vector3d& origin) {
   const Eigen::Vector3d place = cell.cast<double>().array() + 0.5, way = place - origin;
-  if (way.norm() < thick) return false;
+  if (way.norm() < most_thick) return false;
   const Eigen::Vector3d along = way.normalized();
   Occupied is_occupied(tree);
   if (!goes_on(is_occupied, place, along) && !goes_on(is_occupied, place, -along)) return false;
+  const int thick = std::clamp(static_cast<int>(most_metres / tree.getResolution()), 1, most_thick);
   const Eigen::Vector3d across = along.unitOrthogonal(), other = along.cross(across);
+  const auto direction = [&](int i) -> Eigen::Vector3d {
+    const Eigen::Vector2d& unit = ways_around()[static_cast<std::size_t>(i)];
+    return unit.x() * across + unit.y() * other;
+  };
   std::array<Side, around> sides;
   for (int i = 0; i < around; ++i) {
-    const double angle = 2.0 * std::numbers::pi * i / around;
-    const Eigen::Vector3d step = std::cos(angle) * across + std::sin(angle) * other;
+    const Eigen::Vector3d step = direction(i);
     Side& side = sides[static_cast<std::size_t>(i)];
     side.is_wide = is_occupied(place + 2.0 * step);
-    side.is_filled = side.is_wide && is_occupied(place + step) && is_occupied(place + thick * step);
+    side.is_filled = true;
+    for (int k = 1; k <= thick && side.is_filled; ++k) side.is_filled = is_occupied(place + k * step);
   }
-  return is_layer(sides);
+  for (int normal = 0; normal < around / 2; ++normal)
+    if (is_thin(sides, normal) && std::abs(slope_of(is_occupied, place, along, direction(normal))) < steepest)
+      return true;
+  return false;
 }
 
 void GrazedSurfaces::spare(const FusedTree& tree, const Eigen::Vector3d& origin, ScanTile& tile) const {
@@ -125,12 +161,16 @@ void GrazedSurfaces::spare(const FusedTree& tree, const Eigen::Vector3d& origin,
   const FusedNode* const node = tile_node(tree, tile.corner);
   if (node == nullptr || std::all_of(tile.free.begin(), tile.free.end(), is_zero)) return;
   const auto found = views_.find(ScanGrid::key_of(tile.corner));
+  unsigned asked = ~0U;  // a cube of 2 x 2 x 2 voxels; its first one speaks for all
+  bool is_edge_on = false;
   visit_occupied(tree, *node, tile_level, 0, [&](unsigned bit) {
     const unsigned word = bit >> 6U;
     const std::uint64_t mask = std::uint64_t{1} << (bit & 63U);
     if ((tile.free[word] & mask) == 0 || (tile.occupied[word] & mask) != 0) return;
     if (found != views_.end() && (*found->second)[word].is_only(way_to(tile, word, origin))) return;
-    if (is_seen_edge_on(tree, tile.cell_of(bit), origin)) tile.free[word] &= ~mask;
+    if (std::exchange(asked, bit >> 3U) != bit >> 3U)
+      is_edge_on = is_seen_edge_on(tree, tile.cell_of(bit), origin);
+    if (is_edge_on) tile.free[word] &= ~mask;
   });
 }
 

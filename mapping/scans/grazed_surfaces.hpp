@@ -44,8 +44,8 @@ class GrazedSurfaces {
   std::unordered_map<std::uint64_t, std::unique_ptr<Views>> views_;  ///< of tiles that were hit
 };
 
-/// Whether an occupied voxel lies in a thin, wide layer of occupied ones that reaches far along the line of
-/// sight from `origin` (in cells: metres over the resolution) to it.
+/// Whether an occupied voxel lies in a layer of occupied ones, at most three voxels and 12 cm thick, along
+/// which the line of sight to it goes, within some 2.5 degrees. @param origin metres over the resolution
 bool is_seen_edge_on(const FusedTree& tree, const Eigen::Vector3i& cell, const Eigen::Vector3d& origin);
 
 }  // namespace clearway

@@ -317,7 +317,7 @@ void spare_and_weigh(FusedTree& tree, const ScanInsertion& insertion, ScanEviden
   }
   spare_around(workspace.taken_out, surface, grid, insertion.threads);
   if (weighs) evidence->contested.weigh(tree, grid, insertion.threads);
-  if (evidence != nullptr)
+  if (evidence != nullptr && !workspace.chosen.ends.empty())  // else nobody knows from where it looked
     evidence->grazed.weigh(tree, workspace.chosen.origin.cast<double>(), grid, insertion.threads);
 }
 

@@ -141,6 +141,7 @@ std::optional<ProvedPart> proved_part(const ProofSpace& proof, const MotionChunk
                                       const JointLimits& limits, const MotionPiece& unproved) {
   if (unproved.kind == MotionPiece::Kind::joining) return std::nullopt;
   std::size_t k = unproved.waypoint;
+  if (unproved.kind == MotionPiece::Kind::braking) --k;  // there it cannot stop, and no waypoint follows
   while (k > 0 && !stops_free(proof, chunk, k, limits)) --k;
   std::optional<ProvedPart> part;
   if (k > 0) part = part_until(chunk, k, limits);

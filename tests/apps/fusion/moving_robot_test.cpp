@@ -114,6 +114,7 @@ TEST_P(MovingRobots, LeaveNoneOfTheirPointsWhileReadingsAreMissing) {
   const MovingRobot moving(setup, stream_of(robot, 0.045));
   std::mt19937 random(10);
   std::size_t left = 0;
+  int known = 0;
   for (int trial = 0; trial < 40; ++trial) {
     Scan scan;
     scan.time = 0.2 + 0.13 * trial;
@@ -121,11 +122,19 @@ TEST_P(MovingRobots, LeaveNoneOfTheirPointsWhileReadingsAreMissing) {
          points_of(robot, forward_kinematics(robot, place_at(robot, scan.time)), random))
       scan.points.push_back(point.cast<float>());
     const std::vector<Eigen::Vector3f> own = scan.points;
-    const std::size_t taken = *moving.take_out(scan);
-    EXPECT_EQ(scan.taken_out.size(), taken);
-    EXPECT_EQ(scan.points.size() + taken, own.size());
+    const auto taken = moving.take_out(scan);
+    if (!taken) {
+      EXPECT_EQ(scan.points.size(), own.size());
+      EXPECT_NE(moving.why_unknown(scan.time).find("leave open by"), std::string::npos);
+      continue;
+    }
+    ++known;
+    EXPECT_EQ(scan.taken_out.size(), *taken);
+    EXPECT_EQ(scan.points.size() + *taken, own.size());
     left += scan.points.size();
   }
+  EXPECT_GT(known, 3);
+  EXPECT_LT(known, 40);
   EXPECT_LE(left, 20U);  // roundings, of bodies in their places
 }
 

@@ -92,11 +92,12 @@ TEST(JointStream, WhileReadingsAreMissingAJointMayBeElsewhere) {
 TEST(JointStream, AcrossMissingReadingsItCanDoWhatIsStated) {
   JointStream stream(0.5);
   for (int i = 0; i <= 200; ++i)
-    if (i <= 100 || i >= 140) stream.add(0.01 * i, both, {0.0, 0.01 * i});
+    if (i <= 100 || i >= 140) stream.add(0.01 * i, {"a", "b", "rests"}, {0.01 * i, 0.01 * i, 1.0});
   stream.let_accelerate("b", 2.0);
-  const std::vector<double> open = stream.uncertainties(both, 1.1, 0.0);
+  const std::vector<double> open = stream.uncertainties({"a", "b", "rests"}, 1.1, 0.0);
   EXPECT_NEAR(open[0], 10.0 * 0.1 * 0.3 / 2.0, 1e-9);
   EXPECT_NEAR(open[1], 2.0 * 0.1 * 0.3 / 2.0, 1e-9);
+  EXPECT_NEAR(open[2], 0.0, 1e-9);
   EXPECT_NEAR(stream.uncertainties(both, 1.1, 0.06)[1], 2.0 * 0.16 * 0.24 / 2.0, 1e-9);
   EXPECT_NEAR(stream.uncertainties(both, 1.1, 0.5)[1], 2.0 * 0.2 * 0.2 / 2.0, 1e-9);
   JointStream lonely(0.5);

@@ -95,7 +95,7 @@ TEST(GrazedSurfaces, ABoardStandsWhenItIsSeenEdgeOn) {
       for (int i = 0; i < 20; ++i)  // 3 to 13 mm above it
         camera.look(middle - Vector3d(1.9, 0, 0) + (thickness / 2 + 0.008 + 0.005 * std::sin(i)) * up, middle,
                     &board);
-      EXPECT_LT(share_open(map, board), missed + 0.02) << tilt << " " << thickness;
+      EXPECT_LT(share_open(map, board), missed + 0.05) << tilt << " " << thickness;
     }
   }
 }
