@@ -135,10 +135,8 @@ double JointStream::acceleration(const std::string& name, Reading before, Readin
   constexpr double of_any_joint = 10.0;
   const auto stated = accelerations_.find(name);
   const double possible = stated == accelerations_.end() ? of_any_joint : stated->second;
-  constexpr double at_rest = 0.01;  // rad, rad/s^2
   const auto shown = shown_acceleration(name, before, after);
   if (!shown) return possible;
-  if (*shown < at_rest && std::abs(way(name, before->second, after->second)) < at_rest) return 2.0 * *shown;
   const bool is_usual = after->first - before->first <= most_spacings * usual;
   return is_usual ? 2.0 * *shown : std::max(2.0 * *shown, possible);
 }

@@ -275,19 +275,20 @@ TEST(CheckContract, WhatThePlanAloneSaysIsNotedWhereItIsUnusual) {
              *dynamics = "payload and gravity are only compared";
   Question question;
   question.has_record = false;
-  question.plan.motion.emplace();
   question.plan.policies["base"] = Policy::painted;
   for (const char* note : {base, gravity, policy, dynamics})
     EXPECT_FALSE(is_noted(question.contract(), note)) << note;
   question.plan.map_from_base = pose_at(0.1);
   question.plan.gravity.x() = 0.1;
-  for (const char* note : {base, gravity}) EXPECT_TRUE(is_noted(question.contract(), note)) << note;
+  EXPECT_TRUE(is_noted(question.contract(), base));
+  EXPECT_TRUE(is_noted(question.contract(true), gravity));
+  EXPECT_FALSE(is_noted(question.contract(), gravity)) << "a path has no torques";
   question.options.dynamics.payload = 1.0;
   EXPECT_TRUE(is_noted(question.contract(), dynamics));
   EXPECT_FALSE(is_noted(question.contract(true), dynamics));
   question.options.dynamics = {{}, {0.0, 0.0, -9.81}};
   EXPECT_TRUE(is_noted(question.contract(), dynamics));
-  EXPECT_FALSE(is_noted(question.contract(), gravity));
+  EXPECT_FALSE(is_noted(question.contract(true), gravity));
 }
 
 TEST(CheckContract, TheRobotIsThatOfTheContractsScaleAndPlaceAndItsTipThatOfAPickByFlag) {

@@ -97,7 +97,7 @@ TEST(JointStream, AcrossMissingReadingsItCanDoWhatIsStated) {
   const std::vector<double> open = stream.uncertainties({"a", "b", "rests"}, 1.1, 0.0);
   EXPECT_NEAR(open[0], 10.0 * 0.1 * 0.3 / 2.0, 1e-9);
   EXPECT_NEAR(open[1], 2.0 * 0.1 * 0.3 / 2.0, 1e-9);
-  EXPECT_NEAR(open[2], 0.0, 1e-9);
+  EXPECT_NEAR(open[2], open[0], 1e-9);
   EXPECT_NEAR(stream.uncertainties(both, 1.1, 0.06)[1], 2.0 * 0.16 * 0.24 / 2.0, 1e-9);
   EXPECT_NEAR(stream.uncertainties(both, 1.1, 0.5)[1], 2.0 * 0.2 * 0.2 / 2.0, 1e-9);
   JointStream lonely(0.5);
