@@ -70,13 +70,14 @@ std::vector<std::string> stages_for(const fs::path& repository, const fs::path& 
   const std::set<fs::path> nearest = nearest_tests(repository, source);
   const std::string near = filter_of(nearest);
   if (near.empty()) return {"*"};
-  if (*source.begin() == "apps") return {near};
   std::set<fs::path> room;  // the others of the mirrored folder
   for (const auto& entry : fs::directory_iterator(repository / "tests" / source.parent_path()))
     if (is_test_file(entry.path()) && !nearest.contains(entry.path())) room.insert(entry.path());
   const std::string beside = filter_of(room);
-  if (beside.empty()) return {near, "-" + near};
-  return {near, beside + "-" + near, "-" + near + ":" + beside};
+  std::vector<std::string> stages{near};
+  if (!beside.empty()) stages.push_back(beside + "-" + near);
+  if (*source.begin() != "apps") stages.push_back("-" + near + (beside.empty() ? "" : ":" + beside));
+  return stages;
 }
 
 }  // namespace clearway::mutation
