@@ -1,9 +1,13 @@
 #pragma once
 
+#include <array>
+#include <cmath>
 #include <random>
+#include <set>
 #include <vector>
 
 #include "mapping/free_space_map.hpp"
+#include "mapping/snapshot.hpp"
 
 namespace clearway::worlds {
 
@@ -58,6 +62,29 @@ inline FreeSpaceMap random_map(unsigned seed, double resolution = 0.05, int roun
     map.paint(dice.whole(0, 1), random_sphere(dice), 0.1 * round + 0.05);
   }
   return map;
+}
+
+using Cell = std::array<int, 3>;
+
+inline Cell cell_of(const Eigen::Vector3d& point, double resolution) {
+  const Eigen::Vector3i cell = (point / resolution).array().floor().cast<int>();
+  return {cell.x(), cell.y(), cell.z()};
+}
+
+/// Voxels of a map by state, all leaves at the finest level.
+inline std::set<Cell> cells_in(const Snapshot& map, VoxelState state) {
+  std::set<Cell> cells;
+  const double resolution = map.resolution();
+  map.visit_leaves([&](const Voxel& leaf) {
+    if (leaf.state != state) return;
+    const int edge = static_cast<int>(std::lround(leaf.size / resolution));
+    const Cell low =
+        cell_of(leaf.center - Eigen::Vector3d::Constant(0.5 * (leaf.size - resolution)), resolution);
+    for (int x = 0; x < edge; ++x)
+      for (int y = 0; y < edge; ++y)
+        for (int z = 0; z < edge; ++z) cells.insert({low[0] + x, low[1] + y, low[2] + z});
+  });
+  return cells;
 }
 
 }  // namespace clearway::worlds

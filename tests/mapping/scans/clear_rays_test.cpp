@@ -14,31 +14,14 @@ namespace clearway {
 namespace clear_rays_test {
 
 constexpr double resolution = 0.05, range = 2.0;
-using Cell = std::array<int, 3>;
+using worlds::Cell, worlds::cells_in;
 
-Cell cell_of(const Eigen::Vector3d& point) {
-  const Eigen::Vector3i cell = (point / resolution).array().floor().cast<int>();
-  return {cell.x(), cell.y(), cell.z()};
-}
+Cell cell_of(const Eigen::Vector3d& point) { return worlds::cell_of(point, resolution); }
 
 /// Cells that a ray passes up to `reach`, by steps of a hundredth of a voxel: nearly all of them.
 void walk(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double reach, std::set<Cell>& cells) {
   const Eigen::Vector3d way = (to - from).normalized();
   for (double at = 0.0; at <= reach; at += 0.01 * resolution) cells.insert(cell_of(from + at * way));
-}
-
-/// Voxels of the map by state, all leaves at the finest level.
-std::set<Cell> cells_in(const Snapshot& map, VoxelState state) {
-  std::set<Cell> cells;
-  map.visit_leaves([&](const Voxel& leaf) {
-    if (leaf.state != state) return;
-    const int edge = static_cast<int>(std::lround(leaf.size / resolution));
-    const Cell low = cell_of(leaf.center - Eigen::Vector3d::Constant(0.5 * (leaf.size - resolution)));
-    for (int x = 0; x < edge; ++x)
-      for (int y = 0; y < edge; ++y)
-        for (int z = 0; z < edge; ++z) cells.insert({low[0] + x, low[1] + y, low[2] + z});
-  });
-  return cells;
 }
 
 /// A laser's sweep from an odd place: a part of its rays hit something, others met nothing within `range`.

@@ -12,25 +12,13 @@
 namespace clearway {
 namespace taken_out_points_test {
 
-using Cell = std::array<int, 3>;
+using worlds::Cell;
 constexpr double resolution = 0.02;
 
-Cell cell_of(const Eigen::Vector3d& point) {
-  const Eigen::Vector3i cell = (point / resolution).array().floor().cast<int>();
-  return {cell.x(), cell.y(), cell.z()};
-}
+Cell cell_of(const Eigen::Vector3d& point) { return worlds::cell_of(point, resolution); }
 
 std::set<Cell> free_cells(const FreeSpaceMap& map) {
-  std::set<Cell> cells;
-  map.snapshot().visit_leaves([&](const Voxel& leaf) {
-    if (leaf.state != VoxelState::seen_free) return;
-    const int edge = static_cast<int>(std::lround(leaf.size / resolution));
-    const Cell low = cell_of(leaf.center - Eigen::Vector3d::Constant(0.5 * (leaf.size - resolution)));
-    for (int x = 0; x < edge; ++x)
-      for (int y = 0; y < edge; ++y)
-        for (int z = 0; z < edge; ++z) cells.insert({low[0] + x, low[1] + y, low[2] + z});
-  });
-  return cells;
+  return worlds::cells_in(map.snapshot(), VoxelState::seen_free);
 }
 
 /// A wall 2 m ahead and before it, 1 m ahead, a pole.
