@@ -1,5 +1,7 @@
 #include "datasets/camera_files/camera_fields.hpp"
 
+#include <array>
+#include <span>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -16,9 +18,52 @@ constexpr std::pair<const char*, const char*> size_keys[] = {
     {"imageWidth", "imageHeight"},
     {"calibration_image_width", "calibration_image_height"},
     {"width", "height"},
+    {"cols", "rows"},  // stella_vslam
     {"w", "h"}};
 
+/// Refuses what is not 0 of the names behind `prefix`.
+void refuse_numbers(const YamlFields& fields, const std::string& prefix, std::span<const char* const> names,
+                    const std::string& expected) {
+  for (const char* name : names) {
+    const std::string key = prefix + name;
+    if (fields.has(key) && !fields.is_map(key) && !fields.is_word(key) && !fields.is_list(key) &&
+        fields.number(key, within_reach) != 0.0)
+      fields.fail(key, expected);
+  }
+}
+
 }  // namespace
+
+void take_named_coefficients(const YamlFields& fields, const std::string& prefix,
+                             std::optional<LensModel> lens, CameraIntrinsics& camera) {
+  constexpr std::array none_of_any{"xi", "alpha", "beta", "omega", "skew", "r1", "r2",
+                                   "r3", "t1",    "t2",   "s1",    "s2",   "s3", "s4"};
+  constexpr std::array none_of_fisheye{"k5", "k6", "p1", "p2"};
+  constexpr std::array none_of_plumb_bob{"k4", "k5", "k6"};
+  const bool is_fisheye = lens == LensModel::fisheye;
+  const bool has_rational =
+      fields.has(prefix + "k4") && fields.has(prefix + "k5") && fields.has(prefix + "k6");
+  const bool is_rational = has_rational && lens.value_or(LensModel::rational) == LensModel::rational;
+  const std::string plumb_bob = "expected a plumb_bob, whose coefficients are k1, k2, p1, p2, k3";
+  const std::string fisheye = "expected a fisheye, whose coefficients are k1, k2, k3, k4";
+  refuse_numbers(fields, prefix, none_of_any, is_fisheye ? fisheye : plumb_bob);
+  if (is_fisheye)
+    refuse_numbers(fields, prefix, none_of_fisheye, fisheye);
+  else if (!is_rational)
+    refuse_numbers(fields, prefix, none_of_plumb_bob,
+                   plumb_bob + "; `lens: fisheye` beside `file` takes k1, k2, k3, k4");
+
+  std::vector<const char*> names{"k1", "k2", "p1", "p2", "k3"};
+  if (is_fisheye) names = {"k1", "k2", "k3", "k4"};
+  if (is_rational) names.insert(names.end(), {"k4", "k5", "k6"});
+  std::vector<double> coefficients;
+  for (const char* name : names) coefficients.push_back(fields.number(prefix + name, within_reach, 0.0));
+  set_lens(camera,
+           is_fisheye    ? LensModel::fisheye
+           : is_rational ? LensModel::rational
+                         : LensModel::plumb_bob,
+           coefficients);
+}
 
 void take_distortion(const YamlFields& fields, const std::string& key, LensModel lens,
                      CameraIntrinsics& camera) {

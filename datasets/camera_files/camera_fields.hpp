@@ -24,6 +24,11 @@ struct BesideFile {
 void take_distortion(const YamlFields& fields, const std::string& key, LensModel lens,
                      CameraIntrinsics& camera);
 
+/// Coefficients by their names, k1, k2, p1, …, that stand behind `prefix`: of the lens that is named, else
+/// OpenCV's, a plumb bob or, where k4, k5 and k6 stand, rational. Those of other lenses have to be 0.
+void take_named_coefficients(const YamlFields& fields, const std::string& prefix,
+                             std::optional<LensModel> lens, CameraIntrinsics& camera);
+
 /// The lens that a key names in one of ROS's names; without the key the other one, and "none" is a plumb bob.
 LensModel read_lens(const YamlFields& fields, const std::string& key, const std::string& otherwise);
 

@@ -37,9 +37,8 @@ CameraIntrinsics read_any(const YamlFields& file, const std::string& camera, Bes
   if (is_chain_camera) return read_chain_camera(file, is_rectified);
   if (file.is_map("projection_parameters")) return read_camodocal(file, beside.size, is_rectified);
   if (file.has("image_width") || has_any_matrix(file)) return read_camera_info(file, camera, beside);
-  if (is_orb_slam(file)) return read_orb_slam(file, camera, beside.size, is_rectified);
-  if (const auto fields = json_camera(file, camera))
-    return read_json_camera(*fields, beside.size, is_rectified);
+  if (is_orb_slam(file)) return read_orb_slam(file, camera, beside);
+  if (const auto found = json_camera(file, camera)) return read_json_camera(*found, beside);
   const std::vector<std::string> keys = file.keys();
   if (std::any_of(keys.begin(), keys.end(),
                   [&](const std::string& key) { return is_of_camchain(file, key); }))
@@ -182,7 +181,8 @@ std::optional<double> depth_scale_of_file(const std::filesystem::path& file, con
   if (is_sensor_info(text)) return 1.0 / parse_sensor_info(text, called).steps_per_metre;
   if (is_numbers_alone(text) || is_colmap_cameras(text) || is_nerf_file(text)) return std::nullopt;
   const YamlFields whole = fields_of(text, called);
-  const std::optional<YamlFields> camera = is_json_camera(whole) ? json_camera(whole, name) : std::nullopt;
+  const std::optional<JsonCamera> found = is_json_camera(whole) ? json_camera(whole, name) : std::nullopt;
+  const YamlFields& camera = found ? found->fields : whole;
   const YamlFields inner = whole.is_map("camera") ? whole.map("camera") : whole;
   const bool is_replica = file.filename() == "cam_params.json" ||
                           (whole.is_map("camera") && inner.has("fx") && inner.has("scale") &&
@@ -194,8 +194,8 @@ std::optional<double> depth_scale_of_file(const std::filesystem::path& file, con
     // Up to 1 it says that depth is in metres already, as pictures of floats are (ORB-SLAM2, Tracking.cc).
     if (steps && *steps > 1.0) return plausible_step(whole, key, 1.0 / *steps);
   }
-  for (const YamlFields& fields : {camera.value_or(whole), inner, whole})
-    if (fields.has("depth_scale")) return step_of_depth_scale(fields, camera.value_or(whole));
+  for (const YamlFields& fields : {camera, inner, whole})
+    if (fields.has("depth_scale")) return step_of_depth_scale(fields, camera);
   return std::nullopt;
 }
 

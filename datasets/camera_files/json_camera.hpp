@@ -2,23 +2,34 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
-#include "datasets/cameras/image_size.hpp"
-#include "datasets/sources/recording.hpp"
-#include "datasets/yaml/yaml_fields.hpp"
+#include "datasets/camera_files/camera_fields.hpp"
 
 namespace clearway {
 
 /// Whether a map is a camera by the names `fx`, `fy`, `cx`, `cy`.
 bool is_plain_camera(const YamlFields& fields);
 
-/// The map of a file that is a camera of librealsense, of Open3D or of plain numbers: itself, or one in it,
-/// by the name of that or of what holds it. Nothing when there is none.
-/// @throws std::invalid_argument by YamlFields::fail where there are several and none is `wanted`
-std::optional<YamlFields> json_camera(const YamlFields& file, const std::string& wanted);
+/// A camera of librealsense, of Open3D or of plain numbers in a file.
+struct JsonCamera {
+  /// A map that the camera stands in, and the key there that leads to it.
+  struct Holder {
+    YamlFields fields;
+    std::string key;
+  };
 
-/// A camera of these kinds. @throws std::invalid_argument by YamlFields::fail
-CameraIntrinsics read_json_camera(const YamlFields& fields, std::optional<ImageSize> given,
-                                  bool is_rectified);
+  YamlFields fields;
+  std::vector<Holder> holders;  ///< from the file inwards; none: the file is the camera
+};
+
+/// The one of a file: itself, or one in it, by the name of that or of what holds it. Nothing when there is
+/// none. @throws std::invalid_argument by YamlFields::fail where there are several and none is `wanted`
+std::optional<JsonCamera> json_camera(const YamlFields& file, const std::string& wanted);
+
+/// A camera of these kinds. Its coefficients may stand beside it, as `rgbDistortion` beside `rgbIntrinsic`,
+/// and the name of its lens in what holds it. @throws std::invalid_argument by YamlFields::fail, also where
+/// it is not sure to which camera coefficients belong
+CameraIntrinsics read_json_camera(const JsonCamera& camera, BesideFile& beside);
 
 }  // namespace clearway

@@ -38,6 +38,44 @@ CameraIntrinsics read_orb_slam_raw(const YamlFields& fields, const std::string& 
   return is_rectified ? read_rectified(fields, camera, prefix + "R", prefix + "P") : camera;
 }
 
+/// The lens that ORB-SLAM3's `Camera.type` or OpenVSLAM's `Camera.model` names.
+std::optional<LensModel> orb_slam_lens(const YamlFields& fields) {
+  if (fields.has("Camera.type")) {
+    const std::string type = fields.text("Camera.type");
+    if (type == "PinHole") return LensModel::plumb_bob;
+    if (type == "KannalaBrandt8") return LensModel::fisheye;
+    fields.fail("Camera.type", "expected PinHole, KannalaBrandt8 or Rectified, got " + quote(type));
+  }
+  if (fields.has("Camera.model")) {
+    const std::string model = fields.text("Camera.model");
+    if (model == "perspective") return LensModel::plumb_bob;
+    if (model == "fisheye") return LensModel::fisheye;
+    fields.fail("Camera.model", "expected perspective or fisheye, got " + quote(model));
+  }
+  return std::nullopt;
+}
+
+void take_orb_slam_lens(const YamlFields& fields, const std::string& prefix, std::optional<LensModel> beside,
+                        CameraIntrinsics& camera) {
+  if (fields.has("Camera.type") && fields.text("Camera.type") == "Rectified") return;
+  const std::optional<LensModel> named = orb_slam_lens(fields);
+  if (named != LensModel::fisheye)
+    return take_named_coefficients(fields, prefix, named ? named : beside, camera);
+  std::array<double, 4> coefficients{};  // they read no others, whatever else stands there
+  for (std::size_t i = 0; i < coefficients.size(); ++i)
+    coefficients[i] = fields.number(prefix + "k" + std::to_string(i + 1), within_reach, 0.0);
+  set_lens(camera, LensModel::fisheye, coefficients);
+}
+
+/// By either's names, else `given`.
+ImageSize orb_slam_size(const YamlFields& fields, std::optional<ImageSize> given) {
+  constexpr Bounds sides{32, 20000};
+  if (fields.has("Camera.cols") || fields.has("Camera.rows"))
+    return {fields.integer("Camera.cols", sides), fields.integer("Camera.rows", sides)};
+  if (given && !fields.has("Camera.width") && !fields.has("Camera.height")) return *given;
+  return {fields.integer("Camera.width", sides), fields.integer("Camera.height", sides)};
+}
+
 }  // namespace
 
 CameraIntrinsics read_camodocal(const YamlFields& file, std::optional<ImageSize> given, bool is_rectified) {
@@ -72,25 +110,20 @@ CameraIntrinsics read_camodocal(const YamlFields& file, std::optional<ImageSize>
 bool is_orb_slam(const YamlFields& file) { return !orb_slam_prefixes(file).empty(); }
 
 CameraIntrinsics read_orb_slam(const YamlFields& fields, const std::string& wanted,
-                               std::optional<ImageSize> given, bool is_rectified) {
+                               const BesideFile& beside) {
   if ((wanted == "LEFT" || wanted == "RIGHT") && fields.has(wanted + ".K"))
-    return read_orb_slam_raw(fields, wanted, is_rectified);
-  if (fields.has("LEFT.K") && !is_rectified)
+    return read_orb_slam_raw(fields, wanted, beside.is_rectified);
+  if (fields.has("LEFT.K") && !beside.is_rectified)
     fields.fail("LEFT.K",
                 "Camera.fx and so on are of rectified pictures, LEFT.K and RIGHT.K of raw ones: expected "
                 "`name: LEFT` or `name: RIGHT` beside `file`, or `rectified: true`");
+  require_raw_of_stella(fields, beside.is_rectified);
   const std::vector<std::string> prefixes = orb_slam_prefixes(fields);
   const std::string prefix = wanted.empty() ? prefixes.front() : wanted + ".";
   if (std::find(prefixes.begin(), prefixes.end(), prefix) == prefixes.end())
     fields.fail("", "it has no camera " + quote(wanted) +
                         ", expected `name` beside `file` to be as its keys " + "begin, such as Camera1");
-  constexpr Bounds sides{32, 20000};
-  const auto of_camera = [&](const char* name, double otherwise) {
-    return fields.number(prefix + name, within_reach, otherwise);
-  };
-  ImageSize size = given.value_or(ImageSize{});
-  if (fields.has("Camera.width") || fields.has("Camera.height") || !given)
-    size = {fields.integer("Camera.width", sides), fields.integer("Camera.height", sides)};
+  const ImageSize size = orb_slam_size(fields, beside.size);
   CameraIntrinsics camera{size.width,
                           size.height,
                           fields.number(prefix + "fx", above_zero),
@@ -98,18 +131,15 @@ CameraIntrinsics read_orb_slam(const YamlFields& fields, const std::string& want
                           fields.number(prefix + "cx", within_reach),
                           fields.number(prefix + "cy", within_reach),
                           {}};
-  const std::string type = fields.has("Camera.type") ? fields.text("Camera.type") : "PinHole";
-  const std::array<double, 5> plumb_bob{of_camera("k1", 0.0), of_camera("k2", 0.0), of_camera("p1", 0.0),
-                                        of_camera("p2", 0.0), of_camera("k3", 0.0)};
-  const std::array<double, 4> fisheye{of_camera("k1", 0.0), of_camera("k2", 0.0), of_camera("k3", 0.0),
-                                      of_camera("k4", 0.0)};
-  if (type == "PinHole")
-    set_lens(camera, LensModel::plumb_bob, plumb_bob);
-  else if (type == "KannalaBrandt8")
-    set_lens(camera, LensModel::fisheye, fisheye);
-  else if (type != "Rectified")
-    fields.fail("Camera.type", "expected PinHole, KannalaBrandt8 or Rectified, got " + quote(type));
-  return only_camera(fields, camera, is_rectified);
+  take_orb_slam_lens(fields, prefix, beside.lens, camera);
+  return only_camera(fields, camera, beside.is_rectified);
+}
+
+void require_raw_of_stella(const YamlFields& file, bool is_rectified) {
+  if (!is_rectified && (file.is_map("StereoRectifier") || file.has("StereoRectifier.K_left")))
+    file.fail("StereoRectifier",
+              "Camera is of rectified pictures, K_left and K_right of raw ones: expected `rectified: true` "
+              "beside `file`, or the raw camera's numbers in the setup");
 }
 
 }  // namespace clearway

@@ -3,9 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "datasets/cameras/image_size.hpp"
-#include "datasets/sources/recording.hpp"
-#include "datasets/yaml/yaml_fields.hpp"
+#include "datasets/camera_files/camera_fields.hpp"
 
 namespace clearway {
 
@@ -13,12 +11,15 @@ namespace clearway {
 /// count from k2 (camodocal, EquidistantCamera.cc). @throws std::invalid_argument by YamlFields::fail
 CameraIntrinsics read_camodocal(const YamlFields& file, std::optional<ImageSize> given, bool is_rectified);
 
-/// Whether it is settings of an ORB-SLAM.
+/// Whether it is settings of an ORB-SLAM, or of OpenVSLAM, which names things alike.
 bool is_orb_slam(const YamlFields& file);
 
-/// ORB-SLAM's settings, of the camera that is wanted; else of the one or the left one.
-/// @throws std::invalid_argument by YamlFields::fail
-CameraIntrinsics read_orb_slam(const YamlFields& fields, const std::string& wanted,
-                               std::optional<ImageSize> given, bool is_rectified);
+/// Their camera that is wanted; else the one or the left one. @throws std::invalid_argument by
+/// YamlFields::fail
+CameraIntrinsics read_orb_slam(const YamlFields& fields, const std::string& wanted, const BesideFile& beside);
+
+/// Refuses the camera of stella_vslam's (OpenVSLAM's) settings for raw pictures where it is of rectified
+/// ones.
+void require_raw_of_stella(const YamlFields& file, bool is_rectified);
 
 }  // namespace clearway
