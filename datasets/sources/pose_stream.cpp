@@ -372,12 +372,14 @@ PoseStream parse_tum_poses(const std::string& text, const std::string& name, dou
   std::size_t columns = 0;             // of a head that names more than a time and a pose
   std::size_t before_nanoseconds = 0;  // of a head that names them
   std::optional<Columns> by_name;      // of a head that names them in another order
+  bool has_head = false;
   for (std::string line; std::getline(lines, line);) {
     ++number;
     const auto refuse = [&](const std::string& why) {
       throw std::invalid_argument(name + ", line " + std::to_string(number) + ": " + why);
     };
     if (const auto head = head_of(line); head && poses.empty()) {
+      has_head = true;
       const auto said = is_w_first_in(*head);
       before_nanoseconds = columns_before_nanoseconds(line);
       by_name = before_nanoseconds > 0 ? std::nullopt : columns_by_name(line);
@@ -399,6 +401,10 @@ PoseStream parse_tum_poses(const std::string& text, const std::string& name, dou
     line.resize(std::min(line.find('#'), line.size()));
     std::vector<std::string> words = words_of(line);
     if (words.empty()) continue;
+    if (!has_head && words.size() == 8 && line.find(',') != std::string::npos)
+      refuse(
+          "programs that write commas differ in where qw stands, expected a first line that names the "
+          "columns, such as 'time,x,y,z,qx,qy,qz,qw' or 'time,x,y,z,qw,qx,qy,qz'");
     const auto nanoseconds = take_nanoseconds(words, before_nanoseconds);
     if (words.size() == columns) words.resize(8);
     if (by_name) words = in_order(words, *by_name);
@@ -414,7 +420,11 @@ PoseStream parse_tum_poses(const std::string& text, const std::string& name, dou
     }
     if (!pose)
       refuse(std::string(before_nanoseconds > 0 ? "expected 'sec nsec x y z " : "expected 'time x y z ") +
-             (is_w_first ? "qw qx qy qz" : "qx qy qz qw") + "' with a unit quaternion");
+             (is_w_first ? "qw qx qy qz" : "qx qy qz qw") + "' with a unit quaternion" +
+             (words.size() == 8
+                  ? ""
+                  : ", got " + std::to_string(words.size()) +
+                        " columns; a first line that names them may have more, or another order"));
     poses.push_back(*pose);
   }
   if (poses.empty()) throw std::invalid_argument(name + ": expected at least one pose");

@@ -64,11 +64,11 @@ class PoseStream {
 };
 
 /// Poses from text in the format of the TUM RGB-D benchmark: lines "time x y z qx qy qz qw" (m, and times as
-/// make_seconds reads them), also apart by commas; `#` starts a comment. A head before the first pose,
-/// commented out or not, may say that the quaternion begins with w ("# time tx ty tz qw qx qy qz"), and,
-/// apart by commas, name more
-/// columns behind these, which are skipped (EuRoC's data.csv), or give the time as seconds and nanoseconds of
-/// it, possibly behind a counter (Newer College's "#sec,nsec,x,y,z,qx,qy,qz,qw").
+/// make_seconds reads them); `#` starts a comment. A head before the first pose, commented out or not, may
+/// say that the quaternion begins with w ("# time tx ty tz qw qx qy qz"). Lines apart by commas need a head,
+/// as some programs begin with w there (VINS-Mono) and some do not; it may name more columns behind these,
+/// which are skipped (EuRoC's data.csv), or give the time as seconds and nanoseconds of it, possibly behind a
+/// counter (Newer College's "#sec,nsec,x,y,z,qx,qy,qz,qw").
 /// @param left_out counts lines whose pose is not known (nan) and a last one that is cut off; none: they are
 /// refused @throws std::invalid_argument naming `name`, the line and what was expected.
 PoseStream parse_tum_poses(const std::string& text, const std::string& name, double max_gap,

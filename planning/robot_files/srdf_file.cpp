@@ -135,7 +135,11 @@ class SrdfReader {
   void add_state(const XmlElement& element) {
     Srdf::State state;
     state.name = attribute(element, "name");
-    state.group = attribute(element, "group");
+    state.group = optional(element, "group");
+    if (state.group.empty()) {
+      srdf_.states_of_no_group.push_back(state.name);
+      return;
+    }
     each(element, "joint", [&](const XmlElement& joint) {
       count_entry();
       const std::string name = attribute(joint, "name"), written = attribute(joint, "value");
@@ -283,6 +287,9 @@ std::vector<std::string> srdf_notes(const Robot& robot) {
   if (!srdf.robot.empty() && !robot.model.empty() && srdf.robot != robot.model)
     notes.push_back(called + " is for robot " + quote(srdf.robot) + ", the URDF's robot is called " +
                     quote(robot.model));
+  if (!srdf.states_of_no_group.empty())
+    notes.push_back(called +
+                    " is read without its states that name no group: " + listed(srdf.states_of_no_group));
   std::set<std::string> unknown(srdf.disabled_links.begin(), srdf.disabled_links.end());
   for (const auto* pairs : {&srdf.disabled, &srdf.enabled})
     for (const auto& [first, second] : *pairs) unknown.insert({first, second});

@@ -65,6 +65,10 @@ void check_limit(const Place& place, const Element& joint, const std::string& ty
   if (is_limited && !(limit && (limit->Attribute("lower") || limit->Attribute("upper"))))
     place.refuse("a " + type + " joint needs <limit lower=… upper=…>");
   if (!limit) return;
+  for (const char* name : {"effort", "velocity"})  // urdfdom reads no joint without
+    if (!limit->Attribute(name))
+      place.refuse(std::string("<limit> needs ") + name +
+                   " with 1 finite number, 0 where there is none to keep");
   urdf_numbers(place, *limit, "effort", 1, urdf_any);
   const bool is_unknown = urdf_numbers(place, *limit, "velocity", 1, urdf_any)[0] == no_limit;
   if (!is_unknown) urdf_numbers(place, *limit, "velocity", 1, urdf_speed);

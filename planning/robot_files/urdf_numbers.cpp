@@ -17,6 +17,15 @@ namespace {
 
 constexpr char blank = ' ';  // urdfdom and its kin drop what tabs and new lines separate
 
+/// What to add where a text that xacro would have replaced stands in its place.
+std::string xacro_hint(std::string_view text) {
+  const bool is_xacro =
+      text.find("${") != std::string_view::npos || text.find("$(") != std::string_view::npos;
+  return is_xacro ? ", which is xacro's: expected the file's name to end in .xacro, or what 'xacro FILE' "
+                    "makes of it"
+                  : "";
+}
+
 }  // namespace
 
 double decimal_number(std::string_view word) {
@@ -53,7 +62,8 @@ std::vector<double> urdf_numbers(const UrdfPlace& place, const tinyxml2::XMLElem
     const std::string_view word = rest.substr(0, rest.find_first_of(blank));
     rest.remove_prefix(word.size());
     const double value = decimal_number(word);
-    if (std::isnan(value) || values.size() == count) place.refuse(wanted + ", got " + quote(text));
+    if (std::isnan(value) || values.size() == count)
+      place.refuse(wanted + ", got " + quote(text) + xacro_hint(text));
     values.push_back(value);
   }
   if (values.size() != count) place.refuse(wanted + ", got " + quote(text));

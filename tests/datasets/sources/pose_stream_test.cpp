@@ -264,6 +264,29 @@ TEST(PoseStream, OfTwoPosesOfOneTimeThatAreFarApartNoneIsTaken) {
   EXPECT_NO_THROW(parse_tum_poses("1764300000 1 0 0 0 0 0 1\n1764300000 1 0 0 0 0 0 1\n", "p", 1e-9));
 }
 
+TEST(PoseStream, LinesWithCommasNeedAHead) {
+  const std::string vins = "1403636579763555584,1,2,3,0.8,0,0,0.6,\n";  // VINS-Mono's, w first
+  try {
+    parse_tum_poses(vins, "p", 1.0);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("line 1: programs that write commas differ"), std::string::npos);
+  }
+  const PoseStream poses = parse_tum_poses("time,x,y,z,qw,qx,qy,qz\n" + vins, "p", 1.0);
+  const Eigen::Quaterniond turn(poses.at(*poses.first_time())->rotation());
+  EXPECT_LT(turn.angularDistance(Eigen::Quaterniond(0.8, 0, 0, 0.6)), 1e-6);
+  EXPECT_THROW(parse_tum_poses("1,2,3,4,0,0,0,1\n", "p", 1.0), std::invalid_argument);
+}
+
+TEST(PoseStream, OfOtherColumnsHowManyIsSaid) {
+  try {
+    parse_tum_poses("1 0 0 0 0 0 0 1 7 7\n", "p", 1.0);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("got 10 columns"), std::string::npos) << error.what();
+  }
+}
+
 TEST(PoseStream, NamesTheLineThatIsNoPose) {
   for (const char* bad :
        {"1 2 3\n", "1 0 0 0 0 0 0 2\n", "1 0 0 nan 0 0 0 1\n", "1 0 inf 0 0 0 0 1\n", "1 1e999 0 0 0 0 0 1\n",

@@ -108,6 +108,12 @@ TEST_F(SrdfFile, OfAnotherRobotIsToldByItsNameAndByTheLinksOfItsPairs) {
   const std::string own = folder_.write(
       "own.srdf", "<robot name='two'><disable_collisions link1='l1' link2='r1' reason='Never'/></robot>");
   EXPECT_TRUE(srdf_notes(load_robot(RobotRequest{urdf_, own})).empty());
+  const std::string no_group = folder_.write(
+      "state.srdf",
+      "<robot name='two'><group_state name='home'><joint name='lj1' value='0.5'/></group_state></robot>");
+  EXPECT_EQ(srdf_notes(load_robot(RobotRequest{urdf_, no_group})),
+            (std::vector<std::string>{"the SRDF '" + no_group +
+                                      "' is read without its states that name no group: home"}));
   EXPECT_TRUE(srdf_notes(load_robot("planar2")).empty()) << "without a SRDF";
 }
 

@@ -59,7 +59,7 @@ TEST_F(UrdfDocumentFile, NumbersThatNoRobotHasAreRefusedWithTheirRange) {
   EXPECT_EQ(with_joint("revolute", "<limit lower='-1' upper='1' effort='1' velocity='-2'/>"),
             start + "<limit> has velocity '-2', expected rad/s or m/s in [0, 1e+06]");
   EXPECT_EQ(with_joint("revolute", "<limit lower='-1' upper='1' velocity='1'/>"),
-            start + "<limit> needs effort with 1 finite number");
+            start + "<limit> needs effort with 1 finite number, 0 where there is none to keep");
   EXPECT_EQ(with_joint("revolute", "<limit effort='1' velocity='1'/>"),
             start + "a revolute joint needs <limit lower=… upper=…>");
   EXPECT_EQ(with_shape("<sphere radius='1e-9'/>"),
@@ -98,12 +98,16 @@ TEST_F(UrdfDocumentFile, OnlyWholeDecimalNumbersCountWhateverTheLocale) {
     char do_decimal_point() const override { return ','; }
   };
   const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Comma));
-  for (const std::string text :
-       {"0,1", "0x1p-3", "1e999", "0.1m", "+-0.1", "0.1.1", "0.1 0.2", "", "inf", "${r}"}) {
+  for (const std::string text : {"0,1", "0x1p-3", "1e999", "0.1m", "+-0.1", "0.1.1", "0.1 0.2", "", "inf"}) {
     EXPECT_EQ(
         with_shape("<sphere radius='" + std::string(text) + "'/>"),
         "r.urdf: link 'arm': <sphere> needs radius with 1 finite number, got '" + std::string(text) + "'");
   }
+  for (const std::string text : {"${r}", "$(arg r)"})
+    EXPECT_EQ(with_shape("<sphere radius='" + text + "'/>"),
+              "r.urdf: link 'arm': <sphere> needs radius with 1 finite number, got '" + text +
+                  "', which is xacro's: expected the file's name to end in .xacro, or what 'xacro FILE' "
+                  "makes of it");
   EXPECT_EQ(
       with_shape("<sphere radius='0.1 '/>"),  // urdfdom would drop the body
       "r.urdf: link 'arm': <sphere> needs radius with 1 finite number and no blank after it, got '0.1 '");
