@@ -107,7 +107,11 @@ std::string refusals_of(const FusionCounts& counts) {
   for (const auto& [count, reason] : sorted)
     text += (text.empty() ? "" : ", ") + reason + " " + std::to_string(-count);
   if (sorted.empty()) return "no image";
-  const auto first = counts.first_refusals.find(sorted.front().second);
+  // That the probe is out of sight now and then explains nothing where it is seen and refused.
+  const auto telling = std::find_if(sorted.begin(), sorted.end(), [](const auto& refusal) {
+    return refusal.second != to_string(Refusal::probe_not_seen);
+  });
+  const auto first = counts.first_refusals.find((telling == sorted.end() ? sorted.front() : *telling).second);
   return first == counts.first_refusals.end() ? text : text + "; the first: " + first->second;
 }
 

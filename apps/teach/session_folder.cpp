@@ -41,11 +41,15 @@ void copy_bytes(const fs::path& from, const fs::path& to) {
   if (source.bad()) throw std::runtime_error("'" + from.string() + "' cannot be read to its end");
 }
 
-/// A hard link, else a copy.
+/// A copy, as what is written over the original later must not change it; of a large file a hard link.
 void take_file(const fs::path& from, const fs::path& to) {
+  constexpr std::uintmax_t largest_copy = std::uintmax_t{256} << 20U;
   std::error_code error;
-  fs::create_hard_link(fs::canonical(from), to, error);
-  if (error) copy_bytes(from, to);
+  if (fs::file_size(from, error) > largest_copy && !error) {
+    fs::create_hard_link(fs::canonical(from), to, error);
+    if (!error) return;
+  }
+  copy_bytes(from, to);
 }
 
 void take_source(const fs::path& from, const fs::path& to) {

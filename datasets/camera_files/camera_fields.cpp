@@ -90,11 +90,13 @@ LensModel read_lens(const YamlFields& fields, const std::string& key, const std:
 
 std::optional<LensModel> named_lens(const YamlFields& file) {
   if (file.has("distortion_model")) return read_lens(file, "distortion_model", "plumb_bob");
-  for (const char* key : {"model", "camera_model", "lens", "lens_model", "camera_type"}) {
+  for (const char* key : {"model", "camera_model", "lens", "lens_model", "camera_type", "distortionModel",
+                          "distortion_type", "cameraModel"}) {
     if (!file.is_word(key)) continue;
     const std::string name = lower_case(file.text(key));
     const auto says = [&](const char* word) { return name.find(word) != std::string::npos; };
-    if (says("fisheye") || says("equi") || says("kannala")) return LensModel::fisheye;
+    if (says("fisheye") || says("equi") || says("kannala") || name == "kb4" || name == "kb8")
+      return LensModel::fisheye;
     if (const auto lens = lens_named(name)) return lens;
     const bool is_other = says("omni") || says("fov") || says("sphere") || says("mei") || says("eucm") ||
                           says("unified") || says("scaramuzza") || says("division") || name == "ds" ||

@@ -100,6 +100,8 @@ void take_coefficients_at(const YamlFields& fields, const std::string& key, Came
   if (!fields.is_map(key) || fields.map(key).has("data"))
     return take_coefficients(fields, key, camera, beside);
   const YamlFields named = fields.map(key);
+  if (!named.has("k1") && !named.has("p1"))
+    fields.fail(key, "expected a list, or the coefficients by their names, k1, k2, p1, p2, k3");
   const auto lens = named_lens(named);
   take_named_coefficients(named, "", lens ? lens : beside.lens, camera);
 }

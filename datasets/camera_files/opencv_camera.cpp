@@ -87,7 +87,8 @@ std::string coefficients_key(const YamlFields& file, const MatrixKey& matrix) {
     const bool is_other = low.ends_with("model") || low.ends_with("type");
     if (!is_other &&
         (low.find("distort") != std::string::npos || low.find("distc") != std::string::npos ||
-         (holds_numbers && (low.find("dist") != std::string::npos || low.find("coef") != std::string::npos))))
+         (holds_numbers && (low.find("dist") != std::string::npos || low.find("coef") != std::string::npos ||
+                            low == "radial" || low == "tangential" || low == "params"))))
       file.fail(key, "expected the lens's coefficients as distortion_coefficients, got another name");
   }
   return "";

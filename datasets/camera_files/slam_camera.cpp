@@ -52,6 +52,8 @@ std::optional<LensModel> orb_slam_lens(const YamlFields& fields) {
     if (model == "fisheye") return LensModel::fisheye;
     fields.fail("Camera.model", "expected perspective or fisheye, got " + quote(model));
   }
+  if (fields.has("Camera.FishEye") && fields.integer("Camera.FishEye", {0, 1}) == 1)
+    return LensModel::fisheye;
   return std::nullopt;
 }
 
@@ -72,7 +74,13 @@ ImageSize orb_slam_size(const YamlFields& fields, std::optional<ImageSize> given
   constexpr Bounds sides{32, 20000};
   if (fields.has("Camera.cols") || fields.has("Camera.rows"))
     return {fields.integer("Camera.cols", sides), fields.integer("Camera.rows", sides)};
-  if (given && !fields.has("Camera.width") && !fields.has("Camera.height")) return *given;
+  if (!fields.has("Camera.width") && !fields.has("Camera.height")) {
+    if (given) return *given;
+    fields.fail(
+        "Camera.width",
+        "it does not say how large the pictures are: expected Camera.width and Camera.height, or `width` "
+        "and `height` beside `file`");
+  }
   return {fields.integer("Camera.width", sides), fields.integer("Camera.height", sides)};
 }
 

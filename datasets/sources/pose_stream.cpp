@@ -219,7 +219,15 @@ std::optional<Head> head_of(std::string line) {
   for (char& c : line)
     if (c == '[' || c == '(') c = ' ';
   Head head;
-  for (const std::string& word : words_of(line)) {
+  std::vector<std::string> names = words_of(line);
+  const auto has = [&](const char* name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  if (has("i") && has("j") && has("k"))  // w, i, j, k are a quaternion's, too
+    for (std::string& name : names)
+      if (name.size() == 1 && (name == "w" || (name >= "i" && name <= "k")))
+        name = name == "w" ? "qw" : name == "i" ? "qx" : name == "j" ? "qy" : "qz";
+  for (const std::string& word : names) {
     const char letter = letter_of(word);
     if (letter == 0) continue;
     head.begins_with_turn |= head.letters.empty() && is_of_turn(word);

@@ -305,6 +305,9 @@ std::vector<std::string> unit_notes(const Robot& robot) {
     if (joint.kind == JointKind::revolute && std::isfinite(turned) && turned > most_turned)
       notes.push_back("joint " + quote(joint.name) + " turns by " + short_text(turned, 3) +
                       " rad: are its limits in degrees? URDF has radians");
+    if (turned == 0.0 && joint.lower_follower.empty() && joint.upper_follower.empty())
+      notes.push_back("joint " + quote(joint.name) + " cannot move: its lower and upper limit are both " +
+                      short_text(joint.lower + 0.0, 4));  // not -0
     if (joint.kind == JointKind::prismatic && std::isfinite(turned) && turned > most_slid * robot.scale)
       notes.push_back("joint " + quote(joint.name) + " slides by " + short_text(turned / robot.scale, 3) +
                       " m: are its limits in millimetres? URDF has metres");

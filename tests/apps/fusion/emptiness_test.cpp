@@ -233,5 +233,15 @@ TEST_F(Emptiness, SamplesThatAreAllRefusedAreReportedWithTheFirstReason) {
       << sentence;
 }
 
+TEST(Refusals, OfAProbeThatIsSeenExplainMoreThanThatItIsOutOfSightNowAndThen) {
+  FusionCounts counts;
+  counts.samples = {{"probe_not_seen", 152}, {"reprojection_error", 117}};
+  counts.first_refusals = {{"probe_not_seen", "probe 'p' is not seen"},
+                           {"reprojection_error", "its corners err"}};
+  EXPECT_EQ(refusals_of(counts), "probe_not_seen 152, reprojection_error 117; the first: its corners err");
+  counts.samples.erase("reprojection_error");
+  EXPECT_EQ(refusals_of(counts), "probe_not_seen 152; the first: probe 'p' is not seen");
+}
+
 }  // namespace emptiness_test
 }  // namespace clearway

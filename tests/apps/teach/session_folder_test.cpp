@@ -58,6 +58,17 @@ TEST(SessionFolder, AFolderOfWhichAFileIsGoneOrAnotherOrMoreIsNotTheOneItWasMade
   EXPECT_NE(load(), "");
 }
 
+TEST(SessionFolder, ARecordingThatIsWrittenOverLaterIsStillTheSessions) {
+  const TemporaryFolder folder;
+  const std::string before = format_pcd({{1.0F, 0.0F, 0.0F}});
+  folder.write("scan.pcd", before);
+  RecordedSession session;
+  session.source = folder / "scan.pcd";
+  save_session(session, {}, folder / "session");
+  folder.write("scan.pcd", format_pcd({{2.0F, 0.0F, 0.0F}}));  // the same file, not another of its name
+  EXPECT_EQ(complaint([&] { load_session(folder / "session"); }), "");
+}
+
 /// A limit on the size of files stands for a full disk: std::filesystem calls either an input/output error.
 TEST(SessionFolder, APictureThatCannotBeCopiedIsReportedWithTheReasonOfTheDisk) {
   const std::filesystem::path memory = "/dev/shm";  // no links from there

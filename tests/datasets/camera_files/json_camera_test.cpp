@@ -81,6 +81,19 @@ TEST(JsonCamera, TheLensThatItsHolderNamesIsItsOwn) {
   EXPECT_NE(refusal_of("{\"camera_model\": \"omni\", " + inside + R"("distortion": [0.1, 0, 0, 0]})"), "");
 }
 
+TEST(JsonCamera, CoefficientsThatCannotBeReadAreRefused) {
+  for (const char* more :
+       {R"("radial": [0.1, 0.02])", R"("tangential": [0.001, 0.0])", R"("params": [0.1, 0.02, 0, 0])",
+        R"("distortion": {"radial": [0.1, 0.02]})", R"("distortionModel": "KB4", "params": [0.1])"}) {
+    EXPECT_NE(refusal_of("{" + numbers + ", " + more + "}"), "") << more;
+    EXPECT_NE(refusal_of("{\"camera\": {" + numbers + ", " + more + "}}"), "") << more;
+  }
+  EXPECT_NE(refusal_of("{\"camera\": {" + numbers + R"(}, "distortion": {"radial": [0.1, 0.02]}})"), "");
+  EXPECT_EQ(camera_of(R"({"camera_type": "kb4", "intrinsics": {"k1": 0.1, "k2": 0.02, "k3": 0, "k4": 0, )" +
+                      numbers + "}}"),
+            with_lens(LensModel::fisheye, {0.1, 0.02, 0, 0}));
+}
+
 TEST(JsonCamera, FourCoefficientsOfNoNamedLensAreNoted) {
   std::string note;
   camera_of("{\"camera\": {" + numbers + R"(}, "distortion": [0.1, 0.02, 0, 0]})", "", {}, &note);

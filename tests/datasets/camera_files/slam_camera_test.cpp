@@ -33,8 +33,13 @@ TEST(SlamCamera, FourCoefficientsNeedAFisheyeThatIsNamed) {
   EXPECT_EQ(camera_of(flat + four + size, LensModel::fisheye), fisheye);
   EXPECT_EQ(camera_of(flat + four + size + "Camera.model: fisheye\n"), fisheye);
   EXPECT_EQ(camera_of(flat + four + size + "Camera.type: KannalaBrandt8\n"), fisheye);
+  EXPECT_EQ(camera_of(flat + four + size + "Camera.FishEye: 1\n"), fisheye);
   EXPECT_NE(refusal_of(flat + four + size + "Camera.type: PinHole\n"), "");
   EXPECT_NE(refusal_of(flat + four + size + "Camera.model: radial_division\n"), "");
+}
+
+TEST(SlamCamera, WhatSaysNoSizeNamesTheCure) {
+  EXPECT_NE(refusal_of(flat).find("`width` and `height` beside `file`"), std::string::npos);
 }
 
 TEST(SlamCamera, APerspectiveCameraOfOpenvslamIsAPlumbBob) {

@@ -376,6 +376,8 @@ TEST_F(RobotFile, LimitsInDegreesAndMeshesInMillimetresAreTold) {
     return robot_notes(load_robot((folder_ / "r.urdf").string()));
   };
   EXPECT_TRUE(notes(12.6, 15.0).empty());
+  EXPECT_EQ(notes(0.0, 1.0),
+            (std::vector<std::string>{"joint 'j' cannot move: its lower and upper limit are both 0"}));
   const auto told = notes(170.0, 240.0);
   ASSERT_EQ(told.size(), 2U);
   EXPECT_EQ(told[0], "joint 'j' turns by 340 rad: are its limits in degrees? URDF has radians");
