@@ -42,6 +42,21 @@ void ConfigurationBlock::add(const Configuration& configuration) {
   ++count;
 }
 
+void ConfigurationBlock::find_nothing() {
+  for (const int member : members) failed[static_cast<std::size_t>(member)] = {};
+  members.clear();
+  blocked = {};
+}
+
+void ConfigurationBlock::leave_out_blocked() {
+  std::erase_if(members, [&](int member) {
+    Places& of_member = failed[static_cast<std::size_t>(member)];
+    std::transform(of_member.begin(), of_member.end(), blocked.begin(), of_member.begin(),
+                   [](std::uint64_t fails, std::uint64_t is_blocked) { return fails & ~is_blocked; });
+    return of_member == Places{};
+  });
+}
+
 ConfigurationBlock::Places ConfigurationBlock::failing() const {
   Places places{};
   for (const int member : members) {
@@ -52,11 +67,8 @@ ConfigurationBlock::Places ConfigurationBlock::failing() const {
 }
 
 std::size_t ConfigurationBlock::undecided() const {
-  Places open = failing();
-  std::transform(open.begin(), open.end(), blocked.begin(), open.begin(),
-                 [](std::uint64_t fails, std::uint64_t is_blocked) { return fails & ~is_blocked; });
   std::size_t count = 0;
-  for (const std::uint64_t places : open) count += static_cast<std::size_t>(std::popcount(places));
+  for (const std::uint64_t places : failing()) count += static_cast<std::size_t>(std::popcount(places));
   return count;
 }
 

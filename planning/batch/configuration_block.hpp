@@ -40,10 +40,14 @@ struct ConfigurationBlock {
 
   // What was found.
   Places blocked{};            ///< some body surely touches what blocks it, or another body
-  std::vector<Places> failed;  ///< of each member: where it was not proved free; not all where it is blocked
+  std::vector<Places> failed;  ///< of each member: where it was not proved free, of what is not blocked
   std::vector<int> members;    ///< those that failed somewhere
 
   static bool holds(const Places& places, std::size_t i) { return (places[i / 64] >> (i % 64) & 1U) != 0; }
+  /// Forgets what was found before.
+  void find_nothing();
+  /// Takes what is blocked out of `failed`.
+  void leave_out_blocked();
   /// Where some member was not proved free.
   Places failing() const;
   /// How many are neither proved free nor known to be blocked.

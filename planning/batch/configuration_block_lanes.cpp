@@ -11,35 +11,13 @@
 #include <hwy/highway.h>
 
 #include "planning/batch/lane_frames.hpp"
+#include "planning/batch/lane_packs.hpp"
 #include "planning/batch/lane_sight.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace clearway::HWY_NAMESPACE {
 
 using FloatSphere = BallTree::FloatSphere;
-
-/// Where a point of the frame is, at the packed poses from k on.
-HWY_INLINE Point placed(const PackedPoses& poses, const FloatSphere& sphere, std::size_t k) {
-  const auto row = [&](int i) HWY_ATTR { return hn::Load(Tag(), poses.rows[i] + k); };
-  const Vector x = all(sphere.x), y = all(sphere.y), z = all(sphere.z);
-  const auto along = [&](int i) HWY_ATTR {
-    return hn::Add(hn::Add(hn::Mul(row(3 * i), x), hn::Mul(row(3 * i + 1), y)),
-                   hn::Add(hn::Mul(row(3 * i + 2), z), row(9 + i)));
-  };
-  return {along(0), along(1), along(2)};
-}
-
-/// Of the lanes from k on those that a list of so many has.
-HWY_INLINE unsigned lanes_in_use(std::size_t count, std::size_t k) {
-  return count - k >= hn::Lanes(Tag()) ? all_bits : (1U << (count - k)) - 1U;
-}
-
-HWY_INLINE void pack(Vector numbers, Mask mask, float* to) {
-  hn::StoreU(hn::Compress(numbers, mask), Tag(), to);
-}
-HWY_INLINE void pack(hn::Vec<WholeTag> numbers, Mask mask, std::int32_t* to) {
-  hn::StoreU(hn::Compress(numbers, hn::RebindMask(WholeTag(), mask)), WholeTag(), to);
-}
 
 /// One look at a block of configurations.
 class BlockLook {
@@ -112,24 +90,6 @@ class BlockLook {
 
   float needed(const FloatSphere& sphere) const { return sphere.radius + robot_.padding + robot_.slack; }
 
-  static HWY_INLINE void append(const LaneFloats* pose, std::size_t row, std::size_t lane, unsigned lanes,
-                                PackedPoses& to) {
-    const Mask mask = mask_of(lanes);
-    for (int i = 0; i < 12; ++i) pack(load(pose[i], lane), mask, to.rows[i] + to.count);
-    append_places(row, lane, lanes, to);
-  }
-  static HWY_INLINE void append_places(std::size_t row, std::size_t lane, unsigned lanes, PackedPoses& to) {
-    const auto first = static_cast<std::int32_t>(row * lane_count + lane);
-    pack(hn::Iota(WholeTag(), first), mask_of(lanes), to.place + to.count);
-    to.count += static_cast<std::size_t>(std::popcount(lanes));
-  }
-  static HWY_INLINE void append(const PackedPoses& from, std::size_t k, unsigned lanes, PackedPoses& to) {
-    const Mask mask = mask_of(lanes);
-    for (int i = 0; i < 12; ++i) pack(hn::Load(Tag(), from.rows[i] + k), mask, to.rows[i] + to.count);
-    pack(hn::Load(WholeTag(), from.place + k), mask, to.place + to.count);
-    to.count += static_cast<std::size_t>(std::popcount(lanes));
-  }
-
   void look_into(int index, std::size_t level) {
     const BallTree::Node& here = node(index);
     const PackedPoses& asked = block_.packs[level];
@@ -151,34 +111,49 @@ class BlockLook {
     open.count = 0;
     for (std::size_t k = 0; k < asked.count; k += hn::Lanes(Tag())) {
       const Sight seen = sight(*field_, clearway::HWY_NAMESPACE::placed(asked, sphere, k));
-      const unsigned near = bits(hn::Not(hn::Ge(seen.lower, need))) & lanes_in_use(asked.count, k);
+      unsigned near = bits(hn::Not(hn::Ge(seen.lower, need))) & lanes_in_use(asked.count, k);
+      if (near != 0) near = undecided(near, asked.place + k);
       if (near != 0) append(asked, k, near, open);
     }
   }
 
   void look_at_leaf(int index, const PackedPoses& asked) {
-    const FloatSphere& sphere = leaf(index).sphere;
-    const Vector need = all(needed(sphere));
-    ConfigurationBlock::Doubt& doubts = block_.doubts[0];
+    const BallTree::Leaf& of = leaf(index);
+    const Vector need = all(needed(of.sphere)), sure = all(sure_clearance(of));
     for (std::size_t k = 0; k < asked.count; k += hn::Lanes(Tag())) {
-      const Point point = clearway::HWY_NAMESPACE::placed(asked, sphere, k);
+      const Point point = clearway::HWY_NAMESPACE::placed(asked, of.sphere, k);
       const Sight seen = sight(*field_, point);
-      const unsigned near = bits(hn::Not(hn::Ge(seen.lower, need))) & lanes_in_use(asked.count, k);
+      unsigned near = bits(hn::Not(hn::Ge(seen.lower, need))) & lanes_in_use(asked.count, k);
+      if (near != 0) near = undecided(near, asked.place + k);
       if (near == 0) continue;
-      const Mask mask = mask_of(near);
-      pack(point.x, mask, doubts.x + doubts.count);
-      pack(point.y, mask, doubts.y + doubts.count);
-      pack(point.z, mask, doubts.z + doubts.count);
-      pack(hn::Load(WholeTag(), asked.place + k), mask, doubts.place + doubts.count);
-      hn::StoreU(hn::Set(WholeTag(), index), WholeTag(), doubts.leaf + doubts.count);
-      doubts.count += static_cast<std::size_t>(std::popcount(near));
-      if (doubts.count > ConfigurationBlock::Doubt::most - lane_count) settle_doubts();
+      const unsigned met = bits(hn::Lt(seen.upper, sure)) & near;
+      block(met, asked.place + k);
+      add_doubts(point, asked.place + k, index, near & ~met);
     }
+  }
+
+  /// A blocked cube that is nearer to the sphere's middle surely meets the body; below 0: none does.
+  float sure_clearance(const BallTree::Leaf& of) const {
+    return of.inner > 0.0F ? of.inner + robot_.padding - robot_.slack : -1.0F;
+  }
+
+  /// Of a sphere that its own cell does not prove clear.
+  HWY_INLINE void add_doubts(const Point& point, const std::int32_t* places, int leaf, unsigned lanes) {
+    ConfigurationBlock::Doubt& doubts = block_.doubts[0];
+    const Mask mask = mask_of(lanes);
+    pack(point.x, mask, doubts.x + doubts.count);
+    pack(point.y, mask, doubts.y + doubts.count);
+    pack(point.z, mask, doubts.z + doubts.count);
+    pack(hn::Load(WholeTag(), places), mask, doubts.place + doubts.count);
+    hn::StoreU(hn::Set(WholeTag(), leaf), WholeTag(), doubts.leaf + doubts.count);
+    doubts.count += static_cast<std::size_t>(std::popcount(lanes));
+    if (doubts.count > ConfigurationBlock::Doubt::most - lane_count) settle_doubts();
   }
 
   /// Looks closer at the spheres that their own cells do not prove clear.
   void settle_doubts() {
     ConfigurationBlock::Doubt& doubts = block_.doubts[0];
+    leave_out_blocked(doubts);
     for (std::size_t k = 0; k < doubts.count; k += hn::Lanes(Tag())) {
       const Point point{hn::Load(Tag(), doubts.x + k), hn::Load(Tag(), doubts.y + k),
                         hn::Load(Tag(), doubts.z + k)};
@@ -191,7 +166,7 @@ class BlockLook {
         const BallTree::Leaf& of = leaf(doubts.leaf[k + lane]);
         const auto place = static_cast<std::size_t>(doubts.place[k + lane]);
         if (lower[lane] >= needed(of.sphere)) continue;
-        if (of.inner > 0.0F && upper[lane] < of.inner + robot_.padding - robot_.slack)
+        if (upper[lane] < sure_clearance(of))
           block(place);
         else
           fail(of.member, place);
@@ -200,7 +175,23 @@ class BlockLook {
     doubts.count = 0;
   }
 
+  void leave_out_blocked(ConfigurationBlock::Doubt& doubts) const {
+    std::size_t left = 0;
+    for (std::size_t k = 0; k < doubts.count; k += hn::Lanes(Tag())) {
+      const unsigned open = undecided(lanes_in_use(doubts.count, k), doubts.place + k);
+      const Mask mask = mask_of(open);
+      for (float* row : {doubts.x, doubts.y, doubts.z}) pack(hn::Load(Tag(), row + k), mask, row + left);
+      for (std::int32_t* row : {doubts.place, doubts.leaf})
+        pack(hn::Load(WholeTag(), row + k), mask, row + left);
+      left += static_cast<std::size_t>(std::popcount(open));
+    }
+    doubts.count = left;
+  }
+
   void block(std::size_t place) { block_.blocked[place / 64] |= std::uint64_t{1} << (place % 64); }
+  void block(unsigned lanes, const std::int32_t* places) {
+    for (; lanes != 0; lanes &= lanes - 1U) block(static_cast<std::size_t>(places[std::countr_zero(lanes)]));
+  }
 
   void fail(int member, std::size_t place) {
     ConfigurationBlock::Places& failed = block_.failed[static_cast<std::size_t>(member)];
@@ -250,25 +241,6 @@ class BlockLook {
     return hn::Mul(squared(minus(a, b)), all(1.0F - 1e-5F));
   }
 
-  /// The pose of b seen from a.
-  static HWY_INLINE void append_relative(const LaneFloats* a, const LaneFloats* b, std::size_t row,
-                                         std::size_t lane, unsigned lanes, PackedPoses& to) {
-    const Mask mask = mask_of(lanes);
-    const auto column = [&](const LaneFloats* rows, int i) HWY_ATTR {
-      return Point{load(rows[i], lane), load(rows[3 + i], lane), load(rows[6 + i], lane)};
-    };
-    const Point way = minus(load_point(b + 9, lane), load_point(a + 9, lane));
-    for (int i = 0; i < 3; ++i) {
-      const Point axis = column(a, i);
-      const auto along = [&](const Point& of) HWY_ATTR {
-        return hn::Add(hn::Add(hn::Mul(axis.x, of.x), hn::Mul(axis.y, of.y)), hn::Mul(axis.z, of.z));
-      };
-      for (int k = 0; k < 3; ++k) pack(along(column(b, k)), mask, to.rows[3 * i + k] + to.count);
-      pack(along(way), mask, to.rows[9 + i] + to.count);
-    }
-    append_places(row, lane, lanes, to);
-  }
-
   void look_into(int first, int second, std::size_t level) {
     const BallTree::Node &a = node(first), &b = node(second);
     const PackedPoses& asked = block_.packs[level];
@@ -315,10 +287,8 @@ class BlockLook {
     return hn::Lt(between, all((1.0F - 3e-5F) * reach * reach));
   }
 
-  void block(unsigned lanes, const std::int32_t* places) {
-    for (; lanes != 0; lanes &= lanes - 1U) block(static_cast<std::size_t>(places[std::countr_zero(lanes)]));
-  }
-  unsigned undecided(unsigned lanes, const std::int32_t* places, int member) const {
+  /// Of the lanes those that are not known to be blocked, nor to fail the member.
+  unsigned undecided(unsigned lanes, const std::int32_t* places, int member = -1) const {
     unsigned left = lanes;
     for (; lanes != 0; lanes &= lanes - 1U) {
       const auto place = static_cast<std::size_t>(places[std::countr_zero(lanes)]);
@@ -372,6 +342,17 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace clearway {
+namespace {
+
+void look_with(const SphereRobot& robot, ConfigurationBlock& block, [[maybe_unused]] InstructionSet vectors) {
+#if HWY_ARCH_X86
+  if (vectors == InstructionSet::avx512) return N_AVX3::look_at_block(robot, block);
+  if (vectors == InstructionSet::avx2) return N_AVX2::look_at_block(robot, block);
+#endif
+  HWY_STATIC_DISPATCH(look_at_block)(robot, block);
+}
+
+}  // namespace
 
 void look(const SphereRobot& robot, ConfigurationBlock& block) {
   static const InstructionSet widest = best_instruction_set();
@@ -379,14 +360,9 @@ void look(const SphereRobot& robot, ConfigurationBlock& block) {
 }
 
 void look(const SphereRobot& robot, ConfigurationBlock& block, InstructionSet vectors) {
-  for (const int member : block.members) block.failed[static_cast<std::size_t>(member)] = {};
-  block.members.clear();
-  block.blocked = {};
-#if HWY_ARCH_X86
-  if (vectors == InstructionSet::avx512) return N_AVX3::look_at_block(robot, block);
-  if (vectors == InstructionSet::avx2) return N_AVX2::look_at_block(robot, block);
-#endif
-  HWY_STATIC_DISPATCH(look_at_block)(robot, block);
+  block.find_nothing();
+  look_with(robot, block, vectors);
+  block.leave_out_blocked();
 }
 
 }  // namespace clearway

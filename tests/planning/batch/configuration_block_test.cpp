@@ -44,6 +44,7 @@ Counts judge(const CollisionModel& model, const std::vector<Configuration>& qs) 
                              : is_apart(model.robot, model.pairs[member - bodies], poses, 0.0);
       const bool failed = ConfigurationBlock::holds(block.failed[member], i);
       EXPECT_TRUE(clear || failed || is_blocked) << model.robot.name << " member " << member;
+      EXPECT_FALSE(failed && is_blocked) << model.robot.name << " member " << member;
       is_free = is_free && clear;
       is_open = is_open || failed;
       (failed ? counts.open_bodies : counts.clear_bodies)++;
