@@ -12,6 +12,7 @@
 
 #include "planning/batch/lane_frames.hpp"
 #include "planning/batch/lane_packs.hpp"
+#include "planning/batch/lane_proofs.hpp"
 #include "planning/batch/lane_sight.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -223,17 +224,10 @@ class BlockLook {
 
   /// Those of the lanes of which the table proves nothing; where it proves an overlap they are blocked.
   unsigned not_decided(const PairTable& table, std::size_t row, std::size_t lane, unsigned lanes) {
-    const LaneDoubles* q = block_.q.data() + row * robot_.joints;
-    const LaneDoubles& first = q[table.joints()[0]];
-    const LaneDoubles& second = table.joints()[1] < 0 ? first : q[table.joints()[1]];
-    unsigned open = 0;
-    for (; lanes != 0; lanes &= lanes - 1U) {
-      const auto at = static_cast<std::size_t>(std::countr_zero(lanes));
-      const PairTable::Proof proof = table.proof({first.at[lane + at], second.at[lane + at]});
-      if (proof == PairTable::Proof::overlap) block(row * lane_count + lane + at);
-      if (proof == PairTable::Proof::none) open |= 1U << at;
-    }
-    return open;
+    const Proofs found = proofs(table, block_.q.data() + row * robot_.joints, lane, lanes);
+    for (unsigned met = found.overlap; met != 0; met &= met - 1U)
+      block(row * lane_count + lane + static_cast<std::size_t>(std::countr_zero(met)));
+    return lanes & ~found.apart & ~found.overlap;
   }
 
   /// The square of the distance, rounded down.

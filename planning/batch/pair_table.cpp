@@ -12,6 +12,7 @@ namespace {
 
 constexpr double width_of_one = 0.004, width_of_two = 0.025;  ///< of cells of one joint, of two: rad, metres
 constexpr int most_of_one = 4096, most_of_two = 256;          ///< cells of each joint
+constexpr std::size_t beyond = 3;                             ///< bytes after the last cell
 constexpr int most_together = 64;                             ///< cells that one question may go through
 constexpr double margin = 1e-4;  ///< metres that proved bodies are apart, or overlap: no proof is that weak
 
@@ -86,8 +87,8 @@ PairTable::PairTable(const Robot& robot, std::vector<BodyPair> pairs, const std:
     Level level;
     level.shift = shift;
     for (std::size_t i = 0; i < 2; ++i) level.counts[i] = ((cells_[i] - 1) >> shift) + 1;
-    level.states = std::vector<std::atomic<State>>(static_cast<std::size_t>(level.counts[0]) *
-                                                   static_cast<std::size_t>(level.counts[1]));
+    level.proofs = std::vector<std::atomic<Proof>>(
+        static_cast<std::size_t>(level.counts[0]) * static_cast<std::size_t>(level.counts[1]) + beyond);
     levels_.push_back(std::move(level));
   }
 }
@@ -106,15 +107,13 @@ bool PairTable::cells_between(const std::array<double, 2>& lower, const std::arr
 
 PairTable::Proof PairTable::proof(const std::array<double, 2>& values) const {
   Cell cell{}, same{};
-  if (!cells_between(values, values, cell, same)) return Proof::none;
-  const State state = state_of(cell);
-  return state == apart ? Proof::apart : state == overlap ? Proof::overlap : Proof::none;
+  return cells_between(values, values, cell, same) ? proof_of(cell) : Proof::none;
 }
 
 bool PairTable::is_apart(const std::array<double, 2>& lower, const std::array<double, 2>& upper) const {
   Cell first{}, last{};
   if (!cells_between(lower, upper, first, last)) return false;
-  if (first == last) return state_of(first) == apart;
+  if (first == last) return proof_of(first) == Proof::apart;
   for (const Level& level : levels_) {  // one block around them all
     const Cell block = level.block_of(first);
     if (block != level.block_of(last)) break;
@@ -123,42 +122,42 @@ bool PairTable::is_apart(const std::array<double, 2>& lower, const std::array<do
   if ((last[0] - first[0] + 1) * (last[1] - first[1] + 1) > most_together) return false;
   for (int i = first[0]; i <= last[0]; ++i) {
     for (int k = first[1]; k <= last[1]; ++k) {
-      if (state_of({i, k}) != apart) return false;
+      if (proof_of({i, k}) != Proof::apart) return false;
     }
   }
   return true;
 }
 
-PairTable::State PairTable::state_of(const Cell& cell) const {
+PairTable::Proof PairTable::proof_of(const Cell& cell) const {
   const Level& finest = levels_.back();
-  std::atomic<State>& state =
-      finest.states[static_cast<std::size_t>(cell[0]) * static_cast<std::size_t>(finest.counts[1]) +
+  std::atomic<Proof>& proof =
+      finest.proofs[static_cast<std::size_t>(cell[0]) * static_cast<std::size_t>(finest.counts[1]) +
                     static_cast<std::size_t>(cell[1])];
-  State known = state.load(std::memory_order_relaxed);
-  if (known != unknown) return known;
+  Proof known = proof.load(std::memory_order_relaxed);
+  if (known != Proof::unknown) return known;
   const bool is_in_apart = std::any_of(levels_.begin(), levels_.end() - 1, [&](const Level& level) {
     return is_block_apart(level, level.block_of(cell));
   });
-  known = is_in_apart ? apart : prove(finest, cell);
-  state.store(known, std::memory_order_relaxed);
+  known = is_in_apart ? Proof::apart : prove(finest, cell);
+  proof.store(known, std::memory_order_relaxed);
   return known;
 }
 
 bool PairTable::is_block_apart(const Level& level, const Cell& block) const {
-  std::atomic<State>& state =
-      level.states[static_cast<std::size_t>(block[0]) * static_cast<std::size_t>(level.counts[1]) +
+  std::atomic<Proof>& proof =
+      level.proofs[static_cast<std::size_t>(block[0]) * static_cast<std::size_t>(level.counts[1]) +
                    static_cast<std::size_t>(block[1])];
-  State known = state.load(std::memory_order_relaxed);
-  if (known == unknown) {
+  Proof known = proof.load(std::memory_order_relaxed);
+  if (known == Proof::unknown) {
     known = prove(level, block);
-    state.store(known, std::memory_order_relaxed);
+    proof.store(known, std::memory_order_relaxed);
   }
-  return known == apart;
+  return known == Proof::apart;
 }
 
 /// In the middle of the block the bodies are farther apart than they can approach on the way to its border;
 /// or, of the finest level, they overlap deeper than they can part.
-PairTable::State PairTable::prove(const Level& level, const Cell& block) const {
+PairTable::Proof PairTable::prove(const Level& level, const Cell& block) const {
   thread_local LinkPoses poses;
   Configuration q = middle_of(robot_);
   for (std::size_t i = 0; i < 2 && joints_[i] >= 0; ++i) {
@@ -171,8 +170,8 @@ PairTable::State PairTable::prove(const Level& level, const Cell& block) const {
   const bool all_apart = std::all_of(pairs_.begin(), pairs_.end(), [&](const BodyPair& pair) {
     return clearway::is_apart(robot_, pair, poses, most_motion(pair, half) + margin);
   });
-  if (all_apart) return apart;
-  return level.shift == 0 && is_overlapping(poses) ? overlap : open;
+  if (all_apart) return Proof::apart;
+  return level.shift == 0 && is_overlapping(poses) ? Proof::overlap : Proof::none;
 }
 
 Eigen::VectorXd PairTable::half_of(const Level& level, const Cell& block) const {

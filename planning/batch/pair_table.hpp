@@ -27,8 +27,8 @@ class PairTable {
   static std::shared_ptr<const PairTable> of(const Robot& robot, std::vector<BodyPair> pairs);
 
   /// What is proved of a cell: that all pairs are apart, by some tenth of a millimetre; that some pair
-  /// overlaps, as deep; or neither.
-  enum class Proof : std::uint8_t { apart, overlap, none };
+  /// overlaps, as deep; or neither. Unknown: nobody asked yet.
+  enum class Proof : std::uint8_t { unknown, apart, overlap, none };
 
   /// Of the cell that holds the values of the joints; none for values outside the limits.
   Proof proof(const std::array<double, 2>& values) const;
@@ -37,6 +37,15 @@ class PairTable {
   /// upper ones of each joint; false where that is too many cells to look at.
   bool is_apart(const std::array<double, 2>& lower, const std::array<double, 2>& upper) const;
 
+  /// The cells, for who looks up many side by side: those of one value of the first joint stand together. A
+  /// proof that is unknown is found by proof().
+  struct Cells {
+    std::array<double, 2> lower, per_unit;  ///< of each joint: where its cells begin, and how many there are
+    std::array<int, 2> counts;
+    const std::atomic<Proof>* proofs;  ///< and three more bytes
+  };
+  Cells cells() const { return {lower_, per_unit_, cells_, levels_.back().proofs.data()}; }
+
   /// The joints; the second is -1 when there is only one.
   const std::array<int, 2>& joints() const { return joints_; }
 
@@ -44,11 +53,10 @@ class PairTable {
   using Cell = std::array<int, 2>;
   static constexpr std::array<int, 3> block_shifts{4, 2,
                                                    0};  ///< blocks of 16, 4 and 1 cells along each joint
-  enum State : std::uint8_t { unknown, apart, overlap, open };
   struct Level {
     int shift = 0;                    ///< a block's edge is 1 << shift cells
     std::array<int, 2> counts{1, 1};  ///< of blocks
-    mutable std::vector<std::atomic<State>> states;
+    mutable std::vector<std::atomic<Proof>> proofs;
 
     Cell block_of(const Cell& cell) const { return {cell[0] >> shift, cell[1] >> shift}; }
   };
@@ -57,9 +65,9 @@ class PairTable {
   /// The cells that hold the values; false where some are outside the limits.
   bool cells_between(const std::array<double, 2>& lower, const std::array<double, 2>& upper, Cell& first,
                      Cell& last) const;
-  State state_of(const Cell& cell) const;
+  Proof proof_of(const Cell& cell) const;
   bool is_block_apart(const Level& level, const Cell& block) const;
-  State prove(const Level& level, const Cell& block) const;
+  Proof prove(const Level& level, const Cell& block) const;
   /// How far the joints move from the middle of a block to its border, at most.
   Eigen::VectorXd half_of(const Level& level, const Cell& block) const;
   bool is_overlapping(const LinkPoses& poses) const;

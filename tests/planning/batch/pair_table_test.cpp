@@ -67,6 +67,31 @@ TEST(PairTable, WhereItSaysApartTheBodiesAreWhateverTheOtherJointsDo) {
   EXPECT_GT(said, 20 * missed);
 }
 
+TEST(PairTable, CellsHoldWhatWasProvedOfTheValuesInThem) {
+  const Robot robot = load_robot("puma560");
+  Random random(2);
+  int tables = 0;
+  for (const auto& [links, pairs] : by_links(robot)) {
+    const auto table = PairTable::of(robot, pairs);
+    if (!table) continue;
+    ++tables;
+    const PairTable::Cells cells = table->cells();
+    for (int i = 0; i < 100; ++i) {
+      const Configuration q = random.configuration(robot);
+      std::array<double, 2> values{};
+      std::array<int, 2> cell{};
+      for (std::size_t k = 0; k < 2 && table->joints()[k] >= 0; ++k) {
+        values[k] = q[table->joints()[k]];
+        cell[k] = static_cast<int>((values[k] - cells.lower[k]) * cells.per_unit[k]);
+      }
+      const PairTable::Proof proof = table->proof(values);
+      EXPECT_NE(proof, PairTable::Proof::unknown);
+      EXPECT_EQ(cells.proofs[cell[0] * cells.counts[1] + cell[1]].load(), proof);
+    }
+  }
+  EXPECT_GT(tables, 1);
+}
+
 TEST(PairTable, WhereItSaysOverlapSomePairOverlapsAndItDoesSoOfMostThatDo) {
   int said = 0, met = 0;
   for (const Robot& robot : worlds::robots_of_all_kinds()) {
