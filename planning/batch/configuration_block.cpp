@@ -27,19 +27,29 @@ std::size_t packs_for(const SphereRobot& robot) {
 }  // namespace
 
 ConfigurationBlock::ConfigurationBlock(const SphereRobot& robot)
-    : q(most / lane_count * robot.joints, LaneDoubles{}),
-      failed(robot.members, Places{}),
-      value(most / lane_count * robot.frames.size(), LaneFloats{}),
-      pose(most / lane_count * 12 * robot.frames.size(), LaneFloats{}),
-      middle(most / lane_count * 3 * robot.branches.size(), LaneFloats{}),
+    : failed(robot.members, Places{}),
       packs(packs_for(robot)),
-      doubts(1) {}
+      doubts(1),
+      joints_(robot.joints),
+      frames_(robot.frames.size()),
+      branches_(robot.branches.size()) {}
 
 void ConfigurationBlock::add(const Configuration& configuration) {
-  const std::size_t joints = q.size() / (most / lane_count), row = count / lane_count;
-  for (std::size_t j = 0; j < joints; ++j)
-    q[row * joints + j].at[count % lane_count] = configuration[static_cast<Eigen::Index>(j)];
+  const std::size_t row = count / lane_count, lane = count % lane_count;
+  if (lane == 0) make_room(row + 1);
+  for (std::size_t j = 0; j < joints_; ++j)
+    q[row * joints_ + j].at[lane] = configuration[static_cast<Eigen::Index>(j)];
   ++count;
+}
+
+void ConfigurationBlock::make_room(std::size_t rows) {
+  const auto grow = [rows](auto& numbers, std::size_t a_row) {
+    if (numbers.size() < rows * a_row) numbers.resize(rows * a_row);
+  };
+  grow(q, joints_);
+  grow(value, frames_);
+  grow(pose, 12 * frames_);
+  grow(middle, 3 * branches_);
 }
 
 void ConfigurationBlock::find_nothing() {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "mapping/system/instruction_set.hpp"
@@ -15,7 +16,7 @@ namespace clearway {
 /// Poses of one frame, or of one frame seen from another, at those configurations of a block that are still
 /// open where it is asked: side by side without gaps.
 struct PackedPoses {
-  static constexpr std::size_t most = 256;
+  static constexpr std::size_t most = 1024;
   alignas(64) float rows[12][most + lane_count];  ///< 9 of the rotation, 3 of the place
   std::int32_t place[most + lane_count];          ///< of each: which configuration of the block
   std::size_t count = 0;
@@ -53,17 +54,26 @@ struct ConfigurationBlock {
   /// How many are neither proved free nor known to be blocked.
   std::size_t undecided() const;
 
-  // Memory of look().
-  std::vector<LaneFloats> value, pose,
-      middle;                      ///< [row of lanes * ...]: as in PieceLanes; middle of branches
-  std::vector<PackedPoses> packs;  ///< one for each level of a tree
-  struct Doubt {                   ///< spheres that the field's own cell does not prove clear
-    static constexpr std::size_t most = 4 * PackedPoses::most;
+  // Memory of look(), as much as was needed so far.
+  std::vector<LaneFloats> value, pose;              ///< [row of lanes * ...]: as in PieceLanes
+  std::vector<LaneFloats> middle;                   ///< [row of lanes * ...]: of branches
+  std::vector<std::unique_ptr<PackedPoses>> packs;  ///< one for each level of a tree
+  PackedPoses& pack(std::size_t level) {
+    if (!packs[level]) packs[level] = std::make_unique<PackedPoses>();
+    return *packs[level];
+  }
+  struct Doubt {  ///< spheres that the field's own cell does not prove clear
+    static constexpr std::size_t most = PackedPoses::most;
     alignas(64) float x[most + lane_count], y[most + lane_count], z[most + lane_count];
     std::int32_t place[most + lane_count], leaf[most + lane_count];
     std::size_t count = 0;
   };
   std::vector<Doubt> doubts;  ///< one
+
+ private:
+  void make_room(std::size_t rows);
+
+  std::size_t joints_, frames_, branches_;  ///< of the robot
 };
 
 /// Fills in what was found: by spheres and fields alone, so never more than is true. The same for each

@@ -74,7 +74,7 @@ class BlockLook {
     const SphereRobot::Branch& branch = robot_.branches[index];
     field_ = &robot_.fields[static_cast<std::size_t>(branch.field)];
     const Vector need = all(needed(bound(index)));
-    PackedPoses& open = block_.packs[0];
+    PackedPoses& open = block_.pack(0);
     open.count = 0;
     for (std::size_t row = 0; row < rows(); ++row) {
       for (std::size_t lane = 0; lane < lane_count; lane += hn::Lanes(Tag())) {
@@ -93,14 +93,14 @@ class BlockLook {
 
   void look_into(int index, std::size_t level) {
     const BallTree::Node& here = node(index);
-    const PackedPoses& asked = block_.packs[level];
+    const PackedPoses& asked = block_.pack(level);
     for (int i = here.first; i < here.last; ++i) {
       if (here.holds_leaves) {
         look_at_leaf(i, asked);
       } else if (node(i).holds_leaves && node(i).count() == 1) {
         look_at_leaf(node(i).first, asked);
       } else {
-        PackedPoses& open = block_.packs[level + 1];
+        PackedPoses& open = block_.pack(level + 1);
         find_near(node(i).bound, asked, open);
         if (open.count > 0) look_into(i, level + 1);
       }
@@ -207,7 +207,7 @@ class BlockLook {
     const auto first = static_cast<std::size_t>(pair.a), second = static_cast<std::size_t>(pair.b);
     const SphereRobot::Branch &a = robot_.branches[first], &b = robot_.branches[second];
     const float radii = bound(first).radius + bound(second).radius + robot_.slack;
-    PackedPoses& open = block_.packs[0];
+    PackedPoses& open = block_.pack(0);
     open.count = 0;
     for (std::size_t row = 0; row < rows(); ++row) {
       for (std::size_t lane = 0; lane < lane_count; lane += hn::Lanes(Tag())) {
@@ -237,11 +237,11 @@ class BlockLook {
 
   void look_into(int first, int second, std::size_t level) {
     const BallTree::Node &a = node(first), &b = node(second);
-    const PackedPoses& asked = block_.packs[level];
+    const PackedPoses& asked = block_.pack(level);
     if (a.holds_leaves && b.holds_leaves) return look_at_leaves(a, b, asked);
     const bool is_a_cut = b.holds_leaves || (!a.holds_leaves && a.bound.radius > b.bound.radius);
     const BallTree::Node& cut = is_a_cut ? a : b;
-    PackedPoses& open = block_.packs[level + 1];
+    PackedPoses& open = block_.pack(level + 1);
     for (int i = cut.first; i < cut.last; ++i) {
       const int next_a = is_a_cut ? i : first, next_b = is_a_cut ? second : i;
       find_near(node(next_a), node(next_b), asked, open);

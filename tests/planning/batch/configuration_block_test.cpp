@@ -117,8 +117,9 @@ TEST(ConfigurationBlock, AllRegistersFindTheSame) {
   for (const Robot& robot : worlds::robots_of_all_kinds()) {
     const ConfigurationSpace space(robot, worlds::voxels_about(robot, 3), {});
     const SphereRobot& spheres = *space.collision_model().spheres;
-    std::vector<ConfigurationBlock> found(kinds.size(), ConfigurationBlock(spheres));
+    std::vector<ConfigurationBlock> found;
     for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
+      found.emplace_back(spheres);
       for (const Configuration& q : draw(robot, 8, 200)) found[kind].add(q);
       look(spheres, found[kind], kinds[kind]);
       std::sort(found[kind].members.begin(), found[kind].members.end());
