@@ -60,7 +60,7 @@ experiments:
     policies: {default: not_occupied}
     planners: [{planner: rrtconnect}, {planner: boundary_plus}]
 )");
-  ASSERT_EQ(run_command({"compare", suite, "--out", folder.file("out")}).status, 0);
+  ASSERT_EQ(run_command({"compare", suite, "--out", folder.file("out"), "--worst-pages", "0"}).status, 0);
   sqlite3* database = nullptr;
   ASSERT_EQ(sqlite3_open(folder.file("out/results.sqlite").c_str(), &database), SQLITE_OK);
   const std::string sql = read_file(CLEARWAY_SOURCE_DIR "/datasets/suites/local.sql");

@@ -72,8 +72,9 @@ TEST_F(Import, ScenesAndRequestsOfMotionBenchMakerBecomeASuiteThatIsSolved) {
   EXPECT_EQ(record["worlds"][0]["objects"][0]["object"], "ball");
   EXPECT_EQ(record["problems"][0]["group"], "arm");
 
-  const CommandRun compared = run_command({"compare", folder_.file("out/suite.yaml"), "--planners",
-                                           "rrtconnect,beam", "--out", folder_.file("results"), "--json"});
+  const CommandRun compared =
+      run_command({"compare", "--worst-pages", "0", folder_.file("out/suite.yaml"), "--planners",
+                   "rrtconnect,beam", "--out", folder_.file("results"), "--json"});
   EXPECT_EQ(compared.status, exit_done) << compared.log;
   const Json planners = Json::parse(compared.out)["experiments"][0]["planners"];
   ASSERT_EQ(planners.size(), 2U);  // the suite lists rrtconnect alone
@@ -247,8 +248,8 @@ TEST_F(Import, ProblemsOfJsonAreOneExperimentForEachNameWithAWorldEach) {
             (Json{{"number", 1}, {"of", 2}, {"free", true}}));
   // The box, turned about z: along y, 10 voxels of y and 2 of x.
   EXPECT_EQ(map("shelf_1").counts().occupied, cubes_met_by_ball(0.24) + 20);
-  const CommandRun compared =
-      run_command({"compare", folder_.file("out/suite.yaml"), "--out", folder_.file("results")});
+  const CommandRun compared = run_command(
+      {"compare", "--worst-pages", "0", folder_.file("out/suite.yaml"), "--out", folder_.file("results")});
   EXPECT_EQ(compared.status, exit_done) << compared.log;
   EXPECT_NE(compared.out.find("== all experiments"), std::string::npos);
   EXPECT_NE(compared.out.find("3 / 3 / 3"), std::string::npos) << compared.out;
@@ -382,8 +383,8 @@ TEST_F(Import, ArgumentsOfXacroAreTheSuitesToo) {
   ASSERT_EQ(run.status, exit_done) << run.log;
   EXPECT_EQ(load_suite(folder_ / "out/suite.yaml").experiments[0].xacro,
             (std::map<std::string, std::string>{{"side", "left"}}));
-  const CommandRun compared =
-      run_command({"compare", folder_.file("out/suite.yaml"), "--out", folder_.file("results")});
+  const CommandRun compared = run_command(
+      {"compare", "--worst-pages", "0", folder_.file("out/suite.yaml"), "--out", folder_.file("results")});
   EXPECT_EQ(compared.status, exit_done) << compared.log;
   ::setenv("PATH", before.c_str(), 1);
 }

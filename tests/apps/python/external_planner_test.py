@@ -40,7 +40,8 @@ class ExternalPlanner(unittest.TestCase):
 
     def compare(self, command, *flags, suite=None):
         out = self.path / "out"
-        arguments = [CLEARWAY, "compare", suite or self.path / "suite.yaml", "--external", "mine=" + command, "--out", out]
+        arguments = [CLEARWAY, "compare", suite or self.path / "suite.yaml", "--external", "mine=" + command, "--out", out,
+                     "--worst-pages", "0"]
         run = subprocess.run([*arguments, "--json", *flags], capture_output=True, text=True, check=False)
         plans = {file.stem: json.loads(file.read_text()) for file in out.glob("plans/*/*/*.json")}
         return run, plans

@@ -68,8 +68,8 @@ class CompareColumns : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = std::make_unique<TemporaryFolder>();
-    const CommandRun run =
-        run_command({"compare", folder_->write("who.yaml", suite), "--out", folder_->file("out"), "--json"});
+    const CommandRun run = run_command({"compare", "--worst-pages", "0", folder_->write("who.yaml", suite),
+                                        "--out", folder_->file("out"), "--json"});
     ASSERT_EQ(run.status, 0) << run.log;
     printed_ = json::parse(run.out);
   }
@@ -243,8 +243,9 @@ TEST_F(CompareColumns, ThePageSummarizesWithTheKeysOfTheJson) {
 
 TEST(CompareTimeLimit, EndsARunOfATeamWhichIsThenNeitherSafeNorSolved) {
   const TemporaryFolder folder;
-  const CommandRun run = run_command({"compare", folder.write("who.yaml", suite), "--out", folder.file("out"),
-                                      "--json", "--experiments", "together", "--time-limit", "1e-4"});
+  const CommandRun run =
+      run_command({"compare", "--worst-pages", "0", folder.write("who.yaml", suite), "--out",
+                   folder.file("out"), "--json", "--experiments", "together", "--time-limit", "1e-4"});
   ASSERT_EQ(run.status, 0) << run.log;
   const json experiment = json::parse(run.out).at("experiments")[0];
   EXPECT_EQ(experiment.at("time_limit_s"), 1e-4);
@@ -259,8 +260,8 @@ TEST(CompareTimeLimit, OfAnExperimentHoldsForItsTeams) {
   const TemporaryFolder folder;
   std::string limited = suite;
   limited.replace(limited.find("    duration: 20"), 16, "    time_limit: 1e-4\n    duration: 20");
-  const CommandRun run = run_command({"compare", folder.write("who.yaml", limited), "--out",
-                                      folder.file("out"), "--json", "--experiments", "together"});
+  const CommandRun run = run_command({"compare", "--worst-pages", "0", folder.write("who.yaml", limited),
+                                      "--out", folder.file("out"), "--json", "--experiments", "together"});
   ASSERT_EQ(run.status, 0) << run.log;
   EXPECT_EQ(json::parse(run.out).at("experiments")[0].at("planners")[0].at("unsolved").at("timed_out"), 2);
 }

@@ -75,23 +75,24 @@ experiments:
 TEST(CompareResolutions, AListInASuiteComesToTablePageAndJson) {
   TemporaryFolder folder;
   const std::string file = folder.write("near.yaml", suite);
-  const CommandRun run = run_command({"compare", file, "--out", folder.file("out")});
+  const CommandRun run = run_command({"compare", "--worst-pages", "0", file, "--out", folder.file("out")});
   ASSERT_EQ(run.status, 0) << run.log;
   EXPECT_NE(run.out.find("== effect of resolution: near-0.04, near-0.1\n"), std::string::npos) << run.out;
   EXPECT_NE(run.out.find("rrtconnect  40         1 / 1 / 1"), std::string::npos) << run.out;
   const auto page = nlohmann::json::parse(PageReader::element(
       read_file(folder.file("out/report.html")), "<script type=\"application/json\" id=\"page\">"));
   EXPECT_EQ(page.at("resolutions").at(0).at("resolutions_m"), nlohmann::json({0.04, 0.1}));
-  const CommandRun one = run_command({"compare", file, "--out", folder.file("one"), "--experiments", "near",
-                                      "--planners", "rrtconnect", "--json"});
+  const CommandRun one = run_command({"compare", "--worst-pages", "0", file, "--out", folder.file("one"),
+                                      "--experiments", "near", "--planners", "rrtconnect", "--json"});
   ASSERT_EQ(one.status, 0) << one.log;
   EXPECT_EQ(nlohmann::json::parse(one.out).at("resolutions").at(0).at("planners").at(0).at("points").size(),
             2U);
-  const CommandRun fine =
-      run_command({"compare", file, "--out", folder.file("fine"), "--experiments", "near-0.04"});
+  const CommandRun fine = run_command(
+      {"compare", "--worst-pages", "0", file, "--out", folder.file("fine"), "--experiments", "near-0.04"});
   ASSERT_EQ(fine.status, 0) << fine.log;
   EXPECT_EQ(fine.out.find("effect of resolution"), std::string::npos) << "one resolution has no effect";
-  EXPECT_EQ(run_command({"compare", file, "--rerun", "near-0.1/on/rrtconnect"}).status, 0);
+  EXPECT_EQ(run_command({"compare", "--worst-pages", "0", file, "--rerun", "near-0.1/on/rrtconnect"}).status,
+            0);
 }
 
 }  // namespace compare_resolutions_test
