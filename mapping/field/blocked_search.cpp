@@ -150,6 +150,7 @@ bool BlockedField::visit_blocked(const Eigen::AlignedBox3d& box,
   auto [low, high] = CellRange(box, inverse_resolution_);
   const Eigen::Array3d first = cells_.first.cast<double>().array();
   const Eigen::Array3d last = first + cells_.size.cast<double>().array() - 1.0;
+  const double* roots = half_roots();
   if (!outside_blocked_) {
     low = low.max(first);
     high = high.min(last);
@@ -162,7 +163,7 @@ bool BlockedField::visit_blocked(const Eigen::AlignedBox3d& box,
         if (row_inside && x >= first.x() && x <= last.x()) {
           const std::uint16_t gap = squared(cell.matrix().cast<int>());
           if (gap > 0) {  // nothing blocked in this row for the next (sqrt(gap) - 1) / 2 cells
-            x += std::floor((std::sqrt(static_cast<double>(gap)) - 1.0) / 2.0);
+            x += static_cast<int>(roots[gap] - 0.5);
             if (x >= last.x() && outside_blocked_) x = last.x();
             continue;
           }
