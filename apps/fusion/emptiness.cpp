@@ -111,8 +111,10 @@ std::string refusals_of(const FusionCounts& counts) {
   const auto telling = std::find_if(sorted.begin(), sorted.end(), [](const auto& refusal) {
     return refusal.second != to_string(Refusal::probe_not_seen);
   });
-  const auto first = counts.first_refusals.find((telling == sorted.end() ? sorted.front() : *telling).second);
-  return first == counts.first_refusals.end() ? text : text + "; the first: " + first->second;
+  const bool is_front = telling == sorted.end() || telling == sorted.begin();
+  const auto first = counts.first_refusals.find(is_front ? sorted.front().second : telling->second);
+  if (first == counts.first_refusals.end()) return text;
+  return text + (is_front ? "; the first: " : "; the first " + first->first + ": ") + first->second;
 }
 
 std::string unpainted_reason(const Fusion& fusion) {

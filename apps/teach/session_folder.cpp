@@ -41,27 +41,36 @@ void copy_bytes(const fs::path& from, const fs::path& to) {
   if (source.bad()) throw std::runtime_error("'" + from.string() + "' cannot be read to its end");
 }
 
-/// A copy, as what is written over the original later must not change it; of a large file a hard link.
-void take_file(const fs::path& from, const fs::path& to) {
+/// Whether all that lies there is small enough for a copy, which stays as it is when the original is written
+/// over.
+bool is_small(const fs::path& source) {
   constexpr std::uintmax_t largest_copy = std::uintmax_t{256} << 20U;
   std::error_code error;
-  if (fs::file_size(from, error) > largest_copy && !error) {
-    fs::create_hard_link(fs::canonical(from), to, error);
-    if (!error) return;
-  }
-  copy_bytes(from, to);
+  if (!fs::is_directory(source)) return fs::file_size(source, error) <= largest_copy;
+  std::uintmax_t size = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(source))
+    if (entry.is_regular_file(error)) size += entry.file_size(error);
+  return size <= largest_copy;
+}
+
+/// A copy, or a hard link where the disk allows it.
+void take_file(const fs::path& from, const fs::path& to, bool is_copied) {
+  std::error_code error;
+  if (!is_copied) fs::create_hard_link(fs::canonical(from), to, error);
+  if (is_copied || error) copy_bytes(from, to);
 }
 
 void take_source(const fs::path& from, const fs::path& to) {
+  const bool is_copied = is_small(from);
   fs::create_directories(to.parent_path());
-  if (!fs::is_directory(from)) return take_file(from, to);
+  if (!fs::is_directory(from)) return take_file(from, to, is_copied);
   fs::create_directory(to);
   for (const auto& entry : fs::recursive_directory_iterator(from)) {
     const fs::path place = to / fs::relative(entry.path(), from);
     if (entry.is_directory())
       fs::create_directories(place);
     else if (entry.is_regular_file())
-      take_file(entry.path(), place);
+      take_file(entry.path(), place, is_copied);
     else  // a link to nothing, a pipe: damage of the source, which is to be reported again
       fs::create_symlink(fs::absolute(entry.path()), place);
   }

@@ -33,8 +33,8 @@ bool is_session_folder(const std::filesystem::path& folder);
 void require_no_session(const std::filesystem::path& out);
 
 /// Writes session.json, setup.yaml and `inputs`, what was read besides (InputKeeper::kept), and takes the
-/// source into the folder: as copies, of files above 256 MB as hard links where the disk allows it. A camera's
-/// frames have to be there already.
+/// source into the folder: as a copy, above 256 MB as hard links where the disk allows it. A camera's frames
+/// have to be there already.
 /// @throws std::runtime_error naming the file that cannot be written
 void save_session(const RecordedSession& session, const std::map<std::string, std::string>& inputs,
                   const std::filesystem::path& folder);

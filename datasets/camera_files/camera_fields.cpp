@@ -46,12 +46,12 @@ void take_named_coefficients(const YamlFields& fields, const std::string& prefix
   const bool is_rational = has_rational && lens.value_or(LensModel::rational) == LensModel::rational;
   const std::string plumb_bob = "expected a plumb_bob, whose coefficients are k1, k2, p1, p2, k3";
   const std::string fisheye = "expected a fisheye, whose coefficients are k1, k2, k3, k4";
+  const std::string cure = lens ? "" : "; `lens: fisheye` beside `file` takes k1, k2, k3, k4";
   refuse_numbers(fields, prefix, none_of_any, is_fisheye ? fisheye : plumb_bob);
   if (is_fisheye)
     refuse_numbers(fields, prefix, none_of_fisheye, fisheye);
   else if (!is_rational)
-    refuse_numbers(fields, prefix, none_of_plumb_bob,
-                   plumb_bob + "; `lens: fisheye` beside `file` takes k1, k2, k3, k4");
+    refuse_numbers(fields, prefix, none_of_plumb_bob, plumb_bob + cure);
 
   std::vector<const char*> names{"k1", "k2", "p1", "p2", "k3"};
   if (is_fisheye) names = {"k1", "k2", "k3", "k4"};
@@ -95,12 +95,15 @@ std::optional<LensModel> named_lens(const YamlFields& file) {
     if (!file.is_word(key)) continue;
     const std::string name = lower_case(file.text(key));
     const auto says = [&](const char* word) { return name.find(word) != std::string::npos; };
-    if (says("fisheye") || says("equi") || says("kannala") || name == "kb4" || name == "kb8")
-      return LensModel::fisheye;
+    const bool is_other_fisheye = says("solid") || says("stereographic") || says("orthographic");
+    const bool is_fisheye = says("fisheye") || says("equidist") || name == "equi" || says("kannala") ||
+                            name == "kb4" || name == "kb8";
+    if (is_fisheye && !is_other_fisheye) return LensModel::fisheye;
     if (const auto lens = lens_named(name)) return lens;
-    const bool is_other = says("omni") || says("fov") || says("sphere") || says("mei") || says("eucm") ||
-                          says("unified") || says("scaramuzza") || says("division") || name == "ds" ||
-                          name == "ucm" || name == "atan";
+    const bool is_other = is_other_fisheye || says("equirect") || says("omni") || says("fov") ||
+                          says("sphere") || says("mei") || says("eucm") || says("unified") ||
+                          says("scaramuzza") || says("division") || name == "ds" || name == "ucm" ||
+                          name == "atan";
     if (is_other) file.fail(key, "the lens " + quote(name) + " is not known, expected " + known_lenses);
   }
   return std::nullopt;

@@ -1,7 +1,5 @@
 #include "datasets/camera_files/json_camera.hpp"
 
-#include <algorithm>
-#include <cstring>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -48,89 +46,47 @@ CameraIntrinsics read_open3d(const YamlFields& fields, std::optional<ImageSize> 
   return {size.width, size.height, k[0], k[4], k[6], k[7], {}};
 }
 
-/// A key in lower case, without the words that say which of a camera's numbers stand there: "rgb" of
-/// "rgbDistortion" and of "rgb_intrinsics".
-std::string camera_word(const std::string& key) {
-  std::string word = lower_case(key);
-  for (const char* part :
-       {"distortion", "undistort", "distort", "dist", "coefficients", "coeffs", "coeff", "coefs",
-        "parameters", "params", "intrinsics", "intrinsic", "camera", "lens", "_", "-", "."})
-    for (std::size_t at; (at = word.find(part)) != std::string::npos;) word.erase(at, std::strlen(part));
-  return word;
-}
-
-bool is_coefficients_key(const YamlFields& fields, const std::string& key) {
-  const std::string low = lower_case(key);
-  return (fields.is_map(key) || fields.is_list(key)) &&
-         (low.find("distort") != std::string::npos || low.find("dist_c") != std::string::npos ||
-          low.find("distc") != std::string::npos);
-}
-
-/// Whether another map beside it is a camera of that word.
-bool is_of_other(const JsonCamera::Holder& holder, const std::string& word) {
-  const std::vector<std::string> keys = holder.fields.keys();
-  return std::any_of(keys.begin(), keys.end(), [&](const std::string& key) {
-    return key != holder.key && holder.fields.is_map(key) && !is_coefficients_key(holder.fields, key) &&
-           camera_word(key) == word;
-  });
-}
-
-/// The key beside a camera whose coefficients are that camera's; empty: none. Refuses what may be.
-std::string coefficients_beside(const JsonCamera::Holder& holder) {
-  std::string found;
-  for (const std::string& key : holder.fields.keys()) {
-    if (!is_coefficients_key(holder.fields, key) || key == holder.key) continue;
-    const std::string word = camera_word(key);
-    if (word != camera_word(holder.key)) {
-      if (!is_of_other(holder, word))
-        holder.fields.fail(key, "expected the coefficients inside of " + quote(holder.key) +
-                                    ", or beside it as " + quote(holder.key + "_distortion"));
-      continue;
-    }
-    if (!found.empty())
-      holder.fields.fail(key, "expected one list of coefficients, got " + quote(found) + ", too");
-    found = key;
-  }
-  return found;
-}
-
-/// Coefficients at a key, by their names or as a list.
-void take_coefficients_at(const YamlFields& fields, const std::string& key, CameraIntrinsics& camera,
-                          BesideFile& beside) {
-  if (!fields.is_map(key) || fields.map(key).has("data"))
-    return take_coefficients(fields, key, camera, beside);
-  const YamlFields named = fields.map(key);
-  if (!named.has("k1") && !named.has("p1"))
-    fields.fail(key, "expected a list, or the coefficients by their names, k1, k2, p1, p2, k3");
-  const auto lens = named_lens(named);
-  take_named_coefficients(named, "", lens ? lens : beside.lens, camera);
-}
-
 /// The lens that the camera names, or what holds it, or the setup.
 std::optional<LensModel> lens_of(const JsonCamera& camera, std::optional<LensModel> otherwise) {
   if (const auto lens = named_lens(camera.fields)) return lens;
   for (auto holder = camera.holders.rbegin(); holder != camera.holders.rend(); ++holder)
-    if (const auto lens = named_lens(holder->fields)) return lens;
+    if (const auto lens = lens_of_holder(holder->fields)) return lens;
   return otherwise;
 }
 
+bool has_named_coefficients(const YamlFields& fields) { return fields.has("k1") || fields.has("p1"); }
+
+/// Where the camera's coefficients stand, in it or beside it.
+std::optional<CoefficientsPlace> coefficients_of_camera(const JsonCamera& camera, bool is_rectified) {
+  std::vector<CoefficientsPlace> found;
+  if (has_named_coefficients(camera.fields)) found.push_back({camera.fields, ""});
+  if (const std::string key = coefficients_key(camera.fields); !key.empty())
+    if (const auto place = coefficients_at(camera.fields, key)) found.push_back(*place);
+  if (!is_rectified)
+    if (const auto place = coefficients_beside(camera.holders)) found.push_back(*place);
+  if (found.size() > 1) camera.fields.fail("", "expected the coefficients of its lens once, got them twice");
+  return found.empty() ? std::nullopt : std::optional(found.front());
+}
+
 /// Numbers alone, by the names that a setup has, too, and OpenCV's.
-CameraIntrinsics read_plain(const YamlFields& fields, BesideFile& beside) {
+CameraIntrinsics read_plain(const JsonCamera& found, BesideFile& beside) {
+  const YamlFields& fields = found.fields;
   CameraIntrinsics camera = read_pinhole(fields, beside.size, "cx", "cy");
-  take_named_coefficients(fields, "", beside.lens, camera);
-  if (const std::string key = coefficients_key(fields); !key.empty())
-    take_coefficients_at(fields, key, camera, beside);
+  const auto place = coefficients_of_camera(found, beside.is_rectified);
+  const std::optional<LensModel> lens = lens_of(found, beside.lens);
+  if (!place && lens == LensModel::fisheye && !beside.is_rectified)
+    fields.fail("k1", "it has no coefficients of its fisheye, expected k1, k2, k3, k4");
+  if (!place) {
+    take_named_coefficients(fields, "", std::nullopt, camera);  // refuses those of other lenses
+  } else if (place->key.empty()) {
+    take_named_coefficients(place->fields, "", lens, camera);
+  } else {
+    take_listed_coefficients(place->fields, place->key, lens, camera, beside);
+  }
   return camera;
 }
 
-bool is_realsense(const YamlFields& fields) { return fields.has("ppx"); }
-bool is_open3d(const YamlFields& fields) { return fields.has("intrinsic_matrix"); }
-
 }  // namespace
-
-bool is_plain_camera(const YamlFields& fields) {
-  return fields.has("fx") && fields.has("fy") && fields.has("cx") && fields.has("cy");
-}
 
 std::optional<JsonCamera> json_camera(const YamlFields& file, const std::string& wanted) {
   std::vector<std::pair<std::string, JsonCamera>> found;
@@ -161,20 +117,16 @@ std::optional<JsonCamera> json_camera(const YamlFields& file, const std::string&
 
 CameraIntrinsics read_json_camera(const JsonCamera& found, BesideFile& beside) {
   if (!found.holders.empty()) require_raw_of_stella(found.holders.front().fields, beside.is_rectified);
-  BesideFile here = beside;
-  here.lens = lens_of(found, beside.lens);
-  CameraIntrinsics camera = is_realsense(found.fields) ? read_realsense(found.fields, beside.size)
-                            : is_open3d(found.fields)  ? read_open3d(found.fields, beside.size)
-                                                       : read_plain(found.fields, here);
-  for (const JsonCamera::Holder& holder : found.holders) {
-    const std::string key = coefficients_beside(holder);
-    if (key.empty()) continue;
-    const auto own = coefficients_of(camera);
-    const bool is_bent = std::any_of(own.begin(), own.end(), [](double k) { return k != 0.0; });
-    if (is_bent) holder.fields.fail(key, "expected one list of coefficients, got others, too");
-    take_coefficients_at(holder.fields, key, camera, here);
-  }
-  beside.note = here.note;
+  if (is_realsense(found.fields))
+    return only_camera(found.fields, read_realsense(found.fields, beside.size), beside.is_rectified);
+  if (!is_open3d(found.fields))
+    return only_camera(found.fields, read_plain(found, beside), beside.is_rectified);
+  CameraIntrinsics camera = read_open3d(found.fields, beside.size);
+  const auto place = beside.is_rectified ? std::nullopt : coefficients_beside(found.holders);
+  if (place && place->key.empty())
+    take_named_coefficients(place->fields, "", beside.lens, camera);
+  else if (place)
+    take_listed_coefficients(place->fields, place->key, beside.lens, camera, beside);
   return only_camera(found.fields, camera, beside.is_rectified);
 }
 

@@ -4,23 +4,14 @@
 #include <string>
 #include <vector>
 
-#include "datasets/camera_files/camera_fields.hpp"
+#include "datasets/camera_files/coefficients_beside.hpp"
 
 namespace clearway {
 
-/// Whether a map is a camera by the names `fx`, `fy`, `cx`, `cy`.
-bool is_plain_camera(const YamlFields& fields);
-
 /// A camera of librealsense, of Open3D or of plain numbers in a file.
 struct JsonCamera {
-  /// A map that the camera stands in, and the key there that leads to it.
-  struct Holder {
-    YamlFields fields;
-    std::string key;
-  };
-
   YamlFields fields;
-  std::vector<Holder> holders;  ///< from the file inwards; none: the file is the camera
+  std::vector<CameraHolder> holders;  ///< from the file inwards; none: the file is the camera
 };
 
 /// The one of a file: itself, or one in it, by the name of that or of what holds it. Nothing when there is

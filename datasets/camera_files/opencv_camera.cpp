@@ -88,7 +88,7 @@ std::string coefficients_key(const YamlFields& file, const MatrixKey& matrix) {
     if (!is_other &&
         (low.find("distort") != std::string::npos || low.find("distc") != std::string::npos ||
          (holds_numbers && (low.find("dist") != std::string::npos || low.find("coef") != std::string::npos ||
-                            low == "radial" || low == "tangential" || low == "params"))))
+                            low == "radial" || low == "tangential"))))
       file.fail(key, "expected the lens's coefficients as distortion_coefficients, got another name");
   }
   return "";
@@ -119,12 +119,17 @@ void take_coefficients(const YamlFields& file, const std::string& key, CameraInt
   const YamlFields fields = is_list ? file : file.map(key);
   const std::string numbers = is_list ? key : "data";
   const std::vector<double> values = fields.flat_numbers(numbers, within_reach);
-  const auto named = named_lens(file);
-  const LensModel lens = named ? *named : beside.lens ? *beside.lens : read_opencv_lens(file, values);
-  take_distortion(fields, numbers, lens, camera);
-  const bool may_be_fisheye =
-      !named && !beside.lens && !file.has("fisheye_model") && values.size() == 4 && has_distortion(camera);
-  if (may_be_fisheye)
+  std::optional<LensModel> lens = named_lens(file);
+  if (!lens) lens = beside.lens;
+  if (!lens && file.has("fisheye_model")) lens = read_opencv_lens(file, values);
+  take_listed_coefficients(fields, numbers, lens, camera, beside);
+}
+
+void take_listed_coefficients(const YamlFields& fields, const std::string& key, std::optional<LensModel> lens,
+                              CameraIntrinsics& camera, BesideFile& beside) {
+  const std::size_t count = fields.flat_numbers(key, within_reach).size();
+  take_distortion(fields, key, lens.value_or(count > 5 ? LensModel::rational : LensModel::plumb_bob), camera);
+  if (!lens && count == 4 && has_distortion(camera))
     beside.note =
         "has four coefficients and names no lens: they are taken as k1, k2, p1, p2 of a plumb_bob; "
         "`lens: fisheye` beside `file` makes them cv::fisheye's, `lens: plumb_bob` ends this note";

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,11 @@ std::vector<double> read_matrix(const YamlFields& file, const std::string& key);
 /// As a matrix with `data`, or as a plain list, or as the list of lists that Python's tolist() makes of it.
 void take_coefficients(const YamlFields& file, const std::string& key, CameraIntrinsics& camera,
                        BesideFile& beside);
+
+/// A list of them, of the lens that is named, else of as many as there are; notes where they may be
+/// another's.
+void take_listed_coefficients(const YamlFields& fields, const std::string& key, std::optional<LensModel> lens,
+                              CameraIntrinsics& camera, BesideFile& beside);
 
 /// The coefficients' key of a file that has a camera's numbers alone; empty: it has none. One that looks like
 /// it and is not known is refused.

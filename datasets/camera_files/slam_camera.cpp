@@ -42,25 +42,26 @@ CameraIntrinsics read_orb_slam_raw(const YamlFields& fields, const std::string& 
 std::optional<LensModel> orb_slam_lens(const YamlFields& fields) {
   if (fields.has("Camera.type")) {
     const std::string type = fields.text("Camera.type");
-    if (type == "PinHole") return LensModel::plumb_bob;
+    if (type == "PinHole") return LensModel::rational;  // with k4, k5 and k6, else a plumb bob
     if (type == "KannalaBrandt8") return LensModel::fisheye;
     fields.fail("Camera.type", "expected PinHole, KannalaBrandt8 or Rectified, got " + quote(type));
   }
-  if (fields.has("Camera.model")) {
-    const std::string model = fields.text("Camera.model");
-    if (model == "perspective") return LensModel::plumb_bob;
-    if (model == "fisheye") return LensModel::fisheye;
+  const std::string model = fields.is_word("Camera.model") ? fields.text("Camera.model") : "";
+  if (model == "fisheye") return LensModel::fisheye;
+  if (model == "equirectangular" || model == "radial_division")
     fields.fail("Camera.model", "expected perspective or fisheye, got " + quote(model));
-  }
   if (fields.has("Camera.FishEye") && fields.integer("Camera.FishEye", {0, 1}) == 1)
     return LensModel::fisheye;
   return std::nullopt;
 }
 
+/// @param beside the lens that the setup states
 void take_orb_slam_lens(const YamlFields& fields, const std::string& prefix, std::optional<LensModel> beside,
                         CameraIntrinsics& camera) {
   if (fields.has("Camera.type") && fields.text("Camera.type") == "Rectified") return;
   const std::optional<LensModel> named = orb_slam_lens(fields);
+  if (!named && beside == LensModel::fisheye && !fields.has(prefix + "k1"))
+    fields.fail(prefix + "k1", "it has no coefficients of its fisheye, expected k1, k2, k3, k4");
   if (named != LensModel::fisheye)
     return take_named_coefficients(fields, prefix, named ? named : beside, camera);
   std::array<double, 4> coefficients{};  // they read no others, whatever else stands there
@@ -139,7 +140,7 @@ CameraIntrinsics read_orb_slam(const YamlFields& fields, const std::string& want
                           fields.number(prefix + "cx", within_reach),
                           fields.number(prefix + "cy", within_reach),
                           {}};
-  take_orb_slam_lens(fields, prefix, beside.lens, camera);
+  take_orb_slam_lens(fields, prefix, beside.is_rectified ? std::nullopt : beside.lens, camera);
   return only_camera(fields, camera, beside.is_rectified);
 }
 

@@ -223,10 +223,14 @@ std::optional<Head> head_of(std::string line) {
   const auto has = [&](const char* name) {
     return std::find(names.begin(), names.end(), name) != names.end();
   };
-  if (has("i") && has("j") && has("k"))  // w, i, j, k are a quaternion's, too
-    for (std::string& name : names)
-      if (name.size() == 1 && (name == "w" || (name >= "i" && name <= "k")))
-        name = name == "w" ? "qw" : name == "i" ? "qx" : name == "j" ? "qy" : "qz";
+  const bool has_alone = has("i") && has("j") && has("k");  // w, i, j, k are a quaternion's, too
+  for (std::string& name : names) {
+    if (has_alone && name == "w") name = "qw";
+    const std::size_t axis = std::string_view("ijk").find(name.back());
+    if (axis == std::string_view::npos || !(is_of_turn(name) || (has_alone && name.size() == 1))) continue;
+    name.back() = "xyz"[axis];
+    if (name.size() == 1) name.insert(0, "q");
+  }
   for (const std::string& word : names) {
     const char letter = letter_of(word);
     if (letter == 0) continue;
@@ -245,6 +249,7 @@ std::optional<bool> is_w_first_in(const Head& head) {
     if (order == "xyzw") return false;
     return std::nullopt;
   };
+  if (!head.turn.empty() && head.turn.size() != 4) return std::nullopt;  // some have names that mean nothing
   if (head.turn.size() == 4)
     return head.begins_with_turn && head.letters.size() > 4 ? std::nullopt : is_first(head.turn);
   if (head.letters.size() == 4) return is_first(head.letters);
@@ -429,10 +434,9 @@ PoseStream parse_tum_poses(const std::string& text, const std::string& name, dou
     if (!pose)
       refuse(std::string(before_nanoseconds > 0 ? "expected 'sec nsec x y z " : "expected 'time x y z ") +
              (is_w_first ? "qw qx qy qz" : "qx qy qz qw") + "' with a unit quaternion" +
-             (words.size() == 8
+             (words.size() == 8 || before_nanoseconds > 0
                   ? ""
-                  : ", got " + std::to_string(words.size()) +
-                        " columns; a first line that names them may have more, or another order"));
+                  : ", got " + std::to_string(words.size()) + " columns"));
     poses.push_back(*pose);
   }
   if (poses.empty()) throw std::invalid_argument(name + ": expected at least one pose");

@@ -307,7 +307,8 @@ std::vector<std::string> unit_notes(const Robot& robot) {
                       " rad: are its limits in degrees? URDF has radians");
     if (turned == 0.0 && joint.lower_follower.empty() && joint.upper_follower.empty())
       notes.push_back("joint " + quote(joint.name) + " cannot move: its lower and upper limit are both " +
-                      short_text(joint.lower + 0.0, 4));  // not -0
+                      short_text(joint.lower / (joint.kind == JointKind::prismatic ? robot.scale : 1.0) + 0.0,
+                                 4));  // not -0
     if (joint.kind == JointKind::prismatic && std::isfinite(turned) && turned > most_slid * robot.scale)
       notes.push_back("joint " + quote(joint.name) + " slides by " + short_text(turned / robot.scale, 3) +
                       " m: are its limits in millimetres? URDF has metres");

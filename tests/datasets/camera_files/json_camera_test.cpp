@@ -55,13 +55,43 @@ TEST(JsonCamera, OfTwoCamerasEachHasTheCoefficientsOfItsName) {
 
 TEST(JsonCamera, CoefficientsOfAnUnsureCameraAreRefused) {
   const std::string both = "{\"left\": {" + numbers + "}, \"right\": {" + other + "}, ";
-  EXPECT_NE(refusal_of(both + R"("distortion": [0.1, 0, 0, 0]})", "left").find("left_distortion"),
+  EXPECT_NE(refusal_of(both + R"("distortion": [0.1, 0, 0, 0]})", "left").find("'left_distortion'"),
             std::string::npos);
-  EXPECT_NE(refusal_of("{\"color\": {" + numbers + R"(}, "rgbDistortion": {"k1": 0.1}})"), "");
+  EXPECT_EQ(camera_of(both + R"("distortion": [0, 0, 0, 0]})", "left"), with_lens(LensModel::plumb_bob, {}));
+  EXPECT_NE(refusal_of("{\"all\": " + both.substr(0, both.size() - 2) + R"(}, "distortion": [0.1, 0, 0, 0]})",
+                       "all.left")
+                .find("'all_distortion'"),
+            std::string::npos);
+  EXPECT_NE(refusal_of("{\"color\": {" + numbers + R"(}, "rgbDistortion": {"k1": 0.1}})")
+                .find("'color_distortion'"),
+            std::string::npos);
   EXPECT_NE(refusal_of("{\"camera\": {" + numbers +
-                       R"(}, "distortion": [0.1, 0, 0, 0], "dist_coeffs": [0, 0, 0, 0]})"),
-            "");
-  EXPECT_NE(refusal_of("{\"camera\": {" + numbers + R"(, "k1": 0.2}, "distortion": {"k1": 0.1}})"), "");
+                       R"(}, "distortion": [0.1, 0, 0, 0], "dist_coeffs": [0, 0, 0, 0]})")
+                .find("once"),
+            std::string::npos);
+  for (const char* twice :
+       {R"("k1": 0.2}, "distortion": {"k1": 0.1}})", R"("k1": 0.2, "distortion": [0.1, 0, 0, 0]}})"})
+    EXPECT_NE(refusal_of("{\"camera\": {" + numbers + ", " + twice).find("once, got them twice"),
+              std::string::npos);
+}
+
+TEST(JsonCamera, WhatIsBesideItAndNoCoefficientsIsNotTakenForThem) {
+  const CameraIntrinsics flat = with_lens(LensModel::plumb_bob, {});
+  EXPECT_EQ(camera_of("{\"distorted\": {" + other + ", \"k1\": 0.1}, \"undistorted\": {" + numbers + "}}",
+                      "undistorted"),
+            flat);
+  for (const char* beside :
+       {R"("undistort_roi": [0, 0, 1280, 720])", R"("lensDistortionCenter": [640, 360])",
+        R"("distortion": {})", R"("distortion": {"model": "none", "coefficients": []})",
+        R"("distortion": null)", R"("model": "Azure Kinect NFOV")", R"("distance": [1, 2])"})
+    EXPECT_EQ(camera_of("{\"intrinsics\": {" + numbers + "}, " + beside + "}"), flat) << beside;
+}
+
+TEST(JsonCamera, OfSeveralCamerasCoefficientsMayStandByTheirNames) {
+  const std::string text = "{\"camera\": {\"left\": {" + numbers + "}, \"right\": {" + other +
+                           "}}, \"distortion\": {\"left\": [0.3, -0.2, 0, 0, 0], \"right\": {\"k1\": 0.1}}}";
+  EXPECT_EQ(camera_of(text, "camera.left"), with_lens(LensModel::plumb_bob, {0.3, -0.2}));
+  EXPECT_EQ(camera_of(text, "camera.right").distortion[0], 0.1);
 }
 
 TEST(JsonCamera, TheLensThatItsHolderNamesIsItsOwn) {
@@ -78,12 +108,20 @@ TEST(JsonCamera, TheLensThatItsHolderNamesIsItsOwn) {
       "");
   EXPECT_NE(refusal_of("{" + inside + R"("distortion": {"k1": -0.1, "k4": 0.004}})").find("`lens: fisheye`"),
             std::string::npos);
-  EXPECT_NE(refusal_of("{\"camera_model\": \"omni\", " + inside + R"("distortion": [0.1, 0, 0, 0]})"), "");
+  EXPECT_NE(refusal_of("{\"camera_model\": \"omni\", " + inside + R"("distortion": [0.1, 0, 0, 0]})")
+                .find("'omni'"),
+            std::string::npos);
+  EXPECT_NE(
+      complaint([&] { camera_of("{" + numbers + "}", "", LensModel::fisheye); }).find("no coefficients"),
+      std::string::npos);
+  for (const char* lens : {"equisolid", "equirectangular", "fisheye_stereographic"})
+    EXPECT_NE(refusal_of("{" + numbers + ", \"camera_model\": \"" + lens + "\", \"k1\": 0.1}").find(lens),
+              std::string::npos);
 }
 
 TEST(JsonCamera, CoefficientsThatCannotBeReadAreRefused) {
   for (const char* more :
-       {R"("radial": [0.1, 0.02])", R"("tangential": [0.001, 0.0])", R"("params": [0.1, 0.02, 0, 0])",
+       {R"("radial": [0.1, 0.02])", R"("tangential": [0.001, 0.0])",
         R"("distortion": {"radial": [0.1, 0.02]})", R"("distortionModel": "KB4", "params": [0.1])"}) {
     EXPECT_NE(refusal_of("{" + numbers + ", " + more + "}"), "") << more;
     EXPECT_NE(refusal_of("{\"camera\": {" + numbers + ", " + more + "}}"), "") << more;

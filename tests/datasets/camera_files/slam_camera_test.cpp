@@ -34,8 +34,12 @@ TEST(SlamCamera, FourCoefficientsNeedAFisheyeThatIsNamed) {
   EXPECT_EQ(camera_of(flat + four + size + "Camera.model: fisheye\n"), fisheye);
   EXPECT_EQ(camera_of(flat + four + size + "Camera.type: KannalaBrandt8\n"), fisheye);
   EXPECT_EQ(camera_of(flat + four + size + "Camera.FishEye: 1\n"), fisheye);
-  EXPECT_NE(refusal_of(flat + four + size + "Camera.type: PinHole\n"), "");
-  EXPECT_NE(refusal_of(flat + four + size + "Camera.model: radial_division\n"), "");
+  EXPECT_NE(refusal_of(flat + four + size + "Camera.type: PinHole\n").find("Camera.k4: expected a plumb_bob"),
+            std::string::npos);
+  EXPECT_NE(refusal_of(flat + four + size + "Camera.model: radial_division\n").find("Camera.model"),
+            std::string::npos);
+  EXPECT_NE(complaint([&] { camera_of(flat + size, LensModel::fisheye); }).find("no coefficients"),
+            std::string::npos);
 }
 
 TEST(SlamCamera, WhatSaysNoSizeNamesTheCure) {
@@ -46,6 +50,19 @@ TEST(SlamCamera, APerspectiveCameraOfOpenvslamIsAPlumbBob) {
   EXPECT_EQ(camera_of(flat + size +
                       "Camera.model: perspective\nCamera.k1: 0.1\nCamera.p2: 0.002\nCamera.k3: 0.03\n"),
             with_lens(LensModel::plumb_bob, {0.1, 0, 0, 0.002, 0.03}));
+}
+
+TEST(SlamCamera, SixRadialCoefficientsAreARationalLens) {
+  const std::string azure =
+      "Camera.k1: 0.5\nCamera.k2: -2.6\nCamera.k3: 1.5\nCamera.k4: 0.4\nCamera.k5: -2.4\n"
+      "Camera.k6: 1.4\n";
+  for (const char* type : {"", "Camera.type: PinHole\n", "Camera.model: RealSense D435i\n"})
+    EXPECT_EQ(camera_of(flat + size + azure + type),
+              with_lens(LensModel::rational, {0.5, -2.6, 0, 0, 1.5, 0.4, -2.4, 1.4}));
+}
+
+TEST(SlamCamera, OfRectifiedPicturesNoLensIsNeeded) {
+  EXPECT_EQ(camera_of(flat + size, LensModel::fisheye, true).fx, 717.2);
 }
 
 TEST(SlamCamera, StellasNestedSettingsAreRead) {

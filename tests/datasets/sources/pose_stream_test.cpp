@@ -175,7 +175,8 @@ TEST(PoseStream, AHeadSaysTheOrderOfTheQuaternionAndNanosecondsAreTimes) {
         "# time,pos.x,pos.y,pos.z,rot.w,rot.x,rot.y,rot.z\n",
         "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], "
         "q_RS_z [], v_RS_R_x [m s^-1], v_RS_R_y [m s^-1], v_RS_R_z [m s^-1]\n",
-        "timestamp tx ty tz qw qx qy qz\n", "# t, x, y, z, w, i, j, k\n"}) {
+        "timestamp tx ty tz qw qx qy qz\n", "# t, x, y, z, w, i, j, k\n", "t,x,y,z,qw,qi,qj,qk\n",
+        "t x y z quat.w quat.i quat.j quat.k\n"}) {
     const PoseStream stream = parse_tum_poses(std::string(head) + "1 1 2 3 0.5 0.1 -0.7 0.5\n", "t", 1.0);
     const Eigen::Quaterniond turn(stream.at(1.0)->rotation());
     EXPECT_LT(turn.angularDistance(Eigen::Quaterniond(0.5, 0.1, -0.7, 0.5).normalized()), 1e-9) << head;
@@ -193,7 +194,7 @@ TEST(PoseStream, AHeadSaysTheOrderOfTheQuaternionAndNanosecondsAreTimes) {
   }
   for (const char* head :
        {"# time x[mm] y[mm] z[mm] qx qy qz qw\n", "# t qw qx qy qz x y y\n", "# t x y z w z y x\n",
-        "# t qw qx qy x y z\n", "# time x (cm) y (cm) z (cm) qw qx qy qz\n"})
+        "# t qw qx qy x y z\n", "# t x y z qw q1 q2 q3\n", "# time x (cm) y (cm) z (cm) qw qx qy qz\n"})
     EXPECT_THROW(parse_tum_poses(std::string(head) + "1 1 2 3 0.5 0.5 0.5 0.5\n", "t", 1.0),
                  std::invalid_argument)
         << head;
