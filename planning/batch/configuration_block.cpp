@@ -52,7 +52,7 @@ void ConfigurationBlock::make_room(std::size_t rows) {
   grow(middle, 3 * branches_);
 }
 
-void ConfigurationBlock::find_nothing() {
+void ConfigurationBlock::forget() {
   for (const int member : members) failed[static_cast<std::size_t>(member)] = {};
   members.clear();
   blocked = {};

@@ -46,7 +46,7 @@ struct ConfigurationBlock {
 
   static bool holds(const Places& places, std::size_t i) { return (places[i / 64] >> (i % 64) & 1U) != 0; }
   /// Forgets what was found before.
-  void find_nothing();
+  void forget();
   /// Takes what is blocked out of `failed`.
   void leave_out_blocked();
   /// Where some member was not proved free.

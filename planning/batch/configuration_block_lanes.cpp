@@ -354,7 +354,7 @@ void look(const SphereRobot& robot, ConfigurationBlock& block) {
 }
 
 void look(const SphereRobot& robot, ConfigurationBlock& block, InstructionSet vectors) {
-  block.find_nothing();
+  block.forget();
   look_with(robot, block, vectors);
   block.leave_out_blocked();
 }

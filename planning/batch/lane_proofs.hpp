@@ -51,6 +51,8 @@ inline Proofs proofs(const PairTable& table, const LaneDoubles* q, std::size_t l
   cell = hn::Add(hn::Mul(cell, hn::Set(WholeTag(), cells.counts[1])), column);
   cell = hn::IfThenElseZero(is_cell, cell);
   asked &= bits(hn::RebindMask(Tag(), is_cell));
+  // Without atomics beside others' relaxed stores: a byte is what it was or what it becomes, and either is
+  // true.
   const auto read = [&]() HWY_ATTR {
     const auto* bytes = reinterpret_cast<const std::int32_t*>(cells.proofs);
     return hn::And(hn::GatherOffset(WholeTag(), bytes, cell), hn::Set(WholeTag(), 255));

@@ -40,9 +40,10 @@ class PairTable {
   /// The cells, for who looks up many side by side: those of one value of the first joint stand together. A
   /// proof that is unknown is found by proof().
   struct Cells {
-    std::array<double, 2> lower, per_unit;  ///< of each joint: where its cells begin, and how many there are
+    std::array<double, 2> lower,
+        per_unit;  ///< of each joint: where its cells begin, how many each rad or m has
     std::array<int, 2> counts;
-    const std::atomic<Proof>* proofs;  ///< and three more bytes
+    const std::atomic<Proof>* proofs;  ///< and three more bytes, as registers read four
   };
   Cells cells() const { return {lower_, per_unit_, cells_, levels_.back().proofs.data()}; }
 
