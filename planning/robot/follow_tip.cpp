@@ -1,8 +1,10 @@
 #include "planning/robot/follow_tip.hpp"
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -13,6 +15,12 @@ namespace clearway {
 namespace {
 
 constexpr double near_limit = 5e-3;  ///< rad or m: as near as a step and its halvings lead
+
+// Of the tip's way: m of a full-size arm, rad. Of a joint's: rad, of one that slides m of a full-size arm.
+constexpr double longest_stride = 0.02, widest_stride = 0.1;
+constexpr double smallest_part = 1.0 / 1024.0;  ///< of such a step, where joints turn fast
+constexpr double joint_move_per_step = 0.5;     ///< as far as a joint may come for each step or part of one
+constexpr double joined_move = 0.1;  ///< as far as joints come between solutions that belong together
 
 /// The whole turn of `value` that is nearest to `near`.
 double turned_near(double value, double near) {
@@ -41,13 +49,65 @@ std::string joint_beyond(const Robot& robot, const Configuration& q, const Confi
   return {};
 }
 
-FollowedTip follow_puma(const Robot& robot, const Eigen::Isometry3d& map_from_tip,
-                        const Configuration& from) {
-  const auto solution = puma_branches(robot, map_from_tip, from[3])[puma_branch_of(robot, from)];
-  if (!solution) return {from, false, "the tip is beyond the arm's reach"};
-  if (const auto q = unwrapped_within_limits(robot, *solution, from)) return {*q, true, {}};
-  const std::string joint = joint_beyond(robot, *solution, from);
-  return {from, false, joint.empty() ? "joints would pass their limits" : joint};
+/// How far one joint is from where `from` has it.
+double joint_move(const Robot& robot, std::size_t joint, const Configuration& from, const Configuration& q) {
+  const auto at = static_cast<Eigen::Index>(joint);
+  const double move = std::abs(q[at] - from[at]);
+  return robot.joints[joint].kind == JointKind::prismatic ? move / robot.scale : move;
+}
+
+/// The joint that is farthest from where `from` has it.
+std::size_t farthest_joint(const Robot& robot, const Configuration& from, const Configuration& q) {
+  std::size_t farthest = 0;
+  for (std::size_t j = 1; j < robot.dof(); ++j)
+    if (joint_move(robot, j, from, q) > joint_move(robot, farthest, from, q)) farthest = j;
+  return farthest;
+}
+
+double largest_move(const Robot& robot, const Configuration& from, const Configuration& q) {
+  return joint_move(robot, farthest_joint(robot, from, q), from, q);
+}
+
+bool follows_place_alone(const Robot& robot) { return robot.dof() < 6; }
+
+Eigen::MatrixXd tip_jacobian(const Robot& robot, const Configuration& q) {
+  const Eigen::Vector3d tip = tip_pose(robot, q).translation();
+  return jacobian(robot, forward_kinematics(robot, q), robot.tip_link, tip)
+      .topRows(follows_place_alone(robot) ? 3 : 6);
+}
+
+/// How much more of the tip's motion the same small motions of the joints span at b than near by at a, of
+/// directions in which the tip moves at a. 0 or less: in the other orientation, or b is singular.
+double spanned_against(const Robot& robot, const Configuration& a, const Configuration& b) {
+  constexpr double singular = 1e-7, nearly = 1e-4;  ///< of the tip's motion along its freest direction
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(tip_jacobian(robot, a),
+                                              Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Eigen::VectorXd& values = svd.singularValues();
+  const Eigen::Index rank = (values.array() > singular * values[0]).count();
+  if (rank == 0) return 1.0;
+  const Eigen::MatrixXd at_b =
+      svd.matrixU().leftCols(rank).transpose() * tip_jacobian(robot, b) * svd.matrixV().leftCols(rank);
+  const double ratio = at_b.determinant() / values.head(rank).prod();
+  const bool is_leaving = ratio > 1.0;
+  return is_leaving || ratio * values[rank - 1] > nearly * values[0] ? ratio : 0.0;
+}
+
+/// Whether the joints keep the arm configuration as they move straight from a to b: they pass no singular
+/// one, where what they span is nothing.
+bool keep_arm(const Robot& robot, const Configuration& a, const Configuration& b) {
+  constexpr double finest_move = 1e-4;
+  const double move = largest_move(robot, a, b);
+  if (move <= joined_move) {
+    const double ratio = spanned_against(robot, a, b);
+    if (ratio > 0.5 && (ratio < 2.0 || move < finest_move)) return true;
+    if (move < finest_move) return false;
+  }
+  const Configuration middle = 0.5 * (a + b);
+  return keep_arm(robot, a, middle) && keep_arm(robot, middle, b);
+}
+
+bool are_joined(const Robot& robot, const Configuration& a, const Configuration& b) {
+  return largest_move(robot, a, b) <= joined_move && keep_arm(robot, a, b);
 }
 
 /// Part of the way between two poses.
@@ -59,59 +119,150 @@ Eigen::Isometry3d between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b
   return pose;
 }
 
-std::string stop_reason(const Robot& robot, const Eigen::Isometry3d& map_from_tip, const Configuration& q) {
+/// The straight way of a tip.
+struct Way {
+  Eigen::Isometry3d begin, end;
+  double steps;  ///< 1 at least
+
+  Eigen::Isometry3d at(double part) const { return part == 1.0 ? end : between(begin, end, part); }
+  double largest_move() const { return joint_move_per_step * steps; }
+};
+
+Way way_of_tip(const Robot& robot, const Eigen::Isometry3d& begin, const Eigen::Isometry3d& end) {
+  const double way = (end.translation() - begin.translation()).norm();
+  const double turn = Eigen::Quaterniond(begin.linear()).angularDistance(Eigen::Quaterniond(end.linear()));
+  return {begin, end,
+          std::max({1.0, way / (longest_stride * robot.scale),
+                    follows_place_alone(robot) ? 0.0 : turn / widest_stride})};
+}
+
+/// The joint at its limit; empty when none is.
+std::string limit_reached(const Robot& robot, const Configuration& q) {
   for (std::size_t j = 0; j < robot.dof(); ++j) {
     const Joint& joint = robot.joints[j];
     const double value = q[static_cast<Eigen::Index>(j)];
     for (const double limit : {joint.lower, joint.upper})
       if (std::abs(value - limit) < near_limit) return limit_reason(joint, limit);
   }
-  const double off = (tip_pose(robot, q).translation() - map_from_tip.translation()).norm();
+  return {};
+}
+
+/// Why the robot stays at q.
+/// @param next on or at the end of the way, and too far for the joints; empty: nothing is
+std::string stop_reason(const Robot& robot, const Way& way, const Configuration& q,
+                        const std::optional<Configuration>& next) {
+  if (const std::string limit = limit_reached(robot, q); !limit.empty()) return limit;
+  if (next)
+    return "joint " + quote(robot.joints[farthest_joint(robot, q, *next)].name) +
+           " would jump: the arm is singular there, or changes its configuration";
+  const double off = (tip_pose(robot, q).translation() - way.end.translation()).norm();
   return "the tip is beyond the arm's reach, " + short_text(off, 2) + " m off";
 }
 
-FollowedTip follow_in_steps(const Robot& robot, const Eigen::Isometry3d& map_from_tip,
-                            const Configuration& from) {
-  const IkOptions options{.max_iterations = 100, .restarts = 0, .position_only = robot.dof() < 6};
-  const Eigen::Isometry3d begin = tip_pose(robot, from);
-  const double way = (map_from_tip.translation() - begin.translation()).norm();
-  const double turn =
-      Eigen::Quaterniond(begin.linear()).angularDistance(Eigen::Quaterniond(map_from_tip.linear()));
-  constexpr double longest = 0.02, widest = 0.1;  // m of a full-size arm, rad
-  const double wanted = std::max(way / (longest * robot.scale), options.position_only ? 0.0 : turn / widest);
-  const int steps = static_cast<int>(std::clamp(std::ceil(wanted), 1.0, 64.0));
-  const auto at = [&](double part, const Configuration& near) {
-    return inverse_kinematics(robot, part == 1.0 ? map_from_tip : between(begin, map_from_tip, part), near,
-                              options);
-  };
-  Configuration q = from;
-  double reached = 0.0, missed = 1.0;
-  for (int step = 1; step <= steps; ++step) {
-    missed = static_cast<double>(step) / steps;
-    const auto next = at(missed, q);
-    if (!next) break;
-    q = *next;
-    reached = missed;
-    if (step == steps) return {q, true, {}};
+/// Whether the tip stays within two strides of its place as the joints move straight from a to b.
+bool keep_tip_near(const Robot& robot, const Configuration& a, const Configuration& b) {
+  const Eigen::Isometry3d place = tip_pose(robot, a);
+  constexpr int parts = 16;
+  for (int part = 1; part <= parts; ++part)
+    if (way_of_tip(robot, place, tip_pose(robot, a + (b - a) * (1.0 * part / parts))).steps > 2.0)
+      return false;
+  return keep_arm(robot, a, b);
+}
+
+/// A robot on the straight way that one call leads it.
+class RobotOnItsWay {
+ public:
+  RobotOnItsWay(const Robot& robot, const Way& way, const Configuration& from)
+      : robot_(robot),
+        way_(way),
+        from_(from),
+        q_(from),
+        stride_(1.0 / std::min(std::ceil(way.steps), 64.0)) {}
+
+  FollowedTip follow() {
+    if (go_straight()) return {q_, true, {}};
+    if (are_joints_slower_) return part_towards(*next_);
+    // The straight way may leave the workspace where its end does not.
+    const auto there = solution(1.0);
+    if (there && may_move_to(*there) && keep_arm(robot_, q_, *there)) return {*there, true, {}};
+    // Two joints of a singular arm turn against each other, and the tip stays.
+    const auto near = stride_ == 1.0 ? there : solution(std::min(1.0, gone_ + stride_));
+    if (near && keep_tip_near(robot_, q_, *near)) return part_towards(*near);
+    return {q_, false, stop_reason(robot_, way_, q_, next_ ? next_ : there)};
   }
-  // The straight way may leave the workspace where its end does not.
-  if (const auto there = inverse_kinematics(robot, map_from_tip, q, options)) return {*there, true, {}};
-  constexpr int halvings = 7;  // to the edge of the workspace
-  for (int i = 0; i < halvings; ++i) {
-    const double middle = 0.5 * (reached + missed);
-    const auto next = at(middle, q);
-    (next ? reached : missed) = middle;
-    if (next) q = *next;
+
+ private:
+  std::optional<Configuration> solution(double part) const {
+    return inverse_kinematics(
+        robot_, way_.at(part), q_,
+        {.max_iterations = 100, .restarts = 0, .position_only = follows_place_alone(robot_)});
   }
-  return {q, false, stop_reason(robot, map_from_tip, q)};
+
+  bool may_move_to(const Configuration& q) const {
+    return largest_move(robot_, from_, q) <= way_.largest_move();
+  }
+
+  /// Goes on in strides and parts of them, as far as neighbouring solutions are joined and joints may move.
+  /// True at the way's end; else next_ is what the joints could not follow to, if the tip has a place there.
+  bool go_straight() {
+    double part = stride_;
+    constexpr int most_tries = 128;
+    for (int tried = 0; tried < most_tries && part * way_.steps >= smallest_part; ++tried) {
+      const double to = std::min(1.0, gone_ + part);
+      const bool is_smallest = 0.5 * part * way_.steps < smallest_part;
+      next_ = solution(to);
+      if (!next_ || !(are_joined(robot_, q_, *next_) || (is_smallest && keep_tip_near(robot_, q_, *next_)))) {
+        part *= 0.5;
+        continue;
+      }
+      are_joints_slower_ = !may_move_to(*next_);
+      if (are_joints_slower_) return false;
+      q_ = *next_;
+      gone_ = to;
+      if (gone_ == 1.0) return true;
+      part = std::min(stride_, 2.0 * part);
+    }
+    return false;
+  }
+
+  /// As far as the joints may move in one call.
+  FollowedTip part_towards(const Configuration& next) const {
+    const double left = way_.largest_move() - largest_move(robot_, from_, q_);
+    const Joint& joint = robot_.joints[farthest_joint(robot_, from_, next)];
+    return {q_ + (next - q_) * std::min(1.0, left / largest_move(robot_, q_, next)), false,
+            "the arm is nearly singular: joint " + quote(joint.name) + " is slower than the hand"};
+  }
+
+  const Robot& robot_;
+  const Way& way_;
+  const Configuration& from_;
+  Configuration q_;
+  double stride_, gone_ = 0.0;  ///< parts of the way
+  std::optional<Configuration> next_;
+  bool are_joints_slower_ = false;  ///< than the hand
+};
+
+FollowedTip follow_puma(const Robot& robot, const Way& way, const Configuration& from) {
+  const auto solution = puma_branches(robot, way.end, from[3])[puma_branch_of(robot, from)];
+  if (!solution) return {from, false, "the tip is beyond the arm's reach"};
+  if (const auto q = unwrapped_within_limits(robot, *solution, from))
+    return largest_move(robot, from, *q) <= way.largest_move() ? FollowedTip{*q, true, {}}
+                                                               : RobotOnItsWay(robot, way, from).follow();
+  const std::string joint = joint_beyond(robot, *solution, from);
+  return {from, false, joint.empty() ? "joints would pass their limits" : joint};
 }
 
 }  // namespace
 
+double largest_joint_move(const Robot& robot, const Eigen::Isometry3d& begin, const Eigen::Isometry3d& end) {
+  return way_of_tip(robot, begin, end).largest_move();
+}
+
 FollowedTip follow_tip(const Robot& robot, const Eigen::Isometry3d& map_from_tip, const Configuration& from) {
   if (!map_from_tip.matrix().allFinite()) return {from, false, "the hand's pose is not known"};
-  return robot.inverse_kinematics == "puma" ? follow_puma(robot, map_from_tip, from)
-                                            : follow_in_steps(robot, map_from_tip, from);
+  const Way way = way_of_tip(robot, tip_pose(robot, from), map_from_tip);
+  return robot.inverse_kinematics == "puma" ? follow_puma(robot, way, from)
+                                            : RobotOnItsWay(robot, way, from).follow();
 }
 
 }  // namespace clearway

@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <numbers>
+#include <optional>
+
 #include "planning/robot/puma_branches.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/random_world.hpp"
@@ -88,6 +93,210 @@ TEST(FollowTip, BeyondTheWorkspaceTheRobotStaysFeasibleAndSaysWhy) {
     pose = tip_pose(robot, q);
     EXPECT_TRUE(follow_tip(robot, pose, q).is_reached) << name;
   }
+}
+
+/// A hand that wanders about `home`: at most 20 mm and 0.1 rad per frame, so that joints may move by 0.5 rad.
+class Hand {
+ public:
+  Hand(const Eigen::Isometry3d& home, double scale) : pose_(home), home_(home), scale_(scale) {}
+
+  Eigen::Isometry3d moved(Random& random) {
+    velocity_ =
+        0.9 * velocity_ + random.point(0.003) - 0.02 * (pose_.translation() - home_.translation()) / scale_;
+    turning_ = 0.9 * turning_ + random.point(0.02);
+    pose_.translation() += scale_ * std::min(1.0, 0.02 / velocity_.norm()) * velocity_;
+    const double turn = std::min(0.1, turning_.norm());
+    pose_.linear() = Eigen::AngleAxisd(turn, turning_.normalized()).toRotationMatrix() * pose_.linear();
+    return pose_;
+  }
+
+ private:
+  Eigen::Isometry3d pose_, home_;
+  double scale_;
+  Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero(), turning_ = Eigen::Vector3d::Zero();
+};
+
+TEST(FollowTip, NoJointMovesFartherThanTheTipsWayExplains) {
+  Random random(15);
+  for (const char* name : {"panda", "arm6", "puma560", "puma560_miniature", "arm5"}) {
+    const Robot robot = load_robot(name);
+    int led_on = 0;
+    for (int round = 0; round < 6; ++round) {
+      Configuration q = inner(robot, random);
+      Hand hand(tip_pose(robot, q), robot.scale);
+      bool was_there = true;
+      for (int frame = 0; frame < 100; ++frame) {
+        const Eigen::Isometry3d begin = tip_pose(robot, q), pose = hand.moved(random);
+        const FollowedTip followed = follow_tip(robot, pose, q);
+        const double move = (followed.q - q).lpNorm<Eigen::Infinity>();
+        EXPECT_LE(move, largest_joint_move(robot, begin, pose) + 1e-9) << name;
+        EXPECT_TRUE(!was_there || move <= 0.5 + 1e-9) << name << ": " << move;
+        led_on += followed.is_reached;
+        was_there = followed.is_reached;
+        q = followed.q;
+      }
+    }
+    EXPECT_GE(led_on, 6 * 100 / 3) << name;
+  }
+}
+
+TEST(FollowTip, ALongWayLetsJointsMoveFarther) {
+  const Robot robot = load_robot("puma560"), small = load_robot("puma560_miniature"),
+              flat = load_robot("planar2");
+  const Eigen::Isometry3d begin = Eigen::Isometry3d::Identity();
+  const Eigen::Isometry3d moved(Eigen::Translation3d(0.0, 0.08, 0.0));
+  const Eigen::Isometry3d turned(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitX()));
+  EXPECT_DOUBLE_EQ(largest_joint_move(robot, begin, begin), 0.5);
+  EXPECT_NEAR(largest_joint_move(robot, begin, moved), 2.0, 1e-12);
+  EXPECT_NEAR(largest_joint_move(small, begin, moved), 2.0 / small.scale, 1e-12);
+  EXPECT_NEAR(largest_joint_move(robot, begin, turned), 1.5, 1e-12);
+  EXPECT_DOUBLE_EQ(largest_joint_move(flat, begin, turned), 0.5);  // follows the tip's place alone
+}
+
+/// Shoulder, elbow and wrist of arm6, whose joints 2 to 4 are parallel: the factors of its Jacobian's
+/// determinant.
+std::array<bool, 3> sides_of_arm6(const Configuration& q) {
+  const double upper = -0.425 * std::cos(q[1]), fore = -0.39225 * std::cos(q[1] + q[2]);
+  const double wrist = 0.09465 * std::sin(q[1] + q[2] + q[3]);
+  return {upper + fore + wrist > 0.0, std::sin(q[2]) > 0.0, std::sin(q[4]) > 0.0};
+}
+
+TEST(FollowTip, AnArmWithoutAClosedFormKeepsShoulderElbowAndWrist) {
+  const Robot arm6 = load_robot("arm6");
+  Robot puma = load_robot("puma560");
+  puma.inverse_kinematics = "numeric";
+  Random random(16);
+  for (int round = 0; round < 10; ++round) {
+    Configuration q = inner(arm6, random), p = inner(puma, random);
+    const auto sides = sides_of_arm6(q);
+    const std::size_t branch = puma_branch_of(puma, p);
+    Hand hand(tip_pose(arm6, q), 3.0),
+        other(tip_pose(puma, p), 3.0);  // fast: out of reach, and back elsewhere
+    for (int frame = 0; frame < 100; ++frame) {
+      q = follow_tip(arm6, hand.moved(random), q).q;
+      EXPECT_EQ(sides_of_arm6(q), sides) << "round " << round << ", frame " << frame << ": " << q.transpose();
+      p = follow_tip(puma, other.moved(random), p).q;
+      EXPECT_EQ(puma_branch_of(puma, p), branch) << "round " << round << ", frame " << frame;
+    }
+  }
+}
+
+/// Where a thousand small steps of damped least squares lead from `q`; none where the tip leaves the straight
+/// way to `end`, or a joint its limits.
+std::optional<Configuration> led_slowly(const Robot& robot, Configuration q, const Eigen::Isometry3d& end) {
+  const Eigen::Isometry3d begin = tip_pose(robot, q);
+  const Eigen::Quaterniond from(begin.linear()), to(end.linear());
+  constexpr int steps = 1000;
+  for (int step = 1; step <= steps + 5; ++step) {
+    const double part = std::min(1.0, 1.0 * step / steps);
+    const Eigen::Isometry3d is = tip_pose(robot, q);
+    const Eigen::AngleAxisd turn(from.slerp(part, to).toRotationMatrix() * is.linear().transpose());
+    Eigen::Matrix<double, 6, 1> error;
+    error << (1.0 - part) * begin.translation() + part * end.translation() - is.translation(),
+        turn.angle() * turn.axis();
+    if (error.norm() > 1e-3) return std::nullopt;
+    const Eigen::MatrixXd j = jacobian(robot, forward_kinematics(robot, q), robot.tip_link, is.translation());
+    const Eigen::MatrixXd damped = j * j.transpose() + 1e-10 * Eigen::MatrixXd::Identity(6, 6);
+    q += j.transpose() * damped.ldlt().solve(error);
+    if (!limit_violation(robot, q).empty()) return std::nullopt;
+  }
+  return q;
+}
+
+TEST(FollowTip, TheTipFollowsWhereverJointsThatMoveSteadilyTakeIt) {
+  Random random(17);
+  for (const char* name : {"arm6", "panda", "puma560"}) {
+    const Robot robot = load_robot(name);
+    int led = 0;
+    for (int round = 0; round < 60; ++round) {
+      Configuration from = inner(robot, random);
+      if (round % 2 == 0)
+        from[4] = random.between(-0.1, 0.1);  // a wrist that is nearly singular, of two of them
+      Hand hand(tip_pose(robot, from), robot.scale);
+      Eigen::Isometry3d pose = hand.moved(random);
+      for (int frame = 0; frame < 10; ++frame) pose = hand.moved(random);
+      const auto slowly = led_slowly(robot, from, pose);
+      const double most = 0.9 * largest_joint_move(robot, tip_pose(robot, from), pose);
+      if (!slowly || (*slowly - from).lpNorm<Eigen::Infinity>() > most) continue;
+      if (robot.dof() == 6 && (*slowly)[4] * from[4] <= 0.0) continue;  // through the singular configuration
+      ++led;
+      const FollowedTip followed = follow_tip(robot, pose, from);
+      EXPECT_TRUE(followed.is_reached) << name << ", round " << round << ": " << followed.reason;
+      EXPECT_TRUE(robot.dof() > 6 || (followed.q - *slowly).norm() < 1e-3) << name << ", round " << round;
+    }
+    EXPECT_GE(led, 20) << name;
+  }
+}
+
+TEST(FollowTip, APlanarArmThatIsLedBeyondItsReachAndBackKeepsItsElbow) {
+  const Robot robot = load_robot("planar2");
+  Random random(18);
+  int reached = 0;
+  for (int round = 0; round < 40; ++round) {
+    Configuration q = inner(robot, random);
+    const bool side = q[1] > 0.0;
+    const Eigen::Isometry3d home = tip_pose(robot, q);
+    Hand hand(home, 3.0);
+    for (int frame = 0; frame < 100; ++frame) {
+      Eigen::Isometry3d pose = hand.moved(random);
+      pose.translation().z() = home.translation().z();
+      const FollowedTip followed = follow_tip(robot, pose, q);
+      q = followed.q;
+      EXPECT_EQ(q[1] > 0.0, side) << "round " << round << ", frame " << frame;
+      reached += followed.is_reached;
+    }
+  }
+  EXPECT_GE(reached, 40 * 100 / 2);
+}
+
+/// Turns the hand of arm6 by 0.08 rad about an axis of its own, and waits there for the robot, at most 8
+/// frames.
+FollowedTip turned_and_waited_for(const Robot& arm6, const Configuration& begin, const Eigen::Vector3d& axis,
+                                  int& frames) {
+  const Eigen::Isometry3d pose = tip_pose(arm6, begin) * Eigen::AngleAxisd(0.08, axis);
+  FollowedTip followed{begin, false, {}};
+  for (frames = 0; frames < 8 && !followed.is_reached; ++frames) {
+    const Configuration from = followed.q;
+    followed = follow_tip(arm6, pose, from);
+    EXPECT_LE((followed.q - from).lpNorm<Eigen::Infinity>(),
+              largest_joint_move(arm6, tip_pose(arm6, from), pose) + 1e-9);
+    EXPECT_TRUE(followed.is_reached || followed.reason.find("singular") != std::string::npos)
+        << followed.reason;
+  }
+  return followed;
+}
+
+TEST(FollowTip, ANearlySingularArmComesAfterTheHandInFramesAndKeepsItsWrist) {
+  const Robot robot = load_robot("arm6");
+  const Configuration begin = (Configuration(6) << 0.3, -1.2, 1.4, 0.5, 0.02, 0.2).finished();
+  Configuration singular = begin;
+  singular[4] = 0.0;
+  int slowest = 0, frames = 0, left = 0;
+  for (int direction = 0; direction < 12; ++direction) {
+    const double angle = direction * std::numbers::pi / 6.0;
+    const Eigen::Vector3d axis(std::cos(angle), std::sin(angle), 0.0);
+    const FollowedTip followed = turned_and_waited_for(robot, begin, axis, frames);
+    EXPECT_TRUE(followed.is_reached) << direction << ": " << followed.reason;
+    EXPECT_GT(followed.q[4], 0.0);
+    slowest = std::max(slowest, frames);
+    left += turned_and_waited_for(robot, singular, axis, frames).is_reached;
+  }
+  EXPECT_GE(slowest, 4);
+  EXPECT_GE(left, 8);  // the others need the hand to move on
+}
+
+TEST(FollowTip, APumaTurnsNoJointBackByAWholeTurn) {
+  const Robot robot = load_robot("puma560");
+  Configuration q = (Configuration(6) << 0.2, -0.5, -0.4, 0.1, 0.6, 0.0).finished();
+  q[5] = robot.joints[5].upper - 0.01;
+  const Configuration from = q;
+  q[5] += 0.06;
+  const FollowedTip followed = follow_tip(robot, tip_pose(robot, q), from);
+  EXPECT_FALSE(followed.is_reached);
+  EXPECT_NEAR(followed.q[5], robot.joints[5].upper, 0.01);
+  EXPECT_NE(followed.reason.find("joint '" + robot.joints[5].name + "' is at its limit"), std::string::npos)
+      << followed.reason;
+  EXPECT_TRUE(follow_tip(robot, tip_pose(robot, from), followed.q).is_reached);
 }
 
 TEST(FollowTip, TheReasonNamesTheJointAtItsLimit) {
