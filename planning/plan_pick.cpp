@@ -6,6 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "mapping/system/thread_time.hpp"
 #include "planning/auto_planner.hpp"
@@ -49,9 +50,9 @@ class PickPlanner {
       if (!is_growing_ || is_end_blocked() || is_hopeless() || is_out_of_time()) break;
       round_ = Round::after(round_);
     }
-    if (!best_.empty()) return best_;
-    return {failure(is_out_of_time() ? PlanStatus::timed_out : PlanStatus::no_path,
-                    "The object cannot be taken: " + taken.why + ".")};
+    if (best_.empty()) return {not_done("taken", taken.why)};
+    note_time(best_.back());
+    return best_;
   }
 
   const Load& load() const { return scene_.load(); }
@@ -118,6 +119,24 @@ class PickPlanner {
     result.explanation = explanation;
     return result;
   }
+
+  /// The leg that nothing led to.
+  PlanResult not_done(const std::string& what, const std::string& why) const {
+    if (!is_out_of_time())
+      return failure(PlanStatus::no_path, "The object cannot be " + what + ": " + why + ".");
+    return failure(PlanStatus::timed_out, "The object cannot be " + what + " within the time limit of " +
+                                              limit_text() + ": so far, " + why + ".");
+  }
+
+  /// Where the clock ended the search, a leg without a path is not the last word.
+  void note_time(PlanResult& leg) const {
+    const bool has_path = leg.status != PlanStatus::no_path && leg.status != PlanStatus::timed_out;
+    if (has_path || !is_out_of_time() || leg.explanation.find(limit_text()) != std::string::npos) return;
+    leg.status = PlanStatus::timed_out;
+    leg.explanation += " The search ended at its time limit of " + limit_text() + ".";
+  }
+
+  std::string limit_text() const { return short_text(query_.time_limit) + " s (--time-limit gives more)"; }
 
   bool is_out_of_time() const {
     return std::chrono::duration<double>(Clock::now() - begin_).count() > query_.time_limit;
@@ -216,7 +235,7 @@ class PickPlanner {
     legs.push_back(straight_leg(scene_.bare(), taking.reach));
     legs.push_back(straight_leg(scene_.carrying(), taking.lift));
     const std::size_t taken = legs.size();
-    PlanResult failed = failure(PlanStatus::no_path, "");
+    PlanResult failed;
     for (const Putting& putting : puttings) {
       if (is_out_of_time()) break;
       legs.resize(taken);
@@ -234,9 +253,10 @@ class PickPlanner {
       return legs;
     }
     legs.resize(taken);
-    failed.status = is_out_of_time() ? PlanStatus::timed_out : PlanStatus::no_path;
+    PlanResult end = not_done("put down", why);
+    failed.status = end.status;
     failed.waypoints.clear();
-    failed.explanation = "The object cannot be put down: " + why + ".";
+    failed.explanation = std::move(end.explanation);
     legs.push_back(failed);
     return legs;
   }

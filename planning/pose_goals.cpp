@@ -59,10 +59,11 @@ std::vector<Configuration> PoseGoals::goals() const {
   return goals;
 }
 
+bool PoseGoals::has_next(std::size_t goal) const { return choices_[goal].at + 1 < choices_[goal].free; }
+
 bool PoseGoals::choose_next(std::size_t goal) {
-  Choices& choices = choices_[goal];
-  if (choices.at + 1 >= choices.free) return false;
-  ++choices.at;
+  if (!has_next(goal)) return false;
+  ++choices_[goal].at;
   choose_from(goal + 1);
   return true;
 }
@@ -173,6 +174,19 @@ std::string PoseGoals::hint_of(const GoalPose& wanted) const {
 
 namespace {
 
+/// @param has_untried whether the clock ended the search, not the choices
+void tell_of_others(std::vector<PlanResult>& legs, int others, bool has_untried, double time_limit) {
+  if (legs.empty()) return;
+  PlanResult& leg = legs.back();
+  if (others > 0)
+    leg.explanation += " " + std::to_string(others) + " other configuration" + (others == 1 ? "" : "s") +
+                       " at the goal's pose did no better.";
+  if (!has_untried) return;
+  leg.explanation += " Configurations at the goal's pose were left untried at the time limit of " +
+                     short_text(time_limit) + " s (--time-limit gives more).";
+  if (leg.status == PlanStatus::no_path) leg.status = PlanStatus::timed_out;
+}
+
 Plan plan_to_choices(PlanQuery query, PoseGoals& goals) {
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
@@ -190,12 +204,12 @@ Plan plan_to_choices(PlanQuery query, PoseGoals& goals) {
   while (plan.status() != PlanStatus::solved) {
     const bool is_out_of_time =
         std::chrono::duration<double>(Clock::now() - begin).count() > query.time_limit;
-    if (is_out_of_time || plan.legs.empty() || !goals.choose_next(plan.legs.size() - 1)) {
-      if (others > 0)
-        first.legs.back().explanation += " " + std::to_string(others) + " other configuration" +
-                                         (others == 1 ? "" : "s") + " at the goal's pose did no better.";
+    const bool has_next = !plan.legs.empty() && goals.has_next(plan.legs.size() - 1);
+    if (is_out_of_time || !has_next) {
+      tell_of_others(first.legs, others, has_next, query.time_limit);
       return first;
     }
+    goals.choose_next(plan.legs.size() - 1);
     query.goals = goals.goals();
     plan = plan_and_check(query);
     ++others;

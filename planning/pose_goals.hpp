@@ -40,6 +40,8 @@ class PoseGoals {
   /// The choice of each goal: at first the best one.
   std::vector<Configuration> goals() const;
 
+  bool has_next(std::size_t goal) const;  ///< another free one for this goal
+
   /// Chooses the next one for this goal, and the best for those after it; false when it has no other free
   /// one.
   bool choose_next(std::size_t goal);
@@ -67,8 +69,8 @@ class PoseGoals {
 
 /// As plan_and_check, with `goals` in place of the query's own. A goal that cannot be reached is tried at its
 /// next configuration, while the time of all tries is below the query's limit; then the first try is the
-/// answer, and says how many others there were. The plan's goals are those that it was made for, and its tip
-/// is theirs.
+/// answer, and says how many others were tried, and whether the time ended before all were. The plan's goals
+/// are those that it was made for, and its tip is theirs.
 /// @throws std::invalid_argument as plan_and_check
 Plan plan_to_poses(PlanQuery query, PoseGoals goals);
 

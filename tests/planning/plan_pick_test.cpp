@@ -139,6 +139,26 @@ TEST_F(PlanPick, SaysWhatIsInTheWay) {
   }
 }
 
+/// Not that the object cannot be taken: with more time it is.
+TEST_F(PlanPick, SaysThatItsTimeLimitEndedTheSearch) {
+  const auto plan = [&](double time_limit) {
+    return plan_pick(
+        {.space = *space_, .start = home, .goals = {}, .time_limit = time_limit, .survey = std::nullopt},
+        can());
+  };
+  const Plan at_once = plan(1e-6);
+  EXPECT_NE(at_once.explanation().find("The object cannot be taken within the time limit of 1e-06 s "
+                                       "(--time-limit gives more): so far, no configuration"),
+            std::string::npos)
+      << at_once.explanation();
+  for (double limit = 1e-3; limit < 1.0; limit *= 1.5) {  // wherever it ends
+    const Plan cut = plan(limit);
+    if (cut.status() == PlanStatus::solved) continue;
+    EXPECT_EQ(cut.status(), PlanStatus::timed_out) << cut.explanation();
+    EXPECT_NE(cut.explanation().find(" s (--time-limit gives more)"), std::string::npos) << cut.explanation();
+  }
+}
+
 TEST_F(PlanPick, RefusesAnObjectOnALinkThatMovesAgainstTheTip) {
   const Robot& robot = space_->robot();
   const Link& tip = robot.links[static_cast<std::size_t>(robot.tip_link)];

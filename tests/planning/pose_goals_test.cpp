@@ -205,5 +205,38 @@ TEST(PlanToPoses, GoesToAnotherBranchWhenNoPathLeadsToTheNearest) {
   EXPECT_GE(others, 2) << failed;
 }
 
+/// The clock, not the arm, ends the search.
+TEST(PlanToPoses, SaysThatTheTimeLimitLeftConfigurationsUntried) {
+  Random random(17);
+  const auto planner = std::make_shared<const RrtConnect>(RrtConnectOptions{.max_samples = 1});
+  int left = 0;
+  for (int round = 0; round < 80 && left < 2; ++round) {
+    const ConfigurationSpace space = space_of("arm6", clutter(random, 240));
+    const Configuration start = free_configuration(random, space), there = free_configuration(random, space);
+    PoseGoals goals(space, "", {{GoalPose{tip_pose(space.robot(), there)}, "a"}}, start);
+    PlanQuery query{.space = space,
+                    .start = start,
+                    .goals = {},
+                    .planner = planner,
+                    .time_limit = 1e-9,
+                    .advice_time = 0.0};
+    const bool has_others = goals.has_next(0);
+    const Plan plan = plan_to_poses(query, goals);
+    if (plan.status() == PlanStatus::solved) continue;
+    const std::string said = plan.explanation();
+    EXPECT_EQ(
+        said.find("left untried at the time limit of 1e-09 s (--time-limit gives more)") != std::string::npos,
+        has_others)
+        << said;
+    if (!has_others) continue;
+    EXPECT_EQ(plan.status(), PlanStatus::timed_out);
+    ++left;
+    query.time_limit = 10.0;
+    const Plan patient = plan_to_poses(query, goals);
+    EXPECT_EQ(patient.explanation().find("untried"), std::string::npos) << patient.explanation();
+  }
+  EXPECT_EQ(left, 2);
+}
+
 }  // namespace pose_goals_test
 }  // namespace clearway
