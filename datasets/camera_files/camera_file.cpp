@@ -194,6 +194,9 @@ std::optional<double> depth_scale_of_file(const std::filesystem::path& file, con
     // Up to 1 it says that depth is in metres already, as pictures of floats are (ORB-SLAM2, Tracking.cc).
     if (steps && *steps > 1.0) return plausible_step(whole, key, 1.0 / *steps);
   }
+  for (const YamlFields& fields : {camera, inner, whole})  // steps in a metre (gradslam, NICE-SLAM)
+    if (const auto steps = fields.optional_number("png_depth_scale", {1e-7, 1e7}))
+      return plausible_step(fields, "png_depth_scale", 1.0 / *steps);
   for (const YamlFields& fields : {camera, inner, whole})
     if (fields.has("depth_scale")) return step_of_depth_scale(fields, camera);
   return std::nullopt;

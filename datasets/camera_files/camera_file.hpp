@@ -45,9 +45,10 @@ CameraIntrinsics load_camera_file(const std::filesystem::path& file, const std::
 
 /// m per step of depth pictures, by what a camera's file says beside: steps in a metre as `scale` of
 /// Replica's cam_params.json, `m_depthShift` of an info.txt and `DepthMapFactor` or `RGBD.DepthMapFactor` of
-/// ORB-SLAM's settings; `depth_scale` in a camera or beside it, which is metres in a step (librealsense),
-/// steps in a metre (Open3D) or, from 0.01 to 10 beside `fx` and `cx`, millimetres in a step (BOP's
-/// camera.json). Nothing: it says none. @param name the one of several cameras
+/// ORB-SLAM's settings and `png_depth_scale` of gradslam and NICE-SLAM; `depth_scale` in a camera or beside
+/// it, which is metres in a step (librealsense), steps in a metre (Open3D) or, from 0.01 to 10 beside `fx`
+/// and `cx`, millimetres in a step (BOP's camera.json). Nothing: it says none. @param name the one of several
+/// cameras
 /// @throws std::invalid_argument when it cannot be read, or says what no camera has
 std::optional<double> depth_scale_of_file(const std::filesystem::path& file, const std::string& name = "");
 

@@ -108,6 +108,15 @@ long numbers_apart(const std::set<std::size_t>& pictures, const std::set<std::si
   throw std::invalid_argument("numbers that are not those in the pictures' names");
 }
 
+bool overlap_alike(const std::set<std::size_t>& pictures, const std::set<std::size_t>& poses) {
+  const std::size_t low = std::max(*pictures.begin(), *poses.begin()),
+                    high = std::min(*pictures.rbegin(), *poses.rbegin());
+  const bool may_begin_elsewhere = low == 1 && std::min(*pictures.begin(), *poses.begin()) == 0;
+  return low <= high && !may_begin_elsewhere &&
+         std::equal(pictures.lower_bound(low), pictures.upper_bound(high), poses.lower_bound(low),
+                    poses.upper_bound(high));
+}
+
 std::string told_apart(const std::set<std::size_t>& pictures, const std::set<std::size_t>& poses,
                        long apart) {
   if (std::abs(apart) <= 1) return "";

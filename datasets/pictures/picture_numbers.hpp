@@ -24,6 +24,10 @@ std::map<std::filesystem::path, std::size_t> numbers_in_names(
 /// clause without a name, where they contradict each other, or both may be so
 long numbers_apart(const std::set<std::size_t>& pictures, const std::set<std::size_t>& poses);
 
+/// Whether poses and pictures have the same numbers where both have any, as of a recording of which each lost
+/// another end; false where the one begins at 0 and the other at 1.
+bool overlap_alike(const std::set<std::size_t>& pictures, const std::set<std::size_t>& poses);
+
 /// A clause that tells which numbers of poses are taken for which pictures; empty where they are the same, or
 /// one count begins at 0 and the other at 1.
 std::string told_apart(const std::set<std::size_t>& pictures, const std::set<std::size_t>& poses, long apart);

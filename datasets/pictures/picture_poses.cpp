@@ -318,8 +318,12 @@ void PicturePoses::take_times_for_numbers(const std::string& text, const std::ve
   if (numbers.empty() || poses.empty()) return;
   long apart = 0;
   try {
-    if (numbers.size() == poses.size()) apart = numbers_apart(values_of(numbers), poses);
-  } catch (const std::invalid_argument&) {  // those that are there have the same numbers
+    apart = numbers_apart(values_of(numbers), poses);
+  } catch (const std::invalid_argument& error) {
+    if (!overlap_alike(values_of(numbers), poses))
+      throw std::invalid_argument(
+          name + ": it has " + error.what() +
+          "; expected the numbers in the pictures' names, or a time for each picture");
   }
   for (const auto& [picture, number] : numbers)
     times_[picture] = static_cast<double>(static_cast<long>(number) - apart);

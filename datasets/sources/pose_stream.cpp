@@ -295,6 +295,11 @@ std::optional<Columns> columns_by_name(std::string line) {
   return is_whole ? std::optional(columns) : std::nullopt;
 }
 
+std::size_t count_of_names(std::string line) {
+  std::replace(line.begin(), line.end(), '#', ' ');
+  return words_of(line).size();
+}
+
 /// Time, x, y, z, qx, qy, qz and qw of a line; fewer words where it is too short.
 std::vector<std::string> in_order(const std::vector<std::string>& words, const Columns& columns) {
   std::vector<std::string> ordered;
@@ -383,6 +388,7 @@ PoseStream parse_tum_poses(const std::string& text, const std::string& name, dou
   int number = 0;
   bool is_w_first = false;
   std::size_t columns = 0;             // of a head that names more than a time and a pose
+  std::size_t blank_columns = 0;       // names in one without commas
   std::size_t before_nanoseconds = 0;  // of a head that names them
   std::optional<Columns> by_name;      // of a head that names them in another order
   bool has_head = false;
@@ -396,7 +402,10 @@ PoseStream parse_tum_poses(const std::string& text, const std::string& name, dou
       const auto said = is_w_first_in(*head);
       before_nanoseconds = columns_before_nanoseconds(line);
       by_name = before_nanoseconds > 0 ? std::nullopt : columns_by_name(line);
-      if (said && by_name && by_name->front() == 0) by_name.reset();  // time, then a pose as it is usual
+      if (said && by_name && by_name->front() == 0) {  // time, then a pose as it is usual
+        by_name.reset();
+        blank_columns = line.find(',') == std::string::npos ? count_of_names(line) : 0;
+      }
       if (!said && !by_name)
         refuse(
             "expected columns x y z and then a quaternion as qx qy qz qw or qw qx qy qz, or columns "
@@ -419,7 +428,7 @@ PoseStream parse_tum_poses(const std::string& text, const std::string& name, dou
           "programs that write commas differ in where qw stands, expected a first line that names the "
           "columns, such as 'time,x,y,z,qx,qy,qz,qw' or 'time,x,y,z,qw,qx,qy,qz'");
     const auto nanoseconds = take_nanoseconds(words, before_nanoseconds);
-    if (words.size() == columns) words.resize(8);
+    if (words.size() == columns || (words.size() > 8 && words.size() == blank_columns)) words.resize(8);
     if (by_name) words = in_order(words, *by_name);
     auto pose = nanoseconds ? timed_pose(words, is_w_first) : std::nullopt;
     if (pose) pose->time += *nanoseconds;

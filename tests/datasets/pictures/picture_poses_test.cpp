@@ -157,6 +157,34 @@ TEST_F(PosesOfPictures, WithWholeNumbersAsTimesDoSoWherePicturesHaveNone) {
 }
 
 /// A picture has no pose of another's number, and is told of poses that are numbered elsewhere.
+/// Of twelve pictures, the poses of some: numbers that start elsewhere belong to the next picture, as in a
+/// log.
+TEST_F(PosesOfPictures, OfFewerNumbersThanPicturesBelongToTheNextOneWhereTheseCountFromOne) {
+  const auto open_with = [&](std::size_t step_of_pictures, const std::vector<std::size_t>& numbers) {
+    pictures_.clear();
+    std::string text;
+    const std::size_t first = step_of_pictures == 1 ? 1 : 0;
+    for (std::size_t i = 0; i < 10; ++i)
+      pictures_.push_back(folder_ / (std::to_string(first + step_of_pictures * i) + ".depth.png"));
+    for (const std::size_t number : numbers) text += tum(static_cast<int>(number), truth_[number]);
+    folder_.write("p", text);
+    return PicturePoses(folder_ / "p", "", "depth", pictures_, 0.02, false);
+  };
+  for (const auto& numbers : {std::vector<std::size_t>{0, 1, 2, 3, 4, 5, 6, 7, 8}, {0, 2, 4, 6, 8}}) {
+    const PicturePoses poses = open_with(1, numbers);  // pictures 1 to 10
+    for (const std::size_t number : numbers) {
+      const auto found = poses.of({pictures_[number], 0.0});
+      ASSERT_TRUE(found.has_value()) << number;
+      EXPECT_TRUE(found->isApprox(truth_[number], 1e-6)) << number;
+    }
+  }
+  EXPECT_NE(complaint([&] {
+              open_with(5, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9});
+            }).find("numbers that are not those"),
+            std::string::npos)
+      << "of pictures 0, 5, 10, …: one for each, or the first ones of all";
+}
+
 TEST_F(PosesOfPictures, OfNumbersInCommonAreNotMoved) {
   const auto open_at = [&](std::size_t first_picture, std::size_t first_pose, bool is_log) {
     pictures_.clear();

@@ -279,6 +279,18 @@ TEST(PoseStream, LinesWithCommasNeedAHead) {
   EXPECT_THROW(parse_tum_poses("1,2,3,4,0,0,0,1\n", "p", 1.0), std::invalid_argument);
 }
 
+TEST(PoseStream, AHeadWithoutCommasMayNameMoreColumnsBehindThePose) {
+  const PoseStream poses =
+      parse_tum_poses("#timestamp x y z qx qy qz qw id\n1 1 2 3 0 0 0.6 0.8 7\n", "p", 1.0);  // RTAB-Map's
+  EXPECT_LT(Eigen::Quaterniond(poses.at(1.0)->rotation()).angularDistance(Eigen::Quaterniond(0.8, 0, 0, 0.6)),
+            1e-9);
+  EXPECT_EQ(
+      parse_tum_poses("# time [s] x [m] y [m] z [m] qx qy qz qw\n1 1 2 3 0 0 0.6 0.8\n", "p", 1.0).size(),
+      1U);
+  EXPECT_THROW(parse_tum_poses("#timestamp x y z qx qy qz qw id\n1 1 2 3 0 0 0.6 0.8 7 7\n", "p", 1.0),
+               std::invalid_argument);
+}
+
 TEST(PoseStream, OfOtherColumnsHowManyIsSaid) {
   try {
     parse_tum_poses("1 0 0 0 0 0 0 1 7 7\n", "p", 1.0);
