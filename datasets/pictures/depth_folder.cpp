@@ -112,6 +112,15 @@ class DepthFolder final : public FrameSource {
           "poses " + quote_path(layout.poses.string()) +
           " are called as ICL-NUIM's, whose y axis points up (fy = -480): with the camera's fy above 0 they "
           "place its pictures wrongly; `source: {depth: {camera: …}}` states it.";
+    if (!layout.unread_depth.empty())
+      depth_note_ = "depth pictures are those of " +
+                    quote(layout.depth.front().parent_path().filename().string()) + "; those of " +
+                    quote(layout.unread_depth.filename().string()) + " beside it are not read.";
+    if (!options.places_depth && options.depth.poses.empty() && !layout.poses.empty() &&
+        !layout.pose_folder.empty())
+      poses_note_ = "poses are those of " + quote(layout.poses.filename().string()) + "; those of " +
+                    quote(layout.pose_folder.filename().string()) +
+                    " beside it are not read; `source: {depth: {poses: …}}` states another file.";
     if (!layout.colour.empty()) colour_ = open_pictures(layout.colour, "colour", options);
   }
   bool has_poses() const { return poses_.are_there(); }
@@ -134,7 +143,8 @@ class DepthFolder final : public FrameSource {
     std::vector<std::string> sentences = timed_.warnings;
     if (!options_.depth.scale_note.empty()) sentences.push_back(options_.depth.scale_note);
     if (!camera_note_.empty()) sentences.push_back(camera_note_);
-    for (const std::string* note : {&icl_note_, &confidence_note_, &extrinsic_note_})
+    for (const std::string* note :
+         {&depth_note_, &poses_note_, &icl_note_, &confidence_note_, &extrinsic_note_})
       if (!note->empty()) sentences.push_back(*note);
     if (!is_scale_stated_ && !why_of_tum_.empty())
       sentences.push_back("steps of depth are 0.0002 m, as " + why_of_tum_ +
@@ -267,7 +277,7 @@ class DepthFolder final : public FrameSource {
   std::size_t at_ = 0, unposed_ = 0, unnamed_ = 0, steps_ = 0, far_steps_ = 0;
   double longest_step_ = 0.0, last_reach_ = 0.0;  ///< m
   std::optional<Eigen::Vector3d> last_place_;     ///< of the picture before
-  std::string camera_note_, icl_note_, confidence_note_, extrinsic_note_;
+  std::string camera_note_, depth_note_, poses_note_, icl_note_, confidence_note_, extrinsic_note_;
   FolderDamage damage_, damaged_poses_;
 };
 

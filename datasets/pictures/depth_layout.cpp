@@ -92,11 +92,14 @@ bool has_pose_files(const fs::path& folder) {
 DepthLayout layout_by_names(const fs::path& folder) {
   DepthLayout layout;
   for (const char* name : {"depth", "aligned_depth", "depths", "depth_images", "lowres_depth"}) {
-    if (layout.depth.empty()) layout.depth = pictures_in(folder / name);
+    const fs::path of_depth = folder / name;
+    const std::vector<fs::path> pictures = pictures_in(of_depth);
+    if (!layout.depth.empty() && !pictures.empty()) layout.unread_depth = of_depth;
+    if (layout.depth.empty()) layout.depth = pictures;
     if (layout.depth.empty())
-      layout.depth = depth_alone_in(folder / name);
-    else if (layout.arrays.empty() && layout.depth.front().parent_path() == folder / name)
-      layout.arrays = depth_alone_in(folder / name);
+      layout.depth = depth_alone_in(of_depth);
+    else if (layout.arrays.empty() && layout.depth.front().parent_path() == of_depth)
+      layout.arrays = depth_alone_in(of_depth);
   }
   if (!layout.depth.empty()) {
     const fs::path colour = first_there(folder, {"rgb", "color", "colour", "image", "images", "lowres_wide"});

@@ -13,6 +13,7 @@ constexpr std::size_t largest_poses = std::size_t{256} << 20U;  ///< bytes of a 
 struct DepthLayout {
   std::vector<std::filesystem::path> depth, colour;  ///< colour may be empty
   std::vector<std::filesystem::path> arrays;         ///< beside pictures in `depth/`: depth of another kind
+  std::filesystem::path unread_depth;                ///< another folder of depth pictures; empty: none
   std::filesystem::path poses;         ///< TUM text, numbered poses, a camera's path or COLMAP's; empty: none
   bool poses_of_colour = false;        ///< the poses are those of the colour pictures, in order (SUN3D)
   std::filesystem::path other_poses;   ///< beside transforms.json: which of the two counts is not known
