@@ -30,6 +30,7 @@
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/input_file.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/planner_table.hpp"
 
@@ -173,6 +174,15 @@ void require_apart_from(const RecordedSession& recorded, const TeachCommand& com
                                 ", expected a place outside of it");
 }
 
+/// How far a search came when its clock ended it depends on the machine.
+void note_timed_plans(const std::vector<TaughtPlan>& plans, double time_limit, Console& console) {
+  for (const TaughtPlan& taught : plans)
+    if (taught.plan.status() == PlanStatus::timed_out || taught.plan.time_s >= time_limit)
+      console.warn("note: plan " + quote(taught.name) + " took all of its time limit of " +
+                   short_text(time_limit) +
+                   " s: done again, it may report other counts or find another path");
+}
+
 }  // namespace
 
 int run_teach(const TeachCommand& command, Console& console) {
@@ -266,6 +276,7 @@ int run_teach(const TeachCommand& command, Console& console) {
   if (const auto& late = session.late_events(); !late.empty())
     console.warn("note: " + counted(late.size(), "event") + " (the first at " + significant(late.front(), 6) +
                  " s) came after the last image: no image shows what the probes did then");
+  note_timed_plans(plans, recorded.time_limit, console);
   if (fusion.damage) console.warn("clearway: " + *fusion.damage);
   if (console.json) {
     console.out() << json;

@@ -147,5 +147,27 @@ TEST_F(SessionFiles, ThatWereChangedInTheSessionAreRefused) {
   EXPECT_NE(run.log.find("stick.urdf' is not the one that it was made from"), std::string::npos) << run.log;
 }
 
+/// The counts of a search that the clock ended are not repeated, and whoever compares is told.
+TEST_F(SessionFiles, OfAPlanThatTookAllOfItsTimeAreSaidToMayDiffer) {
+  folder_.write("home/events.jsonl",
+                "{\"time\": 0, \"action\": \"robot\", \"robot\": \"" + folder_.file("stick.urdf") +
+                    "\"}\n{\"time\": 0, \"action\": \"start\", \"q\": \"0.5\"}\n{\"time\": 0, "
+                    "\"action\": \"goal\", \"q\": \"-0.5\"}\n{\"time\": 0, \"action\": \"plan\", "
+                    "\"name\": \"swing\"}\n");
+  for (const bool is_short : {true, false}) {
+    fs::remove_all(folder_ / "taught");
+    fs::remove_all(folder_ / "again");
+    const CommandRun taught =
+        run_command({"teach", folder_.file("scans"), "--setup", folder_.file("home/setup.yaml"), "--events",
+                     folder_.file("home/events.jsonl"), "--headless", "--time-limit",
+                     is_short ? "1e-9" : "1000", "--out", folder_.file("taught")});
+    for (const CommandRun& run : {taught, again("again")})
+      EXPECT_EQ(run.log.find("note: plan 'swing' took all of its time limit of 1e-09 s: done again, it may "
+                             "report other counts") != std::string::npos,
+                is_short)
+          << run.log;
+  }
+}
+
 }  // namespace teach_files_test
 }  // namespace clearway
