@@ -22,6 +22,10 @@
 #include "planning/robot_files/urdf_file.hpp"
 #include "planning/robot_files/xacro_file.hpp"
 
+/// Where the package that a program was built with has its data: find_package(clearway) adds this to the
+/// program.
+extern "C" [[gnu::weak]] const char clearway_package_datasets[];
+
 namespace clearway {
 namespace {
 
@@ -276,6 +280,8 @@ fs::path datasets_folder() {
   const fs::path program = fs::read_symlink("/proc/self/exe", failed);
   const fs::path beside = program.parent_path().parent_path() / "share" / "clearway";
   if (!failed && fs::is_directory(beside / "robots", failed)) return fs::canonical(beside);
+  if (clearway_package_datasets && fs::is_directory(fs::path(clearway_package_datasets) / "robots", failed))
+    return clearway_package_datasets;
   const fs::path installed = CLEARWAY_FALLBACK_DATASETS;
   return fs::is_directory(installed / "robots", failed) ? installed : fs::path("/usr/share/clearway");
 }

@@ -55,8 +55,9 @@ std::vector<std::pair<std::string, std::string>> available_robots();
 
 /// The folder of robots, scenes, setups and suites: $CLEARWAY_DATASETS; else share/clearway in a folder above
 /// the library that holds this code, where the program has loaded one (the Python module); else
-/// ../share/clearway beside the running program's own folder, if that holds robots; else where `cmake
-/// --install` was configured to put it; else /usr/share/clearway.
+/// ../share/clearway beside the running program's own folder, if that holds robots; else that of the package
+/// that find_package(clearway) gave the program; else where `cmake --install` was configured to put it; else
+/// /usr/share/clearway.
 /// @throws std::invalid_argument when $CLEARWAY_DATASETS holds no folder of robots.
 std::filesystem::path datasets_folder();
 

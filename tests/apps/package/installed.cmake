@@ -101,12 +101,20 @@ foreach(project headers examples)
   run(COMMAND ${CMAKE_COMMAND} --build ${WORK}/${project}/build)
 endforeach()
 run(COMMAND ${WORK}/headers/build/reads_poses PRINTS "^7$")
-set(ENV{CLEARWAY_DATASETS} ${prefix}/share/clearway)
+# They find the robots of the package that they were built with; another folder may be named.
 file(GLOB examples ${SOURCE}/apps/examples/*.cpp)
 foreach(example ${examples})
   get_filename_component(name ${example} NAME_WE)
   run(COMMAND ${WORK}/examples/build/${name} PRINTS ".")
 endforeach()
+
+set(ENV{CLEARWAY_DATASETS} ${WORK}/headers)
+set(example ${WORK}/examples/build/03_plan_and_check)
+execute_process(COMMAND ${example} RESULT_VARIABLE status OUTPUT_VARIABLE out ERROR_VARIABLE out)
+if(status EQUAL 0 OR NOT out MATCHES "expected a folder that holds a folder 'robots'")
+  message(FATAL_ERROR "${example} with another CLEARWAY_DATASETS ended with ${status}:\n${out}")
+endif()
+unset(ENV{CLEARWAY_DATASETS})
 
 # Another project may take in the sources as well.
 run(COMMAND ${CMAKE_COMMAND} -G Ninja -S ${SOURCE}/tests/apps/package/as_subproject -B ${WORK}/as_subproject
