@@ -238,7 +238,8 @@ TEST(Refusals, OfAProbeThatIsSeenExplainMoreThanThatItIsOutOfSightNowAndThen) {
   counts.samples = {{"probe_not_seen", 152}, {"reprojection_error", 117}};
   counts.first_refusals = {{"probe_not_seen", "probe 'p' is not seen"},
                            {"reprojection_error", "its corners err"}};
-  EXPECT_EQ(refusals_of(counts), "probe_not_seen 152, reprojection_error 117; the first reprojection_error: its corners err");
+  EXPECT_EQ(refusals_of(counts),
+            "probe_not_seen 152, reprojection_error 117; the first reprojection_error: its corners err");
   counts.samples.erase("reprojection_error");
   EXPECT_EQ(refusals_of(counts), "probe_not_seen 152; the first: probe 'p' is not seen");
 }
