@@ -13,9 +13,9 @@
 namespace clearway {
 namespace {
 
+/// @pre no flag chooses a group
 RobotRequest without_choices(const RobotChoice& choice) {
   RobotRequest request = robot_request(choice);
-  request.group.clear();
   request.fixed.clear();
   request.fixed_states.clear();
   request.standing.clear();

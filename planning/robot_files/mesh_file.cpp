@@ -39,9 +39,8 @@ std::string refusal(const fs::path& file) {
   if (!fs::exists(file, error))
     return file.string().find("$(") == std::string::npos
                ? "no such mesh file"
-               : "no such mesh file: what stands in $( ) is xacro's, expected the robot's file to be called "
-                 ".xacro, "
-                 "or its meshes package://NAME/…";
+               : "no such mesh file: what stands in $( ) is xacro's, expected the robot's file to be "
+                 "called .xacro, or its meshes package://NAME/…";
   if (!fs::is_regular_file(file, error)) return "is not a regular file";
   // glTF has y up, ROS z. RViz turns such meshes since ros2/rviz#1482 (2025) and did not before, nor do all
   // others: the body would stand a quarter turn from where it is meant, for some of those who wrote the file.
