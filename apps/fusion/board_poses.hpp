@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "datasets/descriptions/setup.hpp"
-#include "datasets/sources/pose_stream.hpp"
+#include "datasets/poses/pose_stream.hpp"
 #include "datasets/sources/recording.hpp"
 #include "tracking/tracking_session.hpp"
 

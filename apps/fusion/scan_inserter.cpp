@@ -9,6 +9,7 @@
 #include "apps/console/stopwatch.hpp"
 #include "apps/fusion/joint_readings.hpp"
 #include "apps/query/query.hpp"
+#include "datasets/poses/tum_poses.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/robot/kinematics.hpp"

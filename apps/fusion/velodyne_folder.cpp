@@ -8,9 +8,9 @@
 
 #include "datasets/pictures/picture_poses.hpp"
 #include "datasets/pictures/picture_times.hpp"
+#include "datasets/poses/tum_poses.hpp"
 #include "datasets/sources/finite_number.hpp"
 #include "datasets/sources/folder_damage.hpp"
-#include "datasets/sources/pose_stream.hpp"
 #include "mapping/files/velodyne_scan.hpp"
 #include "mapping/system/damaged_file.hpp"
 #include "mapping/system/input_file.hpp"

@@ -16,6 +16,7 @@
 #include "datasets/pictures/camera_path.hpp"
 #include "datasets/pictures/picture_numbers.hpp"
 #include "datasets/pictures/stray_folder.hpp"
+#include "datasets/poses/tum_poses.hpp"
 #include "datasets/sources/finite_number.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/number_text.hpp"

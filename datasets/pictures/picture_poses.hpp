@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "datasets/pictures/picture_times.hpp"
-#include "datasets/sources/pose_stream.hpp"
+#include "datasets/poses/pose_stream.hpp"
 
 namespace clearway {
 

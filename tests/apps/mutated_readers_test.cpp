@@ -13,7 +13,7 @@
 #include "datasets/pictures/image_folder.hpp"
 #include "datasets/pictures/picture_poses.hpp"
 #include "datasets/pictures/picture_times.hpp"
-#include "datasets/sources/pose_stream.hpp"
+#include "datasets/poses/tum_poses.hpp"
 #include "datasets/sources/recording.hpp"
 #include "mapping/files/cloud_file.hpp"
 #include "mapping/files/map_file.hpp"

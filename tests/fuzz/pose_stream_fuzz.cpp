@@ -1,5 +1,5 @@
 // libFuzzer on pose files (TUM).
-#include "datasets/sources/pose_stream.hpp"
+#include "datasets/poses/tum_poses.hpp"
 
 #include "tests/fuzz/fuzzed_input.hpp"
 

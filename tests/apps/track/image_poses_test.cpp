@@ -9,8 +9,8 @@
 #include <sstream>
 
 #include "datasets/descriptions/scene.hpp"
+#include "datasets/poses/tum_poses.hpp"
 #include "datasets/simulation/simulate.hpp"
-#include "datasets/sources/pose_stream.hpp"
 #include "tests/apps/run_command.hpp"
 #include "tests/worlds/picture_bytes.hpp"
 #include "tests/worlds/small_scene.hpp"
