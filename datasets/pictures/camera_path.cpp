@@ -63,6 +63,7 @@ CameraPath read_transforms(const PathFields& file, const std::optional<PictureSi
     pose.linear() *= Eigen::DiagonalMatrix<double, 3>(1.0, -1.0, -1.0);
     shot.world_from_camera = pose;
     shot.camera = nerf_camera(file, frame, sizes);
+    path.is_of_colmap |= frame.has("colmap_im_id");
   }
   return path;
 }
@@ -225,7 +226,7 @@ std::map<fs::path, CameraShot> shots_of_pictures(const CameraPath& path, const f
     throw std::invalid_argument(name + ": none of its " + std::to_string(path.shots.size()) +
                                 " frames is of a depth picture there; expected " +
                                 (path.is_numbered ? "pictures called by their numbers, as 000012.png"
-                                 : path.is_of_colmap
+                                 : path.has_image_names
                                      ? "pictures whose names are those of its images"
                                      : "`depth_file_path`, or pictures whose names are those of "
                                        "`file_path`"));

@@ -26,7 +26,8 @@ struct CameraPath {
   std::optional<double> depth_scale;  ///< m per step of depth pictures; empty: not stated
   bool is_named = false;              ///< shots name their pictures; else they are in the order of these
   bool is_numbered = false;           ///< shots state their pictures' numbers (BOP)
-  bool is_of_colmap = false;          ///< COLMAP's images.txt, which the setup's unit made metres
+  bool has_image_names = false;       ///< COLMAP's images.txt
+  bool is_of_colmap = false;          ///< COLMAP found the poses: their unit is not known
   bool is_scale_of_integers = false;  ///< depth_scale is that of whole numbers alone
 
   /// Whether all of them state their camera, or any of them its pose.

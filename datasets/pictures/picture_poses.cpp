@@ -190,20 +190,24 @@ void require_columns(const std::string& text, const std::string& name) {
   }
 }
 
-/// @param unit m, as the setup states it
-CameraPath path_of_colmap(const std::string& text, const std::string& name, std::optional<double> unit) {
+/// Makes metres of COLMAP's unit. @param unit m, as the setup states it
+void scale_path_of_colmap(CameraPath& path, const std::string& name, std::optional<double> unit) {
   if (!unit)
     throw std::invalid_argument(
         name +
         ": COLMAP's poses have no scale; expected `pose_scale` of `source: {depth: …}` in the setup, "
         "how many metres a unit of them is, as a length that was measured says");
+  for (CameraShot& shot : path.shots)
+    if (shot.world_from_camera) shot.world_from_camera->translation() *= *unit;
+}
+
+CameraPath path_of_colmap(const std::string& text, const std::string& name) {
   CameraPath path;
-  path.is_named = path.is_of_colmap = true;
+  path.is_named = path.has_image_names = path.is_of_colmap = true;
   for (const ColmapImage& image : parse_colmap_images(text, name)) {
     CameraShot& shot = path.shots.emplace_back();
     shot.picture = image.name;
     shot.world_from_camera = image.world_from_camera;
-    shot.world_from_camera->translation() *= *unit;
   }
   return path;
 }
@@ -261,25 +265,19 @@ PicturePoses::PicturePoses(const fs::path& file, fs::path folder, std::string wo
   folder_.clear();
   const std::string name = "poses " + quote_path(file.string());
   std::string text = read_input(file, "poses", largest_pose_file);
-  if (is_colmap_images(text)) {
-    take_shots(path_of_colmap(text, name, unit), file, pictures);
-    notes_.push_back(
-        name + " are COLMAP's, of " + short_text(*unit) +
-        " m a unit as `pose_scale` says: in the map, too, the axes are those that COLMAP chose.");
-    return;
-  }
-  if (unit)
+  if (is_arkit_poses(file, text)) text = tum_of_arkit(text, name);
+  std::optional<CameraPath> path;
+  if (is_colmap_images(text))
+    path = path_of_colmap(text, name);
+  else if (is_camera_path(text))
+    path = parse_camera_path(text, name);
+  if (unit && !(path && path->is_of_colmap))
     throw std::invalid_argument(
         name +
-        ": `pose_scale` is for COLMAP's images.txt, whose unit is not known; expected none, as these "
+        ": `pose_scale` is for poses of COLMAP, whose unit is not known; expected none, as these "
         "poses are in metres");
-  if (is_arkit_poses(file, text)) text = tum_of_arkit(text, name);
-  if (is_camera_path(text)) {
-    const CameraPath path = parse_camera_path(text, name);
-    if (!path.has_poses())
-      throw std::invalid_argument(name +
-                                  ": none of its pictures has a pose, expected `cam_R_w2c` and `cam_t_w2c`");
-    take_shots(path, file, pictures);
+  if (path) {
+    take_path(std::move(*path), file, pictures, unit);
     return;
   }
   auto numbered = parse_stray_poses(text, name);
@@ -310,6 +308,20 @@ void PicturePoses::take_shots(const CameraPath& path, const fs::path& file,
                               const std::vector<fs::path>& pictures) {
   for (const auto& [picture, shot] : shots_of_pictures(path, file, pictures))
     by_file_[picture] = shot.world_from_camera;
+}
+
+void PicturePoses::take_path(CameraPath path, const fs::path& file, const std::vector<fs::path>& pictures,
+                             std::optional<double> unit) {
+  const std::string name = "poses " + quote_path(file.string());
+  if (!path.has_poses())
+    throw std::invalid_argument(name +
+                                ": none of its pictures has a pose, expected `cam_R_w2c` and `cam_t_w2c`");
+  if (path.is_of_colmap) scale_path_of_colmap(path, name, unit);
+  take_shots(path, file, pictures);
+  if (path.is_of_colmap)
+    notes_.push_back(
+        name + " are COLMAP's, of " + short_text(*unit) +
+        " m a unit as `pose_scale` says: in the map, too, the axes are those that COLMAP chose.");
 }
 
 void PicturePoses::take_times_for_numbers(const std::string& text, const std::vector<fs::path>& pictures,

@@ -73,6 +73,8 @@ class PicturePoses {
  private:
   void take_shots(const CameraPath& path, const std::filesystem::path& file,
                   const std::vector<std::filesystem::path>& pictures);
+  void take_path(CameraPath path, const std::filesystem::path& file,
+                 const std::vector<std::filesystem::path>& pictures, std::optional<double> unit);
   /// Of TUM text, all of whose times are whole numbers.
   void take_times_for_numbers(const std::string& text, const std::vector<std::filesystem::path>& pictures,
                               const std::string& name);

@@ -294,11 +294,41 @@ TEST_F(PosesOfPictures, OfColmapAreInvertedScaledAndFoundByTheNamesOfPictures) {
             std::string::npos);
 }
 
+/// What nerfstudio writes of pictures: `colmap_im_id` tells them from a telephone's.
+TEST_F(PosesOfPictures, OfColmapInTransformsHaveNoScaleEither) {
+  const auto transforms = [&](const std::string& more) {
+    std::string text =
+        "{\"fl_x\": 80, \"fl_y\": 80, \"cx\": 20, \"cy\": 15, \"w\": 40, \"h\": 30, \"frames\": [";
+    for (std::size_t i = 0; i < truth_.size(); ++i) {
+      Eigen::Isometry3d pose = truth_[i] * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX());
+      pose.translation() /= 0.25;
+      std::string matrix = "[[" + rows(pose, 4, "],[") + "]]";
+      std::replace(matrix.begin(), matrix.end(), ' ', ',');
+      text += std::string(i > 0 ? ", " : "") + "{\"file_path\": \"rgb/" + std::to_string(i) +
+              ".jpg\", \"depth_file_path\": \"" + pictures_[i].string() + "\"" + more +
+              ", \"transform_matrix\": " + matrix + "}";
+    }
+    folder_.write("transforms.json", text + "]}");
+    return [&](std::optional<double> unit) {
+      return PicturePoses(folder_ / "transforms.json", "", "depth", pictures_, 0.02, true, "", unit);
+    };
+  };
+  const auto of_colmap = transforms(", \"colmap_im_id\": 7");
+  const PicturePoses poses = of_colmap(0.25);
+  expect_those(poses);
+  ASSERT_EQ(poses.notes().size(), 1U);
+  EXPECT_NE(poses.notes()[0].find("COLMAP's, of 0.25 m a unit"), std::string::npos) << poses.notes()[0];
+  EXPECT_NE(complaint([&] { of_colmap({}); }).find("expected `pose_scale`"), std::string::npos);
+  const auto of_telephone = transforms("");
+  EXPECT_TRUE(of_telephone({}).notes().empty());
+  EXPECT_NE(complaint([&] { of_telephone(0.25); }).find("`pose_scale` is for"), std::string::npos);
+}
+
 TEST_F(PosesOfPictures, OfOtherProgramsThanColmapAreInMetres) {
   folder_.write("p", tum(1.0, truth_[0]));
   const std::string said =
       complaint([&] { PicturePoses(folder_ / "p", "", "depth", pictures_, 0.02, true, "", 0.25); });
-  EXPECT_NE(said.find("`pose_scale` is for COLMAP's images.txt"), std::string::npos) << said;
+  EXPECT_NE(said.find("`pose_scale` is for poses of COLMAP"), std::string::npos) << said;
 }
 
 TEST_F(PosesOfPictures, BehindAHeadOfMoreColumnsAreLeftToIt) {
