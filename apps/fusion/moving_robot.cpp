@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <numeric>
 #include <stdexcept>
@@ -36,23 +37,6 @@ std::vector<double> levers_of(const Robot& robot, const Body& body) {
   }
   return levers;
 }
-
-/// Whether a point is no farther than `within` from a body.
-struct Grown {
-  const Body& body;
-  Eigen::Isometry3d shape_from_map;
-  double within;
-
-  bool holds(const Eigen::Vector3d& point) const {
-    const Eigen::Vector3d local = shape_from_map * point;
-    if (local.norm() > body.shape.bounding_radius() + within) return false;
-    if (body.shape.has_exact_distance()) return body.shape.signed_distance(local) <= within;
-    const Shape dot = Shape::sphere(1e-9);
-    return distance(body.shape, Eigen::Isometry3d::Identity(), dot,
-                    Eigen::Isometry3d(Eigen::Translation3d(local)), within)
-               .lower <= within;
-  }
-};
 
 }  // namespace
 
@@ -128,22 +112,24 @@ double MovingRobot::open_between_readings(double time) const {
 }
 
 std::string MovingRobot::why_unknown(double time) const {
-  const std::string reason = joints_.why_unknown(names_, time);
-  if (!reason.empty()) return reason;
-  return "the readings around it leave open by " + short_text(open_between_readings(time), 2) +
+  if (!joints_.at(names_, time)) return joints_.why_unknown(names_, time);
+  const double open = open_between_readings(time);
+  if (open <= most_open) return "";
+  return "the readings around it leave open by " + short_text(open, 2) +
          " m where its bodies were, at most " + short_text(most_open, 2) + " m";
 }
 
-/// How far each joint may have been from its place at that time.
-std::vector<double> MovingRobot::deviations(double time) const {
-  std::vector<double> moved = joints_.deviations(names_, time, setup_.latency);
-  const std::vector<double> bent = joints_.uncertainties(names_, time, setup_.latency);
+std::vector<double> MovingRobot::deviations(double time, double span) const {
+  std::vector<double> moved = joints_.deviations(names_, time, span);
+  const std::vector<double> bent = joints_.uncertainties(names_, time, span);
   for (std::size_t j = 0; j < moved.size(); ++j) moved[j] += bent[j];
   return moved;
 }
 
-std::vector<double> MovingRobot::growths(double time) const {
-  const std::vector<double> moved = deviations(time);
+std::vector<double> MovingRobot::growths(double time) const { return growths(time, setup_.latency); }
+
+std::vector<double> MovingRobot::growths(double time, double span) const {
+  const std::vector<double> moved = deviations(time, span);
   std::vector<double> result;
   for (const std::vector<double>& levers : levers_) {
     double growth = setup_.self_margin + setup_.place_error;
@@ -172,7 +158,7 @@ std::pair<double, double> MovingRobot::motion(double time, int link, const Eigen
   const LinkPoses links = *poses(time);
   const Eigen::Vector3d point = links[static_cast<std::size_t>(link)] * in_link;
   const auto by_joints = jacobian(robot_, links, link, point);
-  const std::vector<double> moved = deviations(time);
+  const std::vector<double> moved = deviations(time, setup_.latency);
   double shift = 0.0, turn = 0.0;
   for (std::size_t j = 0; j < moved.size(); ++j) {
     const auto by_joint = by_joints.col(static_cast<Eigen::Index>(j));
@@ -182,26 +168,87 @@ std::pair<double, double> MovingRobot::motion(double time, int link, const Eigen
   return {shift, turn};
 }
 
-std::optional<std::size_t> MovingRobot::take_out(Scan& scan) const {
-  const auto links = poses(scan.time);
-  if (!links || open_between_readings(scan.time) > most_open) return std::nullopt;
-  const std::vector<double> growth = growths(scan.time);
+/// Whether a point is no farther than `within` from a body.
+struct MovingRobot::Grown {
+  const Body& body;
+  Eigen::Isometry3d shape_from_map;
+  double within;
+
+  bool holds(const Eigen::Vector3d& point) const {
+    const Eigen::Vector3d local = shape_from_map * point;
+    if (local.norm() > body.shape.bounding_radius() + within) return false;
+    if (body.shape.has_exact_distance()) return body.shape.signed_distance(local) <= within;
+    const Shape dot = Shape::sphere(1e-9);
+    return distance(body.shape, Eigen::Isometry3d::Identity(), dot,
+                    Eigen::Isometry3d(Eigen::Translation3d(local)), within)
+               .lower <= within;
+  }
+};
+
+std::vector<MovingRobot::Grown> MovingRobot::bodies(double time, double span) const {
+  const LinkPoses links = *poses(time);
+  const std::vector<double> growth = growths(time, span);
   std::vector<Grown> bodies;
   for (std::size_t i = 0; i < robot_.bodies.size(); ++i) {
     const Body& body = robot_.bodies[i];
     const Eigen::Isometry3d map_from_shape =
-        (*links)[static_cast<std::size_t>(body.link)] * body.link_from_shape;
+        links[static_cast<std::size_t>(body.link)] * body.link_from_shape;
     bodies.push_back({body, map_from_shape.inverse(), growth[i]});
   }
-  const auto is_another = [&](const Eigen::Vector3f& point) {
-    const Eigen::Vector3d placed = scan.map_from_sensor * point.cast<double>();
-    return std::none_of(bodies.begin(), bodies.end(), [&](const Grown& body) { return body.holds(placed); });
-  };
-  const auto own = std::stable_partition(scan.points.begin(), scan.points.end(), is_another);
-  const auto count = static_cast<std::size_t>(scan.points.end() - own);
-  scan.taken_out.insert(scan.taken_out.end(), own, scan.points.end());
-  scan.points.erase(own, scan.points.end());
+  return bodies;
+}
+
+namespace {
+
+/// Which points of a scan were seen at nearly the same time: within half of `longest_part` of it.
+struct Part {
+  double time = 0.0;
+  std::vector<std::size_t> points;
+};
+constexpr double longest_part = 1e-3;  ///< s
+
+std::vector<Part> parts_of(const Scan& scan, const std::vector<float>& times) {
+  std::map<long, std::vector<std::size_t>> points;
+  for (std::size_t i = 0; i < times.size(); ++i)
+    points[std::lround(static_cast<double>(times[i]) / longest_part)].push_back(i);
+  std::vector<Part> parts;
+  for (auto& [number, seen] : points)
+    parts.push_back({scan.time + longest_part * static_cast<double>(number), std::move(seen)});
+  return parts;
+}
+
+/// Moves those points of a scan to `taken_out`, in their order. @return how many
+std::size_t move_own(Scan& scan, const std::vector<bool>& is_own) {
+  std::vector<Eigen::Vector3f> others;
+  others.reserve(scan.points.size());
+  for (std::size_t i = 0; i < is_own.size(); ++i)
+    (is_own[i] ? scan.taken_out : others).push_back(scan.points[i]);
+  const std::size_t count = scan.points.size() - others.size();
+  scan.points = std::move(others);
   return count;
+}
+
+}  // namespace
+
+MovingRobot::TakenOut MovingRobot::take_out(Scan& scan, const std::vector<float>& times) const {
+  std::vector<Part> parts = parts_of(scan, times);
+  const bool is_sweep = !times.empty() && times.size() == scan.points.size();
+  if (!is_sweep) {
+    parts.assign(1, {scan.time, std::vector<std::size_t>(scan.points.size())});
+    std::iota(parts[0].points.begin(), parts[0].points.end(), std::size_t{0});
+  }
+  std::vector<bool> is_own(scan.points.size(), false);
+  for (const Part& part : parts) {
+    if (std::string unknown = why_unknown(part.time); !unknown.empty()) return {0, std::move(unknown)};
+    const std::vector<Grown> robot =
+        bodies(part.time, setup_.latency + (is_sweep ? 0.5 * longest_part : 0.0));
+    for (const std::size_t i : part.points) {
+      const Eigen::Vector3d placed = scan.map_from_sensor * scan.points[i].cast<double>();
+      is_own[i] =
+          std::any_of(robot.begin(), robot.end(), [&](const Grown& body) { return body.holds(placed); });
+    }
+  }
+  return {move_own(scan, is_own)};
 }
 
 }  // namespace clearway

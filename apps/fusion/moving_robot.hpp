@@ -23,7 +23,7 @@ std::optional<JointStream> recorded_joints(const Setup& setup, const std::filesy
 ///
 /// A point is its own when it lies within a body, grown by what is not known of the body's place: the setup's
 /// self_margin and place_error; and for each joint that moves the body its lever times how far the joint may
-/// have been from its place within `latency` before and after the scan, between readings too
+/// have been from its place within `latency` before and after the point was seen, between readings too
 /// (JointStream::uncertainties), and times joint_error. Nothing farther is taken out.
 class MovingRobot {
  public:
@@ -31,10 +31,16 @@ class MovingRobot {
   /// stream has it in other units than radians and metres (is_possible): two readings in a row, or one in ten
   MovingRobot(const RobotSetup& setup, JointStream joints);
 
-  /// Moves the robot's points of a scan in its place to `taken_out`. @return how many; empty where the joints
-  /// are not known at the scan's time, or leave the bodies' places open by more than `most_open` between
-  /// their readings (the scan stays as it is).
-  std::optional<std::size_t> take_out(Scan& scan) const;
+  struct TakenOut {
+    std::size_t points = 0;
+    std::string unknown = {};  ///< a clause that says why nothing is known, and the scan stayed as it is
+  };
+  /// Moves the robot's points of a scan in its place to `taken_out`. Of a sweep each point is judged by where
+  /// the robot was within half a millisecond of the point's time, which is added to the latency. Nothing is
+  /// known where the joints are not, or leave the bodies' places open by more than `most_open` between their
+  /// readings.
+  /// @param times s after the scan's, of each point; none: all at once
+  TakenOut take_out(Scan& scan, const std::vector<float>& times = {}) const;
 
   /// By how much each body is grown at that time, metres. @pre the joints are known then
   std::vector<double> growths(double time) const;
@@ -48,8 +54,6 @@ class MovingRobot {
 
   /// map_from_link of all links; empty where the joints are not known at that time.
   std::optional<LinkPoses> poses(double time) const;
-  /// Why `poses` is empty, or `take_out`, as a clause.
-  std::string why_unknown(double time) const;
 
   /// How far a point of a link may have been from its place there, as the setup's latency and the readings
   /// leave it open: metres, and radians that the link turned; at most, to first order.
@@ -65,9 +69,16 @@ class MovingRobot {
 
  private:
   void take(const Joint& joint);
+  struct Grown;
   /// How far a body may have been from where it is between the readings around that time, metres.
   double open_between_readings(double time) const;
-  std::vector<double> deviations(double time) const;
+  /// How far each joint may have been from its place within `span` s of that time.
+  std::vector<double> deviations(double time, double span) const;
+  std::vector<double> growths(double time, double span) const;
+  /// Why the bodies' places are not known then, as a clause; empty: they are.
+  std::string why_unknown(double time) const;
+  /// @pre they are known
+  std::vector<Grown> bodies(double time, double span) const;
 
   RobotSetup setup_;
   std::vector<std::string> doubts_;

@@ -141,7 +141,8 @@ void ScanInserter::take(const Frame& frame, const CloudFrame& cloud) {
   ++counts_.scans;
   Waiting waiting{{frame.time, frame.sensor, cloud.world_from_sensor, cloud.points},
                   setup_.sensor(frame.sensor, cloud.kind),
-                  cloud.unusable};
+                  cloud.unusable,
+                  cloud.times};
   waiting.scan.has_hits_only = !cloud.is_origin_known;
   constexpr std::size_t most_named = 20;
   if (waiting.sensor != nullptr) {
@@ -253,12 +254,12 @@ void ScanInserter::insert(Waiting& waiting) {
   scan.map_from_sensor = *map_from_sensor;
   if (observer_ != nullptr) observer_->see(scan);
   if (moving_robot_ != nullptr) {
-    const auto own = moving_robot_->take_out(scan);
-    if (!own) {
-      if (counts_.scans_without_joints++ == 0) counts_.joint_gap = moving_robot_->why_unknown(scan.time);
+    const MovingRobot::TakenOut own = moving_robot_->take_out(scan, waiting.times);
+    if (!own.unknown.empty()) {
+      if (counts_.scans_without_joints++ == 0) counts_.joint_gap = own.unknown;
       return;
     }
-    counts_.points.dropped_filter += *own;
+    counts_.points.dropped_filter += own.points;
   }
   if (visibility == HeldBodies::Visibility::hidden) {
     ++counts_.scans_probe_hidden;

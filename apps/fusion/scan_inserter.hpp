@@ -37,7 +37,8 @@ class ScanInserter {
   struct Waiting {
     Scan scan;
     const SensorSetup* sensor = nullptr;
-    std::size_t unusable = 0;  ///< CloudFrame::unusable
+    std::size_t unusable = 0;    ///< CloudFrame::unusable
+    std::vector<float> times{};  ///< CloudFrame::times
   };
   /// Takes out the readings of a 2D laser that say that nothing came back; with `clear_infinite` they are
   /// rays.

@@ -111,6 +111,8 @@ std::vector<Frame> BagFrames::frames_of_cloud(const BagMessage& message) {
   }
   Frame frame{time_of(cloud.header, message.time), topic.name, points_cloud(cloud)};
   auto& points = std::get<CloudFrame>(frame.content);
+  if (keeps_times())
+    if (const auto seen = point_times(cloud)) points.times.assign(seen->times.begin(), seen->times.end());
   if (options_.bag.fixed_frame.empty()) {
     note_origin(points, topic.name, cloud.header, message.time);
     return {frame};
@@ -124,6 +126,8 @@ std::vector<Frame> BagFrames::frames_of_cloud(const BagMessage& message) {
   }
   return {frame};
 }
+
+bool BagFrames::keeps_times() const { return options_.bag.point_times && !options_.bag.robot_base.empty(); }
 
 std::vector<Frame> BagFrames::parts_in_time(const RosPointCloud& cloud, const Frame& frame, double recorded) {
   auto seen = point_times(cloud);

@@ -61,6 +61,8 @@ class BagFrames {
   Frame frame_of(const BagMessage& message);
   Eigen::Isometry3d pose_of(const std::string& frame, double time, double recorded) const;
   std::vector<Frame> frames_of_cloud(const BagMessage& message);
+  /// Whether clouds say when each point was seen.
+  bool keeps_times() const;
   /// A cloud's points at their own times while the sensor moves, which is noted; empty: it is one frame.
   std::vector<Frame> parts_in_time(const RosPointCloud& cloud, const Frame& frame, double recorded);
   /// Places a cloud: rays begin at its frame's origin, or at that of the setup's `sensor_frame`.

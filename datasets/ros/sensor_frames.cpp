@@ -374,8 +374,12 @@ CloudFrame empty_laser_cloud(const RosLaserScan& scan) {
 
 CloudFrame laser_cloud(const RosLaserScan& scan, bool with_clear) {
   CloudFrame cloud = empty_laser_cloud(scan);
-  for (const LaserReturn& one : laser_returns(scan, with_clear))
+  const double sweep = double{scan.time_increment} * static_cast<double>(scan.ranges.size());
+  const bool is_timed = sweep != 0.0 && std::abs(sweep) <= longest_sweep;
+  for (const LaserReturn& one : laser_returns(scan, with_clear)) {
     (one.is_clear ? cloud.clear_to : cloud.points).push_back(one.point);
+    if (is_timed && !one.is_clear) cloud.times.push_back(scan.time_increment * static_cast<float>(one.ray));
+  }
   return cloud;
 }
 

@@ -44,6 +44,8 @@ struct PointTimes {
 };
 std::optional<PointTimes> point_times(const RosPointCloud& cloud);
 
+constexpr double longest_sweep = 60.0;  ///< s, of a laser; a longer one is none
+
 /// A return of a laser of at least its least and less than its largest range.
 struct LaserReturn {
   std::size_t ray = 0;    ///< its number in the scan
@@ -53,7 +55,7 @@ struct LaserReturn {
 };
 /// @param with_clear whether rays that met nothing are among them
 std::vector<LaserReturn> laser_returns(const RosLaserScan& scan, bool with_clear);
-/// These returns as if all were measured at once.
+/// These returns as if the laser stood meanwhile.
 CloudFrame laser_cloud(const RosLaserScan& scan, bool with_clear);
 /// Such a cloud without points, which knows how many rays met nothing.
 CloudFrame empty_laser_cloud(const RosLaserScan& scan);

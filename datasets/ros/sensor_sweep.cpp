@@ -12,7 +12,7 @@
 namespace clearway {
 namespace {
 
-constexpr double most_parts = 32.0, longest = 60.0;  // s
+constexpr double most_parts = 32.0;
 
 /// A return, and where the laser was then.
 struct PlacedReturn {
@@ -41,7 +41,7 @@ std::vector<Frame> frames_of_sweep(const RosLaserScan& scan, const std::string& 
                                    const std::function<Eigen::Isometry3d(double time)>& world_from_laser) {
   const double increment = double{scan.time_increment};
   const std::size_t rays = scan.ranges.size();
-  if (!std::isfinite(increment) || std::abs(increment) * static_cast<double>(rays) > longest)
+  if (!std::isfinite(increment) || std::abs(increment) * static_cast<double>(rays) > longest_sweep)
     throw std::runtime_error("its time increment is not sound: expected a sweep of 60 s at most");
   const auto time_of = [&](std::size_t ray) { return time + increment * static_cast<double>(ray); };
   std::vector<PlacedReturn> returns;
@@ -60,9 +60,12 @@ std::vector<Frame> frames_of_sweep(const RosLaserScan& scan, const std::string& 
     CloudFrame cloud = empty_laser_cloud(scan);
     if (!frames.empty()) cloud.infinite = cloud.at_range = 0;  // counted once
     cloud.world_from_sensor = world_from_laser(time_of((begin + end) / 2));
-    for (const PlacedReturn& one : std::span(first, next))
+    const double since = time_of(increment < 0.0 && end > begin ? end - 1 : begin);
+    for (const PlacedReturn& one : std::span(first, next)) {
       (one.seen.is_clear ? cloud.clear_to : cloud.points).push_back(moved(one, cloud.world_from_sensor));
-    frames.push_back({time_of(increment < 0.0 && end > begin ? end - 1 : begin), sensor, std::move(cloud)});
+      if (!one.seen.is_clear) cloud.times.push_back(static_cast<float>(time_of(one.seen.ray) - since));
+    }
+    frames.push_back({since, sensor, std::move(cloud)});
   }
   if (increment < 0.0) std::reverse(frames.begin(), frames.end());
   return frames;
@@ -100,9 +103,12 @@ std::vector<Frame> frames_of_timed_cloud(
     taken.world_from_sensor = world_from_sensor(first + span * (part + 0.5) / parts);
     const Eigen::Isometry3d sensor_from_world = taken.world_from_sensor.inverse();
     const std::size_t begin = next;
-    for (; next < order.size() && (part + 1.0 >= parts || times[order[next]] < end); ++next)
+    for (; next < order.size() && (part + 1.0 >= parts || times[order[next]] < end); ++next) {
+      const std::size_t point = order[next];
       taken.points.push_back(
-          (sensor_from_world * (poses[next] * cloud.points[order[next]].cast<double>())).cast<float>());
+          (sensor_from_world * (poses[next] * cloud.points[point].cast<double>())).cast<float>());
+      taken.times.push_back(static_cast<float>(times[point] - times[order[begin]]));
+    }
     if (next > begin) frames.push_back({times[order[begin]], sensor, std::move(taken)});
   }
   return frames;

@@ -84,6 +84,7 @@ void write_content(ByteWriter& out, const CloudFrame& frame) {
   out.number<std::uint64_t>(frame.at_range);
   out.number<uint8_t>(frame.is_origin_known ? 1 : 0);
   out.block(frame.clear_to.data(), frame.clear_to.size() * sizeof(Eigen::Vector3f));
+  out.block(frame.times.data(), frame.times.size() * sizeof(float));
 }
 
 void write_content(ByteWriter& out, const OdometryFrame& frame) { out.pose(frame.world_from_robot); }
@@ -124,6 +125,16 @@ std::vector<Eigen::Vector3f> read_points(ByteReader& in) {
   return points;
 }
 
+/// Of as many points, or none.
+std::vector<float> read_times(ByteReader& in, std::size_t points) {
+  const auto bytes = in.block();
+  in.require(bytes.empty() || bytes.size() == points * sizeof(float));
+  std::vector<float> times(bytes.size() / sizeof(float));
+  if (!bytes.empty()) std::memcpy(times.data(), bytes.data(), bytes.size());
+  for (const float time : times) in.require(std::isfinite(time));
+  return times;
+}
+
 CloudFrame read_cloud(ByteReader& in) {
   CloudFrame frame;
   frame.points = read_points(in);
@@ -137,6 +148,7 @@ CloudFrame read_cloud(ByteReader& in) {
   in.require(is_known <= 1);
   frame.is_origin_known = is_known == 1;
   frame.clear_to = read_points(in);
+  frame.times = read_times(in, frame.points.size());
   return frame;
 }
 

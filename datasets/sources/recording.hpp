@@ -66,6 +66,7 @@ struct CloudFrame {
   std::size_t at_range = 0;                 ///< of these, the ones that are not +inf
   std::vector<Eigen::Vector3f> clear_to{};  ///< where these reach the laser's range, if it is known
   bool is_origin_known = true;              ///< else points say what is occupied, and no rays lead to them
+  std::vector<float> times{};  ///< s after the frame's, of each point; none: all at once, or not known
 };
 
 /// Adds a point to the cloud, or counts it as not usable.

@@ -71,9 +71,13 @@ TEST_F(BagFramesTest, EachRayOfASweepIsWhereTheLaserWasThen) {
         const Eigen::Vector3d then =
             driving_at(frame.time) * Eigen::Vector3d(0.1, 0, 0.25);  // at its first ray
         EXPECT_LT((origin - then).norm(), 0.0126 + 1e-3) << "within a quarter voxel";
-        for (const Eigen::Vector3f& point : cloud.points) {
-          const Eigen::Vector3d place = cloud.world_from_sensor * point.cast<double>();
+        ASSERT_EQ(cloud.times.size(), cloud.points.size());
+        for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+          const Eigen::Vector3d place = cloud.world_from_sensor * cloud.points[i].cast<double>();
           EXPECT_LT(std::min(std::abs(place.x() - 8), std::abs(place.y() - 3)), 1e-3) << place.transpose();
+          const Eigen::Vector3d laser =
+              driving_at(frame.time + static_cast<double>(cloud.times[i])) * Eigen::Vector3d(0.1, 0, 0.25);
+          EXPECT_LT((origin - laser).norm(), 0.0126 + 1e-3) << "when the ray was out";
           ++points;
         }
       }
@@ -125,6 +129,9 @@ TEST_F(BagFramesTest, ASweepOfALaserThatStandsIsOneFrame) {
     EXPECT_EQ(reading.frames[0].time, 10);
     const auto& cloud = std::get<CloudFrame>(reading.frames[0].content);
     ASSERT_EQ(cloud.points.size(), static_cast<std::size_t>(rays));
+    ASSERT_EQ(cloud.times.size(), increment == 0.0F ? 0U : cloud.points.size());
+    for (std::size_t i = 0; i < cloud.times.size(); ++i)
+      EXPECT_EQ(cloud.times[i], increment * static_cast<float>(i));
     for (std::size_t i = 0; i < cloud.points.size(); ++i) {
       const double angle = double{turn.angle_min} + static_cast<double>(i) * double{turn.angle_increment};
       EXPECT_EQ(cloud.points[i], Eigen::Vector3f(static_cast<float>(2.5 * std::cos(angle)),
@@ -336,6 +343,26 @@ TEST_F(BagFramesTest, EachPointOfACloudIsWhereTheSensorWasThenInAnyUnit) {
       EXPECT_EQ(plain.frames.size(), 2U);
       EXPECT_NE(plain.warnings.find("each is placed by one pose, at its stamp"), std::string::npos);
     }
+}
+
+/// A robot may move in front of a sensor that stands: clouds say when each point was seen where one is.
+TEST_F(BagFramesTest, CloudsBesideARobotKeepTheTimesOfTheirPoints) {
+  ScanBag bag(folder_ / "a.mcap");
+  bag.transform(9, "map", "sensor", mount_flat(), true);
+  bag.cloud("/points", 10.0, "sensor", {{3, 0, 1}, {0, 0, 0}, {2, 1, 1}, {2, 2, 1}}, "time",
+            {0.0F, 0.01F, 0.04F, 0.09F});
+  bag.sort();
+  const auto times = [&](const char* base, bool point_times) {
+    BagTopics topics;
+    topics.robot_base = base;
+    topics.point_times = point_times;
+    const Reading reading = read(bag, "a.mcap", false, topics);
+    EXPECT_EQ(reading.frames.size(), 1U) << reading.damage;
+    return std::get<CloudFrame>(reading.frames.at(0).content).times;
+  };
+  EXPECT_EQ(times("robot", true), (std::vector<float>{0.0F, 0.04F, 0.09F}));  // what is at the origin is none
+  EXPECT_TRUE(times("", true).empty());
+  EXPECT_TRUE(times("robot", false).empty());
 }
 
 TEST_F(BagFramesTest, EachPointOfALivoxCloudIsWhereTheSensorWasThen) {

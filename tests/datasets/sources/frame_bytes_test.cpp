@@ -47,6 +47,18 @@ TEST(FrameBytes, WhatACloudLeftOutComesBackToo) {
   EXPECT_THROW(frame_from_bytes(bytes_of(frame)), std::runtime_error);
 }
 
+TEST(FrameBytes, TimesOfPointsComeBackAndAreOfAsManyPoints) {
+  Frame frame = sample_frames()[2];
+  auto& cloud = std::get<CloudFrame>(frame.content);
+  cloud.times.assign(cloud.points.size(), 0.25F);
+  cloud.times[0] = -0.1F;
+  EXPECT_EQ(std::get<CloudFrame>(frame_from_bytes(bytes_of(frame)).frame.content).times, cloud.times);
+  cloud.times[0] = NAN;
+  EXPECT_THROW(frame_from_bytes(bytes_of(frame)), std::runtime_error);
+  cloud.times.assign(cloud.points.size() + 1, 0.0F);
+  EXPECT_THROW(frame_from_bytes(bytes_of(frame)), std::runtime_error);
+}
+
 TEST(FrameBytes, NothingCutOrLengthenedIsTakenForAFrame) {
   for (const auto& frame : sample_frames()) {
     const std::string bytes = bytes_of(frame);
