@@ -165,5 +165,25 @@ TEST(PoseStream, HonestPosesDoNotJump) {
       [&](int i) { return along(1.5 * i); });
 }
 
+/// There and back, so that the way from the start says nothing of the speed.
+TEST(PoseStream, TheUsualSpeedIsTheMiddleOneOfStepsBetweenPosesThatDiffer) {
+  const auto along = [](double x) { return Eigen::Isometry3d(Eigen::Translation3d(x, 0.0, 0.0)); };
+  for (const int repeats : {1, 2, 3}) {  // some logs repeat a pose, which is no stop
+    PoseStream stream(1.5);
+    for (int i = 0; i < 12 * repeats; ++i) stream.add(0.1 * i / repeats, along(0.2 * (i / repeats % 2)));
+    ASSERT_TRUE(stream.usual_speed());
+    EXPECT_NEAR(*stream.usual_speed(), 2.0, 1e-4) << repeats;
+  }
+  PoseStream stream(1.5);
+  double at = 0.0;
+  for (const double speed : {0.0, 0.7, 0.1, 40.0, 0.3}) {
+    stream.add(static_cast<double>(stream.size()), along(at += speed));
+    EXPECT_FALSE(stream.usual_speed()) << "four steps are too few";
+  }
+  stream.add(5.0, along(at + 0.5));
+  ASSERT_TRUE(stream.usual_speed());
+  EXPECT_NEAR(*stream.usual_speed(), 0.5, 1e-6);
+}
+
 }  // namespace pose_stream_test
 }  // namespace clearway
