@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "mapping/free_space_map.hpp"
+#include "tests/worlds/random_world.hpp"
 #include "tests/worlds/slide_robot.hpp"
 
 namespace clearway::check {
@@ -23,6 +25,15 @@ Eigen::Isometry3d about(double radians) {
     is_less = angle_of(pose.linear().transpose()) < radians;
   }
   return pose;
+}
+
+TEST(PickTerms, TheAngleOfATurnIsThatByWhichItWasMadeAboutWhateverAxis) {
+  Random random(3);
+  for (int i = 0; i < 1000; ++i) {
+    const double angle = i == 0 ? 0.0 : i == 1 ? std::numbers::pi : random.between(0.0, std::numbers::pi);
+    const Eigen::AngleAxisd turn(angle, random.point(1.0).normalized());
+    ASSERT_NEAR(angle_of(turn.toRotationMatrix()), angle, 1e-12) << turn.axis().transpose();
+  }
 }
 
 class PickTermsOf : public ::testing::Test {
