@@ -91,6 +91,24 @@ TEST(CheckDeviations, APlanMayAskForMoreAndNotForLess) {
   EXPECT_EQ(answer.deviating(), Terms{AcceptedTerm::robot});
 }
 
+TEST(CheckDeviations, VoxelsOfAnotherEdgeAreAnotherMapAndSaidInMillimetres) {
+  Answer answer;
+  answer.contract.map_resolution = 0.05;
+  for (const double as_good : {0.0, 0.05, 0.05 + 0.9e-6, 0.05 - 0.9e-6}) {  // 0: the plan says none
+    answer.plan.map_resolution = as_good;
+    EXPECT_EQ(answer.deviating(), Terms{}) << as_good;
+  }
+  for (const double other : {0.05 + 1.1e-6, 0.05 - 1.1e-6, 0.02}) {
+    answer.plan.map_resolution = other;
+    EXPECT_EQ(answer.deviating(), Terms{AcceptedTerm::map}) << other;
+  }
+  EXPECT_EQ(answer.sentence(),
+            "map: expected voxels of 50 mm, the plan was made on those of 20 mm (--cloud-resolution)");
+  answer.plan.map_sha256 = "another";
+  EXPECT_EQ(answer.sentence(),
+            "map: expected one with the sha256 digest…, the plan was made on another, another…");
+}
+
 TEST(CheckDeviations, AHeldJointOfWhichThePlanSaysNothingDeviates) {
   Answer answer;
   answer.contract.held["grip"] = {0.25, TermSource::flag};
