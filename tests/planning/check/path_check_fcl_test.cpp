@@ -118,5 +118,31 @@ TEST(PathCheckFcl, ADistanceIsNeverMoreThanTheTrueOneHoweverFarFromTheOrigin) {
   }
 }
 
+/// Where the planes leave a gap FCL is asked, and where one of its solvers is off, the other.
+TEST(PathCheckFcl, OfHullsBoxesAndCylindersTheDistanceIsProvedToATenMillionth) {
+  Random random(7);
+  const auto hull = [&] {
+    std::vector<Eigen::Vector3d> corners;
+    for (int i = 0; i < 8; ++i) corners.push_back(random.point(0.2));
+    return Shape::convex(corners);
+  };
+  const auto box = [&] { return Shape::box(random.point(0.3).cwiseAbs()); };
+  const auto cylinder = [&] { return Shape::cylinder(random.between(0.01, 0.5), random.between(0.01, 0.5)); };
+  int apart = 0;
+  for (int i = 0; i < 4500; ++i) {
+    const Shape a = i % 3 == 0 ? hull() : i % 3 == 1 ? box() : cylinder();
+    const Shape b = i % 3 == 0 ? hull() : i % 3 == 1 ? box() : cylinder();
+    const FclBodies bodies(two_bodies(a, b));
+    const Eigen::Isometry3d pose_a = random.pose(0.5), pose_b = random.pose(0.5);
+    const DistanceBounds truth = distance(a, pose_a, b, pose_b);  // the planners' own, another method
+    if (truth.lower < 1e-5) continue;
+    ++apart;
+    const double proved = bodies.distance(0, pose_a, 1, pose_b);
+    ASSERT_LE(proved, truth.upper + 1e-9);
+    ASSERT_GE(proved, truth.lower - 1e-7);
+  }
+  EXPECT_GT(apart, 3000);
+}
+
 }  // namespace path_check_fcl_test
 }  // namespace clearway::check
