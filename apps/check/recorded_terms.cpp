@@ -91,7 +91,8 @@ RecordedTerms recorded_terms(const std::optional<QueryRecord>& record, const Rec
   for (const QueryTerms& query : record->queries)
     if (is_for(query, question) && has_scale(query, question.scale)) terms.others.push_back(query);
   if (!terms.others.empty())
-    notes.push_back("the plan is held to the loosest of the map's queries for " + quote(question.robot));
+    notes.push_back("the plan's policies are held to the loosest of the map's queries for " +
+                    quote(question.robot));
   return terms;
 }
 

@@ -84,9 +84,9 @@ TEST(RecordedTerms, TheQueryIsFoundByNameElseByStartAndGoalsElseAsTheWholeOfThem
   asked.query.start = Eigen::Vector2d(0.5, 0.0);
   EXPECT_FALSE(asked.answered().query.has_value());
   EXPECT_EQ(asked.answered().others.size(), 1U);
-  EXPECT_EQ(asked.notes,
-            (std::vector<std::string>{"the plan's query is none of the map's own",
-                                      "the plan is held to the loosest of the map's queries for 'arm'"}));
+  EXPECT_EQ(asked.notes, (std::vector<std::string>{
+                             "the plan's query is none of the map's own",
+                             "the plan's policies are held to the loosest of the map's queries for 'arm'"}));
   asked.by_name = "own";
   EXPECT_TRUE(asked.answered().query.has_value());
   EXPECT_TRUE(asked.notes.empty());
