@@ -1,5 +1,6 @@
 // Robots: loading, limits, kinematics, path costs.
 #include <cmath>
+#include <limits>
 #include <set>
 #include <stdexcept>
 
@@ -9,6 +10,7 @@
 #include "planning/problem/path_cost.hpp"
 #include "planning/robot/goal_configurations.hpp"
 #include "planning/robot/held_joints.hpp"
+#include "planning/robot/inverse_dynamics.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "planning/robot_files/srdf_file.hpp"
 
@@ -149,7 +151,9 @@ double cost_of_path(const NamedRobot& self, const py::object& waypoints, double 
   const std::vector<Configuration> path = vectors_from(waypoints, "waypoints", self.robot.dof());
   for (const Configuration& q : path)
     if (!q.allFinite()) throw std::invalid_argument("waypoints: expected finite values");
-  const Eigen::Vector3d in_base = self.robot.map_from_base.linear().transpose() * gravity_from(gravity);
+  const Eigen::Vector3d in_map = gravity_from(gravity);
+  if (!missing_masses(self.robot, in_map).empty()) return std::numeric_limits<double>::quiet_NaN();
+  const Eigen::Vector3d in_base = self.robot.map_from_base.linear().transpose() * in_map;
   return without_lock([&] { return PathCost(self.robot, {in_base, payload})(path); });
 }
 
@@ -323,8 +327,9 @@ void bind_kinematics(py::class_<NamedRobot>& type) {
            py::arg("gravity") = py::none(),
            doc("PathCost",
                "waypoints: (n, dof).\n\npayload: kg at the tip, full size.\n\ngravity: m/s^2, map frame, by "
-               "default (0, 0, -9.81).\n\nRaises ValueError for values that are not finite and a negative "
-               "payload."))
+               "default (0, 0, -9.81).\n\nNaN where the robot's file lacks masses, as `Plan.cost_caveat` "
+               "tells.\n\n"
+               "Raises ValueError for values that are not finite and a negative payload."))
       .def(
           "scaled",
           [](const NamedRobot& self, double factor) {

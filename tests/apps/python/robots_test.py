@@ -1,6 +1,7 @@
 """Robots from Python, against kinematics in NumPy that read the URDF themselves, and the command line program."""
 
 import os
+import pathlib
 import unittest
 import xml.etree.ElementTree as xml
 
@@ -95,6 +96,20 @@ class Kinematics(unittest.TestCase):
 
 
 class Facts(unittest.TestCase):
+    def test_the_cost_of_a_robot_without_masses_is_not_known(self):
+        text = """<robot name="bare"><link name="base"/><link name="arm"><collision><origin xyz="0.2 0 0"/><geometry>
+            <box size="0.4 0.1 0.1"/></geometry></collision>{}</link><joint name="turn" type="revolute"><parent link="base"/>
+            <child link="arm"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="9" velocity="1"/></joint></robot>"""
+        mass = """<inertial><origin xyz="0.2 0 0"/><mass value="2"/>
+            <inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>"""
+        with worlds.folder() as folder:
+            file = pathlib.Path(folder) / "bare.urdf"
+            for has_mass in (False, True):
+                file.write_text(text.format(mass if has_mass else ""))
+                cost = cw.load_robot(file).path_cost([[0.0], [0.5]])
+                self.assertEqual(np.isfinite(cost), has_mass)
+        self.assertGreater(cost, 0.0)
+
     def test_shipped_robots_are_those_of_the_program(self):
         status, out, _ = worlds.run("robots")
         self.assertEqual(status, 0)
