@@ -5,10 +5,12 @@
 #include <stdexcept>
 
 #include "apps/problem_sets/goal_joints.hpp"
+#include "apps/query/query.hpp"
 #include "apps/suites/suite_stages.hpp"
 #include "mapping/system/nearest_name.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "planning/robot/kinematics.hpp"
 
 namespace clearway {
 
@@ -19,22 +21,25 @@ double near_limits(const Joint& joint, double value) {
 
 std::vector<double> ordered_values(const Robot& robot, const ForeignProblem& problem,
                                    const ForeignState& state, const char* what) {
+  const auto refuse = [&](const std::string& why) {
+    throw std::invalid_argument("problem " + quote(problem.name) + ", " + what + ": " + why);
+  };
+  std::vector<double> result = state.values;
   if (!state.values.empty() || state.by_joint.empty()) {
-    if (state.values.size() == robot.dof()) return state.values;
-    throw std::invalid_argument("problem " + quote(problem.name) + ", " + what + ": got " +
-                                counted(state.values.size(), "value") + ", expected " +
-                                std::to_string(robot.dof()) + ", one for each joint of robot " +
-                                quote(robot.name) + " (--group and --fix choose which)");
+    if (result.size() != robot.dof())
+      refuse("got " + counted(result.size(), "value") + ", expected " + std::to_string(robot.dof()) +
+             ", one for each joint of robot " + quote(robot.name) + " (--group and --fix choose which)");
+  } else {
+    for (const Joint& joint : robot.joints) {
+      const auto value = state.by_joint.find(joint.name);
+      if (value == state.by_joint.end())
+        refuse("expected a value of joint " + quote(joint.name) + " of robot " + quote(robot.name));
+      result.push_back(value->second);
+    }
   }
-  std::vector<double> result;
-  for (const Joint& joint : robot.joints) {
-    const auto value = state.by_joint.find(joint.name);
-    if (value == state.by_joint.end())
-      throw std::invalid_argument("problem " + quote(problem.name) + ", " + what +
-                                  ": expected a value of joint " + quote(joint.name) + " of robot " +
-                                  quote(robot.name));
-    result.push_back(near_limits(joint, value->second));
-  }
+  for (std::size_t i = 0; i < result.size(); ++i) result[i] = near_limits(robot.joints[i], result[i]);
+  if (const std::string beyond = limit_violation(robot, configuration(result)); !beyond.empty())
+    refuse(beyond + (looks_like_degrees(robot, configuration(result)) ? "; are these degrees?" : ""));
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "datasets/descriptions/suite.hpp"
+#include "planning/robot_files/load_robot.hpp"
 #include "tests/apps/problem_sets/import_fixture.hpp"
 
 namespace clearway {
@@ -117,6 +118,31 @@ TEST_F(Import, WhatIsWrongIsReportedInOneSentence) {
 }
 
 /// Files of a suite have simple names: whose they are is on record, and the page has the group's own.
+/// Planners cannot solve what no robot can do: of a set in degrees, or for another robot, that is said first.
+TEST_F(Import, StartsAndGoalsBeyondLimitsAreLeftOut) {
+  robot_ = "panda";
+  const std::string start = "[0, -0.3, 0, -2.2, 0, 2, 0.785]", goal = "[0.5, -0.3, 0, -2.2, 0, 2, 0.785]",
+                    barely = "[2.8976, -0.3, 0, -2.2, 0, 2, 0.785]",
+                    degrees = "[30, -20, 0, -120, 0, 115, 45]", beyond = "[3, -0.3, 0, -2.2, 0, 2, 0.785]";
+  const auto problem = [&](const std::string& from, const std::string& goals) {
+    return "{\"start\": " + from + ", \"goals\": [" + goals + "]}";
+  };
+  const std::string file =
+      folder_.write("set.json", "{\"problems\": {\"a\": [" + problem(start, beyond + ", " + goal) + ", " +
+                                    problem(start, degrees) + ", " + problem(beyond, goal) + ", " +
+                                    problem(start, barely) + "]}}");
+  const CommandRun run = import("json", {file}, {"--json"});
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  const Json said = Json::parse(run.out);
+  EXPECT_EQ(said["problems"], 2);
+  ASSERT_EQ(said["left_out"].size(), 3U) << said["left_out"];
+  EXPECT_NE(said["left_out"].dump().find("are these degrees?"), std::string::npos) << said["left_out"];
+  const Suite suite = load_suite(folder_ / "out/suite.yaml");
+  ASSERT_EQ(suite.experiments[0].problems.size(), 2U);
+  EXPECT_DOUBLE_EQ(suite.experiments[0].problems[0].goals[0][0], 0.5);
+  EXPECT_NEAR(suite.experiments[0].problems[1].goals[0][0], load_robot("panda").joints[0].upper, 1e-12);
+}
+
 TEST_F(Import, GroupsAndProblemsKeepTheirNamesOnRecordWhateverFilesAreCalled) {
   const std::string problem = "[{\"start\": [0, 0, 0.01], \"goals\": [[0.5, 0, 0.01]]}]";
   const std::string sets =
