@@ -206,6 +206,8 @@ ViewedCloud read_viewed_cloud(const std::filesystem::path& file) {
   }
   if (is_xyz_file(file)) return {read_xyz_file(file)};
   ParsedCloud parsed = parse_cloud(file);
+  if (parsed.viewpoint == decltype(parsed.viewpoint){})
+    parsed.viewpoint[3] = 1.0F;  // some write zeros for none
   const auto& [x, y, z, qw, qx, qy, qz] = parsed.viewpoint;
   const Eigen::Vector3f origin(x, y, z);
   const Eigen::Quaternionf turn(qw, qx, qy, qz);

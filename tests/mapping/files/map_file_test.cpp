@@ -197,6 +197,10 @@ TEST(MapFile, ACloudKeepsThePlaceItWasSeenFrom) {
   bytes.replace(bytes.find("0.70710678 0 0"), 14, "0 0 0 0 0 0 00");
   write_file(folder / "c.pcd", bytes);
   EXPECT_THROW(read_viewed_cloud(folder / "c.pcd"), DamagedFile);
+  bytes = format_pcd({{1.0F, 2.0F, 3.0F}});
+  write_file(folder / "d.pcd", bytes.replace(bytes.find(none), none.size(), "VIEWPOINT 0 0 0 0 0 0 0"));
+  EXPECT_TRUE(
+      read_viewed_cloud(folder / "d.pcd").file_from_viewpoint.isApprox(Eigen::Isometry3d::Identity()));
 }
 
 /// A .ply file of a point with faces and a camera, turned by 0.5 rad about z, whose data pcl::PLYWriter 1.13
