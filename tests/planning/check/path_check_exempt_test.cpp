@@ -84,6 +84,20 @@ TEST(PathCheckExempt, NoPairThatMeetsIsPassedOver) {
   EXPECT_GT(refused, 10);
 }
 
+/// A robot that is made in memory, whose exempt pairs are taken at their word.
+TEST(PathCheckExempt, PairsOfBodiesThatTheRobotDoesNotHaveAreLeftOut) {
+  Robot robot = worlds::whip().robot();
+  robot.source.clear();
+  robot.srdf.clear();
+  exempt_all(robot);
+  const Pairs honest = Checked(robot).justified();
+  ASSERT_FALSE(honest.empty());
+  const int bodies = static_cast<int>(robot.bodies.size());
+  for (int body = 0; body < bodies; ++body)
+    for (const int beyond : {bodies, bodies + 1}) robot.exempt.emplace_back(body, beyond);
+  EXPECT_EQ(Checked(robot).justified(), honest);
+}
+
 TEST(PathCheckExempt, PairsStayApartOnlyWhereTheyDo) {
   Random random(43);
   int apart = 0, meeting = 0;
