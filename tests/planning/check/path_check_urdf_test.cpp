@@ -159,6 +159,17 @@ TEST(PathCheckUrdf, AGroupMayNameTheRootAndLinksThatNoJointOfItsOwnMoves) {
       "wrist.srdf",
       "<robot name='wrist'><group name='all'><link name='arm'/><link name='left_out'/></group></robot>");
   EXPECT_NE(contact(robot).find("joint 'free' of group 'all' is held"), std::string::npos) << contact(robot);
+  // Or has joints that nobody drives.
+  const auto contact_with = [&](const std::string& passive) {
+    folder.write("wrist.srdf",
+                 "<robot name='wrist'><group name='all'><link name='arm'/></group>"
+                 "<passive_joint name='" +
+                     passive + "'/></robot>");
+    return contact(robot);
+  };
+  EXPECT_EQ(contact_with("free"), "");
+  EXPECT_NE(contact_with(" turn ").find("joint 'turn' is none of group 'all'"), std::string::npos)
+      << contact_with(" turn ");
 }
 
 TEST(PathCheckUrdf, SoftLimitsBind) {
