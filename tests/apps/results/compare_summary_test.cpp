@@ -99,6 +99,27 @@ TEST(CompareSummary, ReportsMediansOfValidRunsAndTimesOfSolvedOnes) {
   EXPECT_DOUBLE_EQ(sum.motion_median, 1000.0 * middle);
 }
 
+/// Only of runs that are valid: a path that is none is not ridden at all.
+TEST(CompareSummary, CountsValidRunsThatGoEdgeByEdge) {
+  std::vector<CompareRun> runs;
+  for (const char* check : {"valid", "refused", "none"}) {
+    for (const char* note : {"a limit is missing", "", "a limit is missing"}) {
+      CompareRun run;
+      run.status = PlanStatus::solved;
+      run.check = check;
+      run.motion = {4.0, 0.9, 0.9};
+      run.motion->note = note;
+      runs.push_back(run);
+      run.motion.reset();
+      runs.push_back(run);
+    }
+  }
+  CompareExperiment experiment = experiment_of(runs);
+  experiment.setup.teams.reset();
+  EXPECT_EQ(summary(experiment, 0).edge_by_edge, 2U);
+  EXPECT_EQ(summary_json(experiment, 0)["edge_by_edge"], 2);
+}
+
 CompareResults hand_made() {
   CompareResults results;
   CompareExperiment experiment;
