@@ -95,6 +95,33 @@ TEST_F(PickWays, TheLoadMayTurnUntilAPointOfItStraysAsFar) {
   }
 }
 
+/// A spike that points away from the hand, along either direction of each axis of the object.
+TEST_F(PickWays, ALoadMayTurnUntilItsFarthestPointStraysWhicheverThatIs) {
+  constexpr double reach = 0.3, thin = 0.01;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double sign : {1.0, -1.0}) {
+      const Eigen::Vector3d tip = sign * reach * Eigen::Vector3d::Unit(axis),
+                            u = thin * Eigen::Vector3d::Unit((axis + 1) % 3),
+                            v = thin * Eigen::Vector3d::Unit((axis + 2) % 3);
+      Pick spike = pick_;
+      spike.object.shape = Shape::convex({tip, u, v, -u, -v});
+      const Eigen::Isometry3d hand_from_spike(
+          Eigen::Quaterniond::FromTwoVectors(tip, Eigen::Vector3d::UnitX()));
+      const PickToCheck plan{robot_, map_, spike, hand_from_spike, plan_.legs};
+      const auto turns = [&](double by) {
+        try {
+          require_no_bow({plan, {}, 0.0, 0.0}, PickTerms::lift, {0.0, 0.0, length},
+                         {{at(0, 0, 0), at(0, 0, 0.12, by), at(0, 0, length)}, {}});
+        } catch (const PickRefusal&) {
+          return false;
+        }
+        return true;
+      };
+      EXPECT_NEAR(2.0 * reach * std::sin(largest(turns) / 2), 1e-3 * (2.0 + reach), 1e-8) << axis << sign;
+    }
+  }
+}
+
 TEST_F(PickWays, WhatTheCurveMayBeOffItsChordIsTakenFromThatPieceAlone) {
   const auto left = [&](const Eigen::Vector4d& first, const Eigen::Vector4d& second,
                         const Eigen::Vector4d& third) {
