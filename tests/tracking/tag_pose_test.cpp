@@ -58,6 +58,25 @@ TEST(TagPose, from_rendered_images_is_right_to_a_millimetre_and_a_degree_at_ever
       }
 }
 
+TEST(TagPose, the_error_of_a_solution_is_the_root_of_its_corners_mean_square_in_pixels) {
+  std::mt19937 random(9);
+  std::normal_distribution<double> noise(0.0, 0.5);
+  for (const Camera& camera : {scene::plain_camera(), scene::distorted_camera()})
+    for (int i = 0; i < 50; ++i) {
+      const PlacedTag tag{1, 0.06, tag_before_camera(0.5, 0.5, 0.1 * i, 0.2 * i, 0.02, 0.01)};
+      auto corners = scene::true_corners(camera, tag);
+      for (Eigen::Vector2d& corner : corners) corner += Eigen::Vector2d(noise(random), noise(random));
+      for (const auto& solution : estimate_tag_pose(corners, tag.size, camera).solutions) {
+        double mean = 0.0;
+        for (int k = 0; k < 4; ++k) {
+          const Eigen::Vector3d point = solution.camera_from_tag * tag_corners(tag.size)[k];
+          mean += (camera.project(point).value() - corners[k]).squaredNorm() / 4;
+        }
+        EXPECT_NEAR(solution.rms_px, std::sqrt(mean), 1e-9);
+      }
+    }
+}
+
 TEST(TagPose, a_tag_of_which_two_corners_are_one_has_none) {
   const Camera camera = scene::plain_camera();
   const auto pose_of = [&](double side) {  // half of the upper one, seen from 1 m
