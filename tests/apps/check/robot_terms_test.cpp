@@ -54,6 +54,11 @@ TEST_F(RobotTerms, AJointThatThePlanAloneHoldsElsewhereIsNoted) {
   EXPECT_EQ(by_flag.notes, Notes{});
   options_.robot.fixed = {"open"};  // by a state
   EXPECT_EQ(contract_for("arm", {{"grip", 0.04}}).held.at("grip").source, TermSource::flag);
+  options_.robot.fixed.clear();  // by nobody's word
+  const Contract by_nobody = contract_for("arm", {});
+  EXPECT_EQ(by_nobody.held.at("grip").value, 0.0);
+  EXPECT_EQ(by_nobody.held.at("grip").source, TermSource::by_default);
+  EXPECT_EQ(by_nobody.notes, Notes{});
 }
 
 TEST_F(RobotTerms, OneOfSeveralJointsThatThePlanHoldsElsewhereIsNoted) {
