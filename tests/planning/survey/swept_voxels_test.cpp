@@ -236,5 +236,24 @@ TEST(StandingContacts, count_each_voxel_of_a_pruned_leaf) {
   }
 }
 
+/// A box whose faces lie in those of voxels, of which both sides are touched.
+TEST(StandingContacts, count_the_voxels_that_a_face_touches_on_either_side) {
+  constexpr double edge = 0.125;  // without rounding
+  Robot robot = load_robot("puma560");
+  robot.bodies.resize(1);
+  ASSERT_EQ(robot.bodies[0].link, 0);
+  robot.bodies[0].shape = Shape::box({0.5, 0.25, 0.25});
+  robot.bodies[0].link_from_shape.setIdentity();
+  robot.bodies[0].cover = robot.bodies[0].shape.sphere_cover();
+  for (const double reach : {1.0, 0.375}) {  // one leaf an octant, or single voxels
+    const Snapshot map =
+        VoxelScene{edge, {box_of(-reach, -reach, -reach, reach, reach, reach)}, {}, {}}.snapshot();
+    const auto contacts = standing_contacts(robot, map);
+    ASSERT_EQ(contacts.size(), 1U);
+    EXPECT_EQ(contacts[0].voxels, 6U * 4U * 4U);
+    EXPECT_TRUE(contacts[0].lowest.isApprox(Eigen::Vector3d(-2.5 * edge, -1.5 * edge, -1.5 * edge)));
+  }
+}
+
 }  // namespace swept_voxels_test
 }  // namespace clearway
