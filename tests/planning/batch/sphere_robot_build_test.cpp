@@ -76,6 +76,22 @@ TEST(SphereRobotBuild, EachBodyHasItsCoverInClustersOfEightAndTheMemberThatItIs)
   });
 }
 
+/// Without spheres it would be clear of everything.
+TEST(SphereRobotBuild, ARobotIsOnlyCoveredWhereEachOfItsBodiesIs) {
+  const Robot robot = load_robot("puma560");
+  const auto is_covered = [](const Robot& of) {
+    const SphereGround ground{
+        std::vector<int>(of.bodies.size(), -1), {}, 0.05, std::vector<std::size_t>(of.bodies.size(), 1)};
+    return build_sphere_robot(std::make_shared<const Robot>(of), ground, {}).is_covered;
+  };
+  EXPECT_TRUE(is_covered(robot));
+  for (std::size_t body = 0; body < robot.bodies.size(); ++body) {
+    Robot bare = robot;
+    bare.bodies[body].cover.clear();
+    EXPECT_FALSE(is_covered(bare)) << body;
+  }
+}
+
 TEST(SphereRobotBuild, WhatLiesInABodyIsSoToAFewRoundings) {
   for_each_model([](const CollisionModel& model, const SphereRobot& robot) {
     for (std::size_t body = 0; body < model.robot.bodies.size(); ++body) {
