@@ -185,8 +185,13 @@ TEST(PairTable, ThereIsNoneForMoreJointsOrJointsWithoutLimits) {
   EXPECT_EQ(PairTable::of(panda, pairs.at({0, 7})), nullptr);
   EXPECT_EQ(PairTable::of(panda, {}), nullptr);
   Robot endless = panda;
-  for (Joint& joint : endless.joints) joint.upper = std::numeric_limits<double>::infinity();
-  for (const auto& [links, of_links] : pairs) EXPECT_EQ(PairTable::of(endless, of_links), nullptr);
+  constexpr double none = std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::max();
+  for (const auto& [lower, upper] : {std::pair(-2.0, none), std::pair(-none, 2.0), std::pair(-none, none),
+                                     std::pair(-most, most)}) {  // farther apart than a number says
+    for (Joint& joint : endless.joints) joint.lower = lower, joint.upper = upper;
+    for (const auto& [links, of_links] : pairs)
+      EXPECT_EQ(PairTable::of(endless, of_links), nullptr) << lower << " to " << upper;
+  }
 }
 
 TEST(PairTable, OfOneJointSaysApartUpToAFewThousandthsBeforeBodiesMeet) {
