@@ -103,6 +103,8 @@ int run_replay(const ReplayOptions& options, Console& console) {
                  {"--overlay", options.overlay},
                  {"--video-out", options.video}},
                 {{"RECORDING", options.recording}, {"--setup", setup}});
+  require_not_in({{"--record", options.record}, {"--video-out", options.video}},
+                 {"RECORDING", options.recording});
   const PictureOptions pictures{options.overlay, options.video};
   require_pictures(pictures, options.recording, options.out);
   require_no_session(options.out);

@@ -174,6 +174,7 @@ void require_outputs(const TrackOptions& options, const std::filesystem::path& s
   std::vector<NamedPlace> outputs = files;
   outputs.push_back({"--draw", options.draw});
   require_apart(outputs, {{"SOURCE", options.source}, {"--setup", setup}});
+  require_not_in(files, {"SOURCE", options.source});
   for (const NamedPlace& file : files)
     if (!file.path.empty()) require_writable(file.path);
 }

@@ -52,4 +52,18 @@ void require_apart(const std::vector<NamedPlace>& outputs, const std::vector<Nam
   }
 }
 
+void require_not_in(const std::vector<NamedPlace>& outputs, const NamedPlace& folder) {
+  std::error_code error;
+  if (!fs::is_directory(folder.path, error)) return;
+  const fs::path whole = fs::canonical(folder.path, error);
+  for (const NamedPlace& output : outputs) {
+    if (output.path.empty() || !fs::is_regular_file(output.path, error)) continue;
+    const fs::path inner = fs::canonical(output.path, error).lexically_relative(whole);
+    if (inner.empty() || *inner.begin() == "..") continue;
+    throw std::invalid_argument(output.flag + ": " + quote_path(output.path.string()) +
+                                " is a file of the folder that " + folder.flag +
+                                " reads, expected another place to write to");
+  }
+}
+
 }  // namespace clearway

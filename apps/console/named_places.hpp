@@ -18,4 +18,9 @@ struct NamedPlace {
 /// @throws std::invalid_argument naming both.
 void require_apart(const std::vector<NamedPlace>& outputs, const std::vector<NamedPlace>& inputs);
 
+/// Nothing in the folder of a recording is overwritten: its pictures, tables and parts of a bag are read.
+/// @param folder of an input; one that is no folder holds nothing
+/// @throws std::invalid_argument for an output that is a file there, naming both
+void require_not_in(const std::vector<NamedPlace>& outputs, const NamedPlace& folder);
+
 }  // namespace clearway

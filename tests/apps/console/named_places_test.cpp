@@ -51,6 +51,29 @@ TEST_F(NamedPlaces, AnInputIsKnownByEveryName) {
   EXPECT_EQ(refusal("", ""), "");
 }
 
+TEST_F(NamedPlaces, NoFileInTheFolderOfARecordingIsAnOutput) {
+  fs::create_directories(folder_ / "source/rgb");
+  folder_.write("source/rgb/0001.png", "picture");
+  fs::create_symlink(folder_ / "source/rgb", folder_ / "link");
+  const auto refusal = [&](const fs::path& output, const fs::path& source) -> std::string {
+    try {
+      require_not_in({{"--csv", output}}, {"SOURCE", source});
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  for (const char* name : {"source/rgb/0001.png", "link/0001.png", "own/../source/rgb/0001.png"})
+    EXPECT_NE(refusal(folder_ / name, folder_ / "source").find("is a file of the folder that SOURCE reads"),
+              std::string::npos)
+        << name;
+  EXPECT_EQ(refusal(folder_ / "source/new.csv", folder_ / "source"), "");
+  EXPECT_EQ(refusal(file_, folder_ / "source"), "");
+  EXPECT_EQ(refusal(file_, file_), "");
+  EXPECT_EQ(refusal("", folder_ / "source"), "");
+  EXPECT_EQ(refusal(file_, "no such folder"), "");
+}
+
 TEST_F(NamedPlaces, AMapIsItsFolderAndWhatIsReadWithIt) {
   folder_.write("own/queries.json", "{}");
   folder_.write("own/plan.json", "{}");
