@@ -12,6 +12,7 @@
 #include "mapping/free_space_map.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 #include "planning/robot/load.hpp"
+#include "planning/robot/reach.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/map_of_looks.hpp"
 
@@ -183,6 +184,22 @@ TEST(PartPolicies, APartThatMustLieInPaintIsToldWhereNoneCountsForIt) {
   EXPECT_EQ(sentence(builder.snapshot(), Policy::painted), "");
   EXPECT_EQ(sentence(one_voxel(true, Seen::never), Policy::painted), "");
   EXPECT_NE(sentence(one_voxel(false, Seen::free), Policy::painted), "");
+}
+
+/// Others are not looked for in the map.
+TEST(PartPolicies, OnlyAPartThatAJointMovesLacksPaint) {
+  const Snapshot bare = FreeSpaceMap({.resolution = 0.1}).snapshot();
+  for (const char* name : {"puma560", "panda", "point"}) {
+    const Robot robot = load_robot(name);
+    for (const Body& body : robot.bodies) {
+      const bool is_part_moved = std::any_of(
+          robot.bodies.begin(), robot.bodies.end(),
+          [&](const Body& other) { return other.part == body.part && is_moved(robot, other.link); });
+      const ConfigurationSpace space(robot, bare,
+                                     {.parts = {{body.part, Policy::painted}}, .critical_by_default = false});
+      EXPECT_EQ(empty_volume_sentence(space) != "", is_part_moved) << name << " " << body.part;
+    }
+  }
 }
 
 TEST(PartPolicies, OfAPartThatTheRobotLacksAreRefusedNamingThoseThatItHas) {
