@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <set>
 
@@ -220,6 +221,13 @@ TEST(PartPolicies, when_voxels_were_seen_is_asked_only_where_some_part_is_under_
   EXPECT_THROW(require_seen_within(5.0, map, Parts{{"base", Policy::not_occupied}}), std::invalid_argument);
   EXPECT_THROW(require_seen_within(5.0, map, Parts{{"a", Policy::painted}, {"b", Policy::not_occupied}}),
                std::invalid_argument);
+}
+
+TEST(PathSurvey, where_a_part_leaves_the_map_is_said_to_four_digits) {
+  LeavingPart leaving{"tool", 0.123456, {1.23456, -0.0123456, 12.3456}, {}};
+  EXPECT_EQ(to_text(leaving), "tool leaves the map's bounds by 0.1235 m at (1.235, -0.01235, 12.35)");
+  leaving.distance = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(to_text(leaving), "tool leaves the map's bounds at (1.235, -0.01235, 12.35)");
 }
 
 TEST(PartPolicies, a_robot_that_names_no_critical_part_is_known_free_wherever_free_space_is_known) {
