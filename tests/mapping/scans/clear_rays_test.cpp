@@ -8,6 +8,8 @@
 #include <string>
 
 #include "mapping/free_space_map.hpp"
+#include "mapping/scans/scan_filter.hpp"
+#include "mapping/scans/scan_rays.hpp"
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
@@ -139,6 +141,21 @@ TEST(HitsOnly, OccupyTheVoxelsOfTheirPointsAndFreeNothing) {
       EXPECT_EQ(now.state(way), has_hits_only ? VoxelState::unknown : VoxelState::seen_free);
     }
   }
+}
+
+/// A workspace is memory only: what a scan before has left in it, its gaps among that, is no evidence.
+TEST(HitsOnly, HaveNothingOfTheScanBefore) {
+  const FusedTree tree(0.05);
+  const ScanInsertion insertion{.integration = Integration::safe};
+  ScanWorkspace workspace;
+  ScanCounts counts;
+  Scan scan;
+  for (int i = 0; i < 40; ++i) scan.points.emplace_back(2.0F, 0.1F * static_cast<float>(i - 20), 0.3F);
+  EXPECT_FALSE(choose_rays(tree, scan, {}, insertion, workspace, counts).ends.empty());
+  ASSERT_NE(workspace.gaps, nullptr);
+  scan.has_hits_only = true;
+  EXPECT_TRUE(choose_rays(tree, scan, {}, insertion, workspace, counts).ends.empty());
+  EXPECT_EQ(workspace.gaps, nullptr);
 }
 
 /// Of a stretched or mirrored pose nobody knows where its rays went: each number of a turn times its
