@@ -35,10 +35,10 @@ class MovingRobot {
     std::size_t points = 0;
     std::string unknown = {};  ///< a clause that says why nothing is known, and the scan stayed as it is
   };
-  /// Moves the robot's points of a scan in its place to `taken_out`. Of a sweep each point is judged by where
-  /// the robot was within half a millisecond of the point's time, which is added to the latency. Nothing is
-  /// known where the joints are not, or leave the bodies' places open by more than `most_open` between their
-  /// readings.
+  /// Moves the robot's points of a scan in its place to `taken_out`. Each point of a sweep is judged by where
+  /// the robot was at the point's own time, rounded to a millisecond; half of one is added to the latency.
+  /// Nothing is known where the joints are not, or leave the bodies' places open by more than `most_open`
+  /// between their readings.
   /// @param times s after the scan's, of each point; none: all at once
   TakenOut take_out(Scan& scan, const std::vector<float>& times = {}) const;
 

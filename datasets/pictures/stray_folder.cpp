@@ -6,20 +6,13 @@
 #include <stdexcept>
 #include <vector>
 
+#include "datasets/poses/pose_columns.hpp"
 #include "datasets/sources/finite_number.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
-
-std::vector<std::string> cells_of(std::string line) {
-  std::replace(line.begin(), line.end(), ',', ' ');
-  std::istringstream stream(line);
-  std::vector<std::string> cells;
-  for (std::string cell; stream >> cell;) cells.push_back(cell);
-  return cells;
-}
 
 /// Where x, …, qw begin in the lines below such a head; nothing for another one.
 std::optional<std::size_t> first_column(const std::vector<std::string>& head) {

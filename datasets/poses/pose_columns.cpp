@@ -12,7 +12,7 @@
 
 namespace clearway {
 
-std::vector<std::string> words_of(std::string line) {
+std::vector<std::string> cells_of(std::string line) {
   std::replace(line.begin(), line.end(), ',', ' ');
   std::istringstream stream(line);
   std::vector<std::string> words;
@@ -64,7 +64,7 @@ std::optional<Head> head_of(std::string line) {
   for (char& c : line)
     if (c == '[' || c == '(') c = ' ';
   Head head;
-  std::vector<std::string> names = words_of(line);
+  std::vector<std::string> names = cells_of(line);
   const auto has = [&](const char* name) {
     return std::find(names.begin(), names.end(), name) != names.end();
   };
@@ -107,12 +107,12 @@ std::optional<Places> places_by_name(std::string line) {
   line = lower_case(line);
   std::replace(line.begin(), line.end(), '#', ' ');
   const bool has_commas = line.find(',') != std::string::npos;
-  std::vector<std::string> names = words_of(line);
+  std::vector<std::string> names = cells_of(line);
   if (has_commas) {
     names.clear();
     std::istringstream cells(line);
     for (std::string cell; std::getline(cells, cell, ',');) {
-      const std::vector<std::string> words = words_of(cell);
+      const std::vector<std::string> words = cells_of(cell);
       names.push_back(words.empty() ? "" : words.front());
     }
   }
@@ -139,7 +139,7 @@ std::optional<Places> places_by_name(std::string line) {
 
 std::size_t count_of_names(std::string line) {
   std::replace(line.begin(), line.end(), '#', ' ');
-  return words_of(line).size();
+  return cells_of(line).size();
 }
 
 /// Time, x, y, z, qx, qy, qz and qw of a line; fewer words where it is too short.
@@ -156,7 +156,7 @@ std::vector<std::string> in_order(const std::vector<std::string>& words, const P
 std::size_t columns_before_nanoseconds(std::string line) {
   line = lower_case(line);
   std::replace(line.begin(), line.end(), '#', ' ');
-  const std::vector<std::string> words = words_of(line);
+  const std::vector<std::string> words = cells_of(line);
   const auto is_one_of = [&](std::size_t at, std::initializer_list<const char*> names) {
     return at < words.size() && std::find(names.begin(), names.end(), words[at]) != names.end();
   };

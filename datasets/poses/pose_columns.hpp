@@ -8,8 +8,8 @@
 
 namespace clearway {
 
-/// Where a time and a pose stand in the lines of a text file, as its head says. As it is made: time, x, y, z,
-/// qx, qy, qz and qw, nothing else.
+/// Where a time and a pose stand in the lines of a text file, as its head says; by default time, x, y, z, qx,
+/// qy, qz and qw alone.
 struct PoseColumns {
   using Places = std::array<std::size_t, 8>;  ///< of time, x, y, z, qx, qy, qz and qw, columns from 0
 
@@ -24,8 +24,8 @@ struct PoseColumns {
   std::string expected() const;
 };
 
-/// Words of a line, with commas for blanks.
-std::vector<std::string> words_of(std::string line);
+/// What stands in a line apart by blanks or commas.
+std::vector<std::string> cells_of(std::string line);
 
 /// Of a line such as "# time tx ty tz qw qx qy qz"; empty when it is no head: it names no w among four
 /// columns or more. @throws std::invalid_argument with what was expected of a head

@@ -100,7 +100,7 @@ class TumText {
   }
 
   void take_pose(const std::string& line) {
-    std::vector<std::string> words = words_of(line);
+    std::vector<std::string> words = cells_of(line);
     if (words.empty()) return;
     if (!columns_.has_head && words.size() == 8 && line.find(',') != std::string::npos)
       refuse(

@@ -111,8 +111,10 @@ std::vector<Frame> BagFrames::frames_of_cloud(const BagMessage& message) {
   }
   Frame frame{time_of(cloud.header, message.time), topic.name, points_cloud(cloud)};
   auto& points = std::get<CloudFrame>(frame.content);
-  if (keeps_times())
-    if (const auto seen = point_times(cloud)) points.times.assign(seen->times.begin(), seen->times.end());
+  const bool keeps_times = options_.bag.point_times && !options_.bag.robot_base.empty();
+  std::optional<PointTimes> seen;
+  if (keeps_times || !options_.bag.fixed_frame.empty()) seen = point_times(cloud);
+  if (seen && keeps_times) points.times.assign(seen->times.begin(), seen->times.end());
   if (options_.bag.fixed_frame.empty()) {
     note_origin(points, topic.name, cloud.header, message.time);
     return {frame};
@@ -120,25 +122,22 @@ std::vector<Frame> BagFrames::frames_of_cloud(const BagMessage& message) {
   points.world_from_sensor = pose_of(cloud.header.frame, frame.time, message.time);
   const bool is_own = options_.bag.sensor_frame.empty() || options_.bag.sensor_frame == cloud.header.frame;
   place(points, topic.name, {frame.time, cloud.header.frame}, points.world_from_sensor, message.time);
-  if (is_own && points.is_origin_known && !is_placed(topic.name, "points")) {
-    std::vector<Frame> parts = parts_in_time(cloud, frame, message.time);
+  if (seen && is_own && points.is_origin_known && !is_placed(topic.name, "points")) {
+    std::vector<Frame> parts = parts_in_time(*seen, cloud.header.frame, frame, message.time);
     if (!parts.empty()) return parts;
   }
   return {frame};
 }
 
-bool BagFrames::keeps_times() const { return options_.bag.point_times && !options_.bag.robot_base.empty(); }
-
-std::vector<Frame> BagFrames::parts_in_time(const RosPointCloud& cloud, const Frame& frame, double recorded) {
-  auto seen = point_times(cloud);
-  if (!seen) return {};
-  if (seen->times.empty()) {
-    account_.note_odd_times(frame.sensor, quote(seen->field) + " spans " + short_text(seen->raw_span));
+std::vector<Frame> BagFrames::parts_in_time(PointTimes seen, const std::string& tf_frame, const Frame& frame,
+                                            double recorded) {
+  if (seen.times.empty()) {
+    account_.note_odd_times(frame.sensor, quote(seen.field) + " spans " + short_text(seen.raw_span));
     return {};
   }
-  for (double& time : seen->times) time += frame.time;
-  const auto [first, last] = std::minmax_element(seen->times.begin(), seen->times.end());
-  const auto pose_at = [&](double time) { return pose_of(cloud.header.frame, time, recorded); };
+  for (double& time : seen.times) time += frame.time;
+  const auto [first, last] = std::minmax_element(seen.times.begin(), seen.times.end());
+  const auto pose_at = [&](double time) { return pose_of(tf_frame, time, recorded); };
   const auto& points = std::get<CloudFrame>(frame.content);
   const Eigen::Isometry3d last_from_first = pose_at(*last).inverse() * pose_at(*first);
   double farthest = 0.0;
@@ -146,9 +145,9 @@ std::vector<Frame> BagFrames::parts_in_time(const RosPointCloud& cloud, const Fr
     const Eigen::Vector3d place = point.cast<double>();
     farthest = std::max(farthest, (last_from_first * place - place).norm());
   }
-  if (farthest > options_.resolution) account_.note_motion(frame.sensor, seen->field, farthest);
+  if (farthest > options_.resolution) account_.note_motion(frame.sensor, seen.field, farthest);
   if (!options_.bag.point_times || farthest <= 0.25 * options_.resolution) return {};
-  return frames_of_timed_cloud(points, seen->times, frame.sensor, 0.25 * options_.resolution, pose_at);
+  return frames_of_timed_cloud(points, seen.times, frame.sensor, 0.25 * options_.resolution, pose_at);
 }
 
 Frame BagFrames::frame_of(const BagMessage& message) {

@@ -11,6 +11,7 @@
 #include "datasets/ros/left_out.hpp"
 #include "datasets/ros/message_bag.hpp"
 #include "datasets/ros/ros_camera.hpp"
+#include "datasets/ros/sensor_frames.hpp"
 #include "datasets/ros/transform_faults.hpp"
 #include "datasets/ros/transform_tree.hpp"
 #include "datasets/sources/frame_source.hpp"
@@ -61,10 +62,10 @@ class BagFrames {
   Frame frame_of(const BagMessage& message);
   Eigen::Isometry3d pose_of(const std::string& frame, double time, double recorded) const;
   std::vector<Frame> frames_of_cloud(const BagMessage& message);
-  /// Whether clouds say when each point was seen.
-  bool keeps_times() const;
   /// A cloud's points at their own times while the sensor moves, which is noted; empty: it is one frame.
-  std::vector<Frame> parts_in_time(const RosPointCloud& cloud, const Frame& frame, double recorded);
+  /// @param tf_frame of the cloud's header
+  std::vector<Frame> parts_in_time(PointTimes seen, const std::string& tf_frame, const Frame& frame,
+                                   double recorded);
   /// Places a cloud: rays begin at its frame's origin, or at that of the setup's `sensor_frame`.
   /// @param world_from_cloud by the frame of its header
   void place(CloudFrame& cloud, const std::string& topic, const RosHeader& header,

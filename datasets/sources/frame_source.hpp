@@ -58,8 +58,9 @@ struct BagTopics {
   std::string sensor_frame;  ///< where rays of clouds in other frames begin; empty: at the origin of theirs
   bool point_times = true;   ///< points of clouds are where they were seen at their own times
   std::string fixed_frame;   ///< poses of sensors are in it, by tf; empty: sensors do not move
-  std::string robot_base;  ///< frame of the base, which is taken to stand in it, of a robot that moves while
-                           ///< sensors sweep, so that frames keep their points' times; empty: no robot
+  /// Frame of the moving robot's base, which is taken to stand in the fixed frame; clouds then keep the times
+  /// of their points. Empty: no robot.
+  std::string robot_base;
   std::vector<std::string> poses;   ///< Odometry, TransformStamped, PoseStamped, …: count as tf does
   std::string pose_frame;           ///< of which these are that name no frame of their own
   std::vector<StatedFrame> frames;  ///< that the bag lacks; its own poses of these children do not count

@@ -138,6 +138,20 @@ TEST_P(MovingRobots, LeaveNoneOfTheirPointsWhileReadingsAreMissing) {
   EXPECT_LE(left, 20U);  // roundings, of bodies in their places
 }
 
+/// A scan in the course of which the robot is seen at other times, and these.
+struct Sweep {
+  Scan scan;
+  std::vector<float> times;  ///< s after the scan's
+
+  void add(const Robot& robot, double seen_at, double since, std::mt19937& random) {
+    for (const Eigen::Vector3d& point :
+         points_of(robot, forward_kinematics(robot, place_at(robot, seen_at)), random)) {
+      scan.points.push_back(point.cast<float>());
+      times.push_back(static_cast<float>(since));
+    }
+  }
+};
+
 /// A sensor that goes round in a tenth of a second, as lidars do: points of one scan show the robot at 50
 /// times. All errors are stated as none.
 TEST_P(MovingRobots, LeaveNoneOfTheirPointsOfASweep) {
@@ -149,16 +163,12 @@ TEST_P(MovingRobots, LeaveNoneOfTheirPointsOfASweep) {
   std::mt19937 random(11);
   std::size_t all = 0, left = 0, left_at_once = 0;
   for (int trial = 0; trial < 5; ++trial) {
-    Scan scan;
+    Sweep sweep;
+    auto& [scan, times] = sweep;
     scan.time = 0.2 + 0.9 * trial;
-    std::vector<float> times;
     for (int step = 49; step >= 0; --step) {  // in any order
       const double since = 0.002 * step - 0.03;
-      const LinkPoses poses = forward_kinematics(robot, place_at(robot, scan.time + since));
-      for (const Eigen::Vector3d& point : points_of(robot, poses, random)) {
-        scan.points.push_back(point.cast<float>());
-        times.push_back(static_cast<float>(since));
-      }
+      sweep.add(robot, scan.time + since, since, random);
     }
     Scan at_once = scan;
     all += scan.points.size();
@@ -186,16 +196,11 @@ TEST_P(MovingRobots, OfASweepTakeOutNothingBeyondTheGrowthAtEachTime) {
   setup.self_margin = setup.latency = setup.joint_error = setup.place_error = 0.0;
   const MovingRobot moving(setup, stream_of(robot));
   std::mt19937 random(12);
-  Scan scan;
+  Sweep sweep;
+  auto& [scan, times] = sweep;
   scan.time = 2.0;
-  std::vector<float> times;
-  for (int step = 0; step < 50; step += 7) {
-    const LinkPoses poses = forward_kinematics(robot, place_at(robot, scan.time + 0.002 * (49 - step)));
-    for (const Eigen::Vector3d& point : points_of(robot, poses, random)) {
-      scan.points.push_back(point.cast<float>());
-      times.push_back(0.002F * static_cast<float>(step));
-    }
-  }
+  for (int step = 0; step < 50; step += 7)
+    sweep.add(robot, scan.time + 0.002 * (49 - step), 0.002 * step, random);
   const std::vector<Eigen::Vector3f> before = scan.points;
   ASSERT_EQ(moving.take_out(scan, times).unknown, "");
   std::size_t next = 0, beyond = 0;
