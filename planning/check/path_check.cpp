@@ -9,18 +9,17 @@
 #include <stdexcept>
 
 #include "mapping/stamps/seen_stamps.hpp"
-#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/check/path_check_links.hpp"
 #include "planning/check/path_check_model.hpp"
-#include "planning/robot/kinematics.hpp"
 #include "planning/space/part_policies.hpp"
 
 namespace clearway {
 namespace {
 
 constexpr double finest_step = 1e-6;        ///< joint-space length (rad, m) at which an advance has stalled
-constexpr double probe_step = 1e-4;         ///< how far past a stall a contact is looked for
+constexpr double probe_step = 1e-4;         ///< how far past a stall a contact is looked for closely
+constexpr double most_looks = 2000.0;       ///< along a whole path, where a contact is looked for beyond that
 constexpr double most_cells_at_once = 3e7;  ///< of one block of voxels; longer paths are checked in pieces
 constexpr double most_cells_in_all = 4e8;   ///< where pieces save nothing
 constexpr double most_cells_of_edge = 9e8;  ///< about all bodies together; else body by body
@@ -52,6 +51,8 @@ class Checker {
         fcl_(robot),
         tasks_(check::list_tasks(robot, map, policies, arm_, fcl_)) {
     verdict_.clearance.assign(path.size(), cap);
+    for (std::size_t i = 1; i < path.size(); ++i)
+      travelled_.push_back(travelled_.back() + (path[i] - path[i - 1]).norm());
     least_ = measured_ = cap;
   }
 
@@ -116,21 +117,21 @@ class Checker {
       if (most > most_cells_in_all ||
           cells_in(boxes_of(first, middle)) + cells_in(boxes_of(middle, last)) < most) {
         check_edges(first, middle);
-        if (!contact_) check_edges(middle, last);
+        if (!is_refused()) check_edges(middle, last);
         return;
       }
     }
     cells_.clear();
     if (most > most_cells_of_edge) {
-      for (int edge = first; edge < last && !contact_; ++edge) check_body_by_body(edge);
+      for (int edge = first; edge < last && !is_refused(); ++edge) check_body_by_body(edge);
       return;
     }
     for (std::size_t group = 0; group < tasks_.groups.size(); ++group) {
       cells_.emplace_back(map_, tasks_.groups[group].policy, tasks_.groups[group].volumes, boxes[group],
                           seen_within_);
     }
-    for (int edge = first; edge < last && !contact_; ++edge) {
-      for (const Item& item : tasks_.items) advance(item, edge);
+    for (int edge = first; edge < last && !is_refused(); ++edge) {
+      for (const Item& item : tasks_.items) pass(item, edge);
     }
     if (!contact_ && last + 1 == static_cast<int>(path_.size())) measure_waypoint(path_.size() - 1);
   }
@@ -144,11 +145,19 @@ class Checker {
                            box_of({{group}, {{item.body, std::nullopt, 0}}}, 0, edge, edge + 1),
                            seen_within_);
       }
-      advance(item, edge);
+      pass(item, edge);
       if (!item.other && edge + 2 == static_cast<int>(path_.size()))
         note_clearance(path_.size() - 1, nearest(item, path_.back()).distance);
     }
     own_cells_.reset();
+  }
+
+  bool is_refused() const { return contact_ && !contact_->undecided; }
+
+  /// Once a place is undecided, what touches on the rest of the way decides about the path.
+  void pass(const Item& item, int edge) {
+    if (!contact_ || contact_->edge == edge) advance(item, edge);
+    if (contact_ && contact_->undecided) look_for_contact(item, edge);
   }
 
   /// Conservative advancement: from each place the item moves on by less than its certified distance. Keeps
@@ -181,6 +190,8 @@ class Checker {
   }
 
   void stall(const Item& item, int edge, double t, double length, Nearest near);
+  void look_for_contact(const Item& item, int edge);
+  void keep(const Contact& contact);
 
   /// How much nearer the item may be where the joints leave the edge.
   double motion_aside(const Item& item, int edge) const {
@@ -197,8 +208,21 @@ class Checker {
     const Eigen::Isometry3d pose = arm_.place(q, item.body);
     if (item.other)
       return {fcl_.distance(item.body, pose, *item.other, arm_.place(q, *item.other), enough), {}};
+    return nearest_voxel(item, pose, cap_ + padding_, hint);
+  }
+
+  Nearest nearest_voxel(const Item& item, const Eigen::Isometry3d& pose, double limit,
+                        const std::optional<Eigen::Vector3d>& hint = std::nullopt) const {
     return check::nearest_voxel(fcl_, item.body, pose, inner_point(item.body, pose),
-                                own_cells_ ? *own_cells_ : cells_[item.group], cap_ + padding_, hint);
+                                own_cells_ ? *own_cells_ : cells_[item.group], limit, hint);
+  }
+
+  /// What touches the item there, or comes too near to it; none: nothing.
+  std::optional<Nearest> contact_at(const Item& item, const Configuration& q) const {
+    const Nearest near = item.other
+                             ? nearest(item, q, 0.0)
+                             : nearest_voxel(item, arm_.place(q, item.body), padding_ + map_.resolution());
+    return near.distance <= (item.other ? 0.0 : padding_) ? std::optional(near) : std::nullopt;
   }
 
   /// A point inside the body: the centre of its frame, or of a hull's corners.
@@ -229,6 +253,7 @@ class Checker {
   double padding_;
   double seen_within_;
   const std::vector<Configuration>& path_;
+  std::vector<double> travelled_{0.0};              ///< up to each waypoint, in joint space
   const std::vector<Eigen::VectorXd>& deviations_;  ///< of each edge; empty: none
   double cap_;
   const check::KdlArm& arm_;
@@ -245,18 +270,38 @@ class Checker {
 /// The advance came to rest before a contact, or so near to one that nothing more can be proved: whether
 /// something does touch within a short way decides which.
 void Checker::stall(const Item& item, int edge, double t, double length, Nearest near) {
-  const double keep = item.other ? 0.0 : padding_;
   const Eigen::VectorXd dq = step(edge);
-  bool touches = near.distance <= keep;
+  bool touches = near.distance <= (item.other ? 0.0 : padding_);
   for (int i = 1; i <= 10 && !touches && length > 0.0; ++i) {
-    const double at = std::min(1.0, t + i * probe_step / 10.0 / length);
-    const Nearest there = nearest(item, start(edge) + at * dq);
-    touches = there.distance <= keep;
-    if (touches) near = there;
+    const auto there = contact_at(item, start(edge) + std::min(1.0, t + i * probe_step / 10.0 / length) * dq);
+    touches = there.has_value();
+    if (touches) near = *there;
   }
-  if (contact_ && contact_->edge == edge && contact_->parameter <= t) return;
-  contact_ =
-      Contact{edge, t, !touches, describe(item, near) + (touches ? "" : " (too near to prove it does not)")};
+  keep({edge, t, !touches, describe(item, near) + (touches ? "" : " (too near to prove it does not)")});
+}
+
+/// At places that are evenly spaced along the whole path, those of this edge.
+void Checker::look_for_contact(const Item& item, int edge) {
+  const Eigen::VectorXd dq = step(edge);
+  const double length = dq.norm(), spacing = travelled_.back() / most_looks;
+  if (!(length > 0.0)) return;
+  const double before = travelled_[static_cast<std::size_t>(edge)];
+  const double begin = contact_->edge == edge ? contact_->parameter : 0.0;
+  for (double k = std::ceil((before + begin * length) / spacing); k * spacing <= before + length; ++k) {
+    const double t = std::clamp((k * spacing - before) / length, 0.0, 1.0);
+    const auto there = contact_at(item, start(edge) + t * dq);
+    if (there) return keep({edge, t, false, describe(item, *there)});
+  }
+}
+
+/// Of contacts the first; of undecided places the first, while there is no contact.
+void Checker::keep(const Contact& contact) {
+  if (contact_ && contact_->undecided == contact.undecided) {
+    if (contact_->edge < contact.edge || contact_->parameter <= contact.parameter) return;
+  } else if (contact_ && contact.undecided) {
+    return;
+  }
+  contact_ = contact;
 }
 
 std::string Checker::describe(const Item& item, const Nearest& near) const {
@@ -288,58 +333,6 @@ std::string Checker::last_look(const Eigen::Vector3d& cube) const {
   text.imbue(std::locale::classic());
   text << "it was last seen " << map_.seen()->newest() - *seen << " s before the newest look";
   return text.str();
-}
-
-/// Empty, or why these waypoints are no path of this robot.
-std::string malformed(const Robot& robot, const std::vector<Configuration>& path, int& edge) {
-  if (path.empty()) return "the path has no waypoints";
-  for (std::size_t i = 0; i < path.size(); ++i) {
-    edge = static_cast<int>(i);
-    std::ostringstream text;
-    text.imbue(std::locale::classic());
-    text << "waypoint " << i << ": ";
-    if (path[i].size() != static_cast<Eigen::Index>(robot.dof())) {
-      text << "has " << path[i].size() << " values, but " << robot.name << " has " << robot.dof()
-           << " joints";
-      return text.str();
-    }
-    for (std::size_t j = 0; j < robot.dof(); ++j) {
-      const double value = path[i][static_cast<Eigen::Index>(j)];
-      const Joint& joint = robot.joints[j];
-      if (std::abs(value) > largest_joint_value) {
-        text << "joint " << shortened(joint.name) << " is " << value
-             << ", where angles have lost their digits; "
-             << "expected at most " << largest_joint_value;
-        return text.str();
-      }
-      if (std::isfinite(value) && value >= joint.lower && value <= joint.upper) continue;
-      text << "joint " << shortened(joint.name) << " is "
-           << text_beside(value, value > joint.upper ? joint.upper : joint.lower) << ", outside its limits "
-           << joint.lower << " to " << joint.upper << whose_limit(robot, j, value > joint.upper);
-      return text.str();
-    }
-  }
-  return {};
-}
-
-/// Empty, or the sentence that a joint which holds a load moves on the way.
-std::string let_go(const Robot& robot, const check::KdlArm& arm, const std::vector<Configuration>& path,
-                   const std::vector<Eigen::VectorXd>& deviations) {
-  constexpr double still = 1e-6;  // rad, m
-  for (const Load& load : robot.loads) {
-    for (const int j : arm.joints_that_hold(robot, load)) {
-      for (std::size_t i = 0; i < path.size(); ++i) {
-        const double aside = deviations.empty() ? 0.0 : deviations[std::min(i, deviations.size() - 1)][j];
-        if (std::abs(path[i][j] - path[0][j]) + aside <= still) continue;
-        std::ostringstream text;
-        text.imbue(std::locale::classic());
-        text << "joint " << quote(robot.joints[static_cast<std::size_t>(j)].name) << " moves by "
-             << std::abs(path[i][j] - path[0][j]) + aside << " while it holds load " << quote(load.name);
-        return text.str();
-      }
-    }
-  }
-  return {};
 }
 
 void require_deviations(const std::vector<Configuration>& path,
@@ -379,14 +372,14 @@ PathVerdict check_tubes(const Robot& robot, const Snapshot& map,
   require_seen_within(seen_within, map, policies);
   if (distance_cap == 0.0) distance_cap = 0.2 * robot.scale;
   PathVerdict verdict;
-  verdict.first_contact = malformed(robot, waypoints, verdict.edge);
+  verdict.first_contact = check::malformed(robot, waypoints, verdict.edge);
   if (!verdict.first_contact.empty()) return verdict;
   verdict.edge = -1;
   try {
     const Robot stated = check::with_stated_loads(robot);
     const check::KdlArm arm(stated);
     check::require_same_poses(robot, arm);
-    verdict.first_contact = let_go(stated, arm, waypoints, deviations);
+    verdict.first_contact = check::let_go(stated, arm, waypoints, deviations);
     if (!verdict.first_contact.empty()) return verdict;
     return Checker(stated, arm, map, policies, padding, waypoints, distance_cap, seen_within, deviations)
         .run();

@@ -11,14 +11,17 @@ namespace clearway {
 /// What the independent check found.
 struct PathVerdict {
   bool valid = false;
-  bool undecided = false;         ///< neither proved free nor shown to collide at the finest step; not valid
-  double min_clearance = 0.0;     ///< to blocked voxels: certified lower bound over the whole path, metres,
-                                  ///< within 20 % of the true one, at most the cap; 0 when not valid
-  std::string first_contact;      ///< empty when valid: edge, parameter, part, voxel state and place
-  int edge = -1;                  ///< of the first contact
-  double parameter = 0.0;         ///< along that edge, 0..1
-  std::vector<double> clearance;  ///< to blocked voxels at each waypoint before the first contact, metres,
-                                  ///< capped at `distance_cap` (0: 0.2 m, times the robot's scale)
+  bool undecided = false;      ///< a place is neither proved free nor shown to collide at the finest step,
+                               ///< and no contact was found beyond it; not valid
+  double min_clearance = 0.0;  ///< to blocked voxels: certified lower bound over the whole path, metres,
+                               ///< within 20 % of the true one, at most the cap; 0 when not valid
+  std::string first_contact;   ///< empty when valid: edge, parameter, part, voxel state and place; after
+                               ///< an undecided place of one of 2,000 places along the path
+  int edge = -1;               ///< of the first contact
+  double parameter = 0.0;      ///< along that edge, 0..1
+  std::vector<double>
+      clearance;  ///< to blocked voxels at each waypoint before the first contact or undecided
+                  ///< place, metres, capped at `distance_cap` (0: 0.2 m, times the robot's scale)
   std::string checker = "kdl+fcl";  ///< whose kinematics and geometry decided
 };
 

@@ -222,6 +222,13 @@ Nearest nearest_voxel(const FclBodies& bodies, std::size_t body, const Eigen::Is
                       const Eigen::Vector3d& inside, const BlockedCells& cells, double limit,
                       const std::optional<Eigen::Vector3d>& hint = std::nullopt);
 
+/// Empty, or why these waypoints are no path of this robot. @param edge becomes the waypoint's index
+std::string malformed(const Robot& robot, const std::vector<Eigen::VectorXd>& path, int& edge);
+
+/// Empty, or the sentence that a joint which holds a load moves on the way.
+std::string let_go(const Robot& robot, const KdlArm& arm, const std::vector<Eigen::VectorXd>& path,
+                   const std::vector<Eigen::VectorXd>& deviations);
+
 /// What must be proved along every edge: a body against its voxels, or two bodies against each other.
 struct Item {
   std::size_t body = 0;

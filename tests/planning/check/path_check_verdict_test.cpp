@@ -181,36 +181,54 @@ TEST(PathCheckVerdict, TheLastClearanceIsThatOfTheWholePathHoweverItIsCut) {
   EXPECT_NEAR(whole.clearance[0], check({begin}, 0.3).clearance[0], 1e-6);
 }
 
-/// A disc that slides into a wall at a small angle stands still where less is proved than a step; what
-/// touches within a tenth of a millimetre of the way from there is a contact, and what does so later is
-/// undecided.
-TEST(PathCheckVerdict, AContactIsLookedForATenthOfAMillimetreBeyondAStall) {
+/// A disc that slides towards a wall at a small angle stands still where less is proved than a step. What
+/// touches within a tenth of a millimetre of the way from there is a contact; a path that ends 1 nm before
+/// the wall is undecided, and one that goes on into it is not, however far from the stall it touches.
+TEST(PathCheckVerdict, AStallIsUndecidedWhereNothingTouchesBeyondIt) {
   const Robot disc = load_robot("point");  // of radius 0.2
   FreeSpaceMap builder({.resolution = 0.25});
   for (int k = -3; k < 3; ++k) occupy(builder, Eigen::Vector3d(1.125, 0.25 * k + 0.125, 0.125));
   const Snapshot map = builder.snapshot();
-  int contacts = 0, undecided = 0;
-  double farthest = 0.0, nearest = 1.0;
+  const auto verdict_of = [&](double begin, double slope, double length) {
+    const Configuration from = Eigen::Vector2d(begin, 0.0),
+                        to = from + length * Eigen::Vector2d(slope, std::sqrt(1.0 - slope * slope));
+    return check_path(disc, map, {{"base", Policy::not_occupied}}, 0.0, {from, to});
+  };
   for (int i = 0; i < 400; ++i) {
     const double slope = 0.03 + 0.0002 * i, before = 1e-5, begin = 0.8 - before;  // the disc meets x = 1
-    const Configuration from = Eigen::Vector2d(begin, 0.0),
-                        to = Eigen::Vector2d(begin + 0.2 * slope, 0.2 * std::sqrt(1.0 - slope * slope));
-    const PathVerdict verdict = check_path(disc, map, {{"base", Policy::not_occupied}}, 0.0, {from, to});
-    ASSERT_FALSE(verdict.valid) << slope;
-    const double length = (to - from).norm(), way = before / slope - verdict.parameter * length;
-    EXPECT_GT(way, -1e-9) << slope;
-    if (std::abs(way - 1e-4) < 1e-7) continue;
-    EXPECT_EQ(verdict.undecided, way > 1e-4) << slope << ' ' << way;
-    (verdict.undecided ? undecided : contacts)++;
-    if (verdict.undecided)
-      nearest = std::min(nearest, way);
-    else
-      farthest = std::max(farthest, way);
+    const PathVerdict into = verdict_of(begin, slope, 0.2),
+                      grazing = verdict_of(begin, slope, 0.99999 * before / slope);
+    const double way = before / slope - into.parameter * 0.2;
+    EXPECT_FALSE(into.valid || into.undecided) << slope << into.first_contact;
+    EXPECT_LT(way, 1.01e-4) << slope;        // a contact near the stall is told at the stall,
+    EXPECT_GT(way, -0.2 / 1999.0) << slope;  // one beyond it at the first of 2,000 places
+    EXPECT_EQ(into.edge, 0);
+    EXPECT_FALSE(grazing.valid) << slope;
+    EXPECT_TRUE(grazing.undecided) << slope << grazing.first_contact;
   }
-  EXPECT_GT(contacts, 20);
-  EXPECT_GT(undecided, 20);
-  EXPECT_GT(farthest, 0.98e-4);
-  EXPECT_LT(nearest, 1.02e-4);
+}
+
+/// Past an undecided place the path goes on, over another edge or in another piece, into a wall.
+TEST(PathCheckVerdict, AContactFarBeyondAnUndecidedPlaceRefuses) {
+  const Robot disc = load_robot("point");  // of radius 0.2
+  FreeSpaceMap builder({.resolution = 0.25});
+  for (int k = -3; k < 3; ++k) occupy(builder, Eigen::Vector3d(1.125, 0.25 * k + 0.125, 0.125));
+  const Snapshot map = builder.snapshot();
+  const auto at = [](double x, double y) { return Configuration(Eigen::Vector2d(x, y)); };
+  const double grazing = 0.8 - 1e-9;
+  const auto verdict_of = [&](const std::vector<Configuration>& path) {
+    return check_path(disc, map, {{"base", Policy::not_occupied}}, 0.0, path);
+  };
+  const std::vector<Configuration> along{at(0.0, -0.2), at(grazing, -0.2), at(grazing, 0.2), at(0.0, 0.2)};
+  EXPECT_TRUE(verdict_of(along).undecided);
+  std::vector<Configuration> into = along;
+  into.push_back(at(0.85, 0.2));
+  const PathVerdict verdict = verdict_of(into);
+  EXPECT_FALSE(verdict.valid || verdict.undecided) << verdict.first_contact;
+  EXPECT_EQ(verdict.edge, 3);
+  EXPECT_NEAR(verdict.parameter, 0.8 / 0.85, 2e-3);
+  EXPECT_EQ(verdict.first_contact.rfind("edge 3 at ", 0), 0U) << verdict.first_contact;
+  EXPECT_EQ(verdict.first_contact.find("too near to prove"), std::string::npos) << verdict.first_contact;
 }
 
 }  // namespace path_check_verdict_test
