@@ -264,7 +264,7 @@ class ExperimentRunner {
   void save(const ProblemReply& reply) const {
     for (const auto& [name, bytes] : reply.files) {
       const fs::path file = choice_.out / name;
-      fs::create_directories(file.parent_path());
+      make_folder_of(file);
       if (reply.kind == Kind::opened && fs::exists(file) && fs::file_size(file) == bytes.size()) continue;
       save_file(file, bytes);
     }

@@ -89,7 +89,7 @@ void draw_worst_pages(const Suite& suite, const PreparedExperiment& experiment, 
                    "': no page of this worst case: " + reply.sentence);
       continue;
     }
-    fs::create_directories(file.parent_path());
+    make_folder_of(file);
     save_file(file, reply.files.begin()->second);
   }
 }

@@ -111,7 +111,7 @@ std::optional<std::string> moved_map(const ShardRecords& shard, const std::strin
 
 void copy_new(const fs::path& from, const fs::path& to) {
   require_input(from, "compare merge: file");
-  fs::create_directories(to.parent_path());
+  make_folder_of(to);
   fs::copy_file(from, to, fs::copy_options::skip_existing);
 }
 
@@ -122,7 +122,7 @@ void copy_plan(const fs::path& from, const fs::path& to, const std::string& old_
   const std::string before = "\"file\": \"" + old_map + "\"";
   if (const std::size_t at = text.find(before); at != std::string::npos)
     text.replace(at, before.size(), "\"file\": \"" + new_map + "\"");
-  fs::create_directories(to.parent_path());
+  make_folder_of(to);
   save_file(to, text);
 }
 

@@ -109,6 +109,11 @@ void AtomicFile::finish() {
   sync_folder(folder_of(target_), file_);
 }
 
+void make_folder_of(const std::filesystem::path& file) {
+  const auto held = uninterrupted();
+  std::filesystem::create_directories(file.parent_path());
+}
+
 void save_file(const std::filesystem::path& file, std::string_view content) {
   AtomicFile out(file);
   out.append(content);

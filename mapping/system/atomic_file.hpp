@@ -40,6 +40,11 @@ class AtomicFile {
   UnfinishedWork unfinished_;
 };
 
+/// Makes the folders that `file` lies in, where they lack. Once a signal has come nothing is made: what another
+/// thread removed then is not made anew.
+/// @throws std::filesystem::filesystem_error
+void make_folder_of(const std::filesystem::path& file);
+
 /// Replaces `file` by this content as a whole or not at all: an AtomicFile from begin to end.
 /// @throws std::runtime_error naming `file` and the reason.
 void save_file(const std::filesystem::path& file, std::string_view content);

@@ -6,7 +6,13 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <deque>
+#include <filesystem>
+#include <thread>
+
+#include "mapping/system/atomic_file.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace interruption_test {
@@ -79,6 +85,23 @@ TEST(Interruption, WorkMayBeginAndEndOtherWorkWhileItEnds) {
                  }),
                  "the second; the first");
   }
+}
+
+/// Another thread that goes on with its work while the signal's ends.
+TEST(Interruption, NoFolderIsMadeAfterItsWorkEnded) {
+  const TemporaryFolder folder;
+  const auto work = folder / "work";
+  expect_ended(ended_by_signal([&] {
+                 const UnfinishedWork all([&] {
+                   std::filesystem::remove_all(work);
+                   std::this_thread::sleep_for(std::chrono::milliseconds(50));
+                   return "removed";
+                 });
+                 ::kill(::getpid(), SIGTERM);
+                 for (;;) make_folder_of(work / "plans" / "plan.json");
+               }),
+               "removed");
+  EXPECT_FALSE(std::filesystem::exists(work));
 }
 
 }  // namespace interruption_test
