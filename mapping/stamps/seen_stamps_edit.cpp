@@ -10,11 +10,12 @@ namespace clearway {
 SeenStamps SeenStamps::later(const SeenStamps& a, const SeenStamps& b) {
   if (a.empty()) return b;
   if (b.empty()) return a;
-  SeenStamps result(a), other(b);
   // Both in the same periods, with numbers that span the looks of both.
-  const int exponent = std::max(result.exponent_, other.exponent_);
-  for (SeenStamps* each : {&result, &other})
-    each->rebase(exponent - each->exponent_, each->base_ >> (exponent - each->exponent_));
+  const int exponent = std::max(a.exponent_, b.exponent_);
+  const auto base_of = [&](const SeenStamps& seen) { return seen.base_ >> (exponent - seen.exponent_); };
+  if (base_of(b) < base_of(a)) return later(b, a);  // the order of the maps is not seen in the bytes
+  SeenStamps result(a), other(b);
+  for (SeenStamps* each : {&result, &other}) each->rebase(exponent - each->exponent_, base_of(*each));
   result.make_room(other.base_);
   result.make_room(result.index_of(other.newest()));
   other.rebase(result.exponent_ - other.exponent_, result.base_);

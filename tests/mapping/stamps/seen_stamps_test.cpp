@@ -274,6 +274,7 @@ TEST(SeenStamps, OfTwoMapsTheLaterLookCounts) {
     const std::string before = format_seen(a) + format_seen(b);
     expect_true(SeenStamps::later(a, b), truth);
     expect_true(SeenStamps::later(b, a), truth);
+    EXPECT_EQ(format_seen(SeenStamps::later(a, b)), format_seen(SeenStamps::later(b, a)));
     EXPECT_EQ(SeenStamps::later(a, b).newest(), std::max(a.newest(), b.newest()));
     EXPECT_EQ(format_seen(a) + format_seen(b), before);
     EXPECT_EQ(format_seen(SeenStamps::later(a, SeenStamps())), format_seen(a));
