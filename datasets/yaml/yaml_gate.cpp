@@ -46,6 +46,7 @@ class Counter : public YAML::EventHandler {
   void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
                 const std::string&) override {
     leaf(mark, anchor);
+    last_scalar_ = mark;
   }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     const auto found = sizes_.find(anchor);
@@ -67,6 +68,8 @@ class Counter : public YAML::EventHandler {
     begin(mark, anchor);
   }
   void OnMapEnd() override { end(); }
+
+  const YAML::Mark& last_scalar() const { return last_scalar_; }
 
   /// Tools end each message that they print with "---": behind the last one is nothing.
   void require_one_document() const {
@@ -102,15 +105,18 @@ class Counter : public YAML::EventHandler {
   const std::string& name_;
   const YamlBounds bounds_;  ///< of this file
   size_t nodes_ = 0, repeated_ = 0, nulls_ = 0;
-  size_t documents_ = 0;            ///< up to the last one that holds something
+  size_t documents_ = 0;  ///< up to the last one that holds something
+  YAML::Mark last_scalar_;
   std::vector<YAML::Mark> begins_;  ///< of all documents
   std::vector<std::pair<YAML::anchor_t, size_t>> open_;
   std::map<YAML::anchor_t, size_t> sizes_;  ///< of what is complete
 };
 
 /// yaml-cpp's words for the common mistakes, and ours.
-constexpr std::array<std::pair<std::string_view, const char*>, 9> mistakes = {
-    {{"end of map not found", "expected the next key of the same map, as far to the right as the one before"},
+constexpr std::array<std::pair<std::string_view, const char*>, 11> mistakes = {
+    {{"illegal EOF in scalar", "expected a quoted text to end"},
+     {"illegal document indicator in scalar", "expected a quoted text to end before '---'"},
+     {"end of map not found", "expected the next key of the same map, as far to the right as the one before"},
      {"end of map flow not found", "expected ',' or '}'"},
      {"end of sequence not found", "expected the next '-' of the same list"},
      {"end of sequence flow not found", "expected ',' or ']'"},
@@ -128,16 +134,37 @@ std::string expected(const std::string& message) {
 
 }  // namespace
 
-void require_yaml(const std::string& text, const std::string& name, const YamlBounds& bounds) {
+namespace {
+
+void read_all(const std::string& text, Counter& counter) {
   std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  while (parser.HandleNextDocument(counter)) {
+  }
+}
+
+/// yaml-cpp ends a quoted text with the file, but refuses a line of "---" in it.
+bool ends_in_quotes(const std::string& text, Counter counter) {
+  try {
+    read_all(text + "\n---\n", counter);
+    return false;
+  } catch (const YAML::Exception&) {
+    return true;
+  }
+}
+
+}  // namespace
+
+void require_yaml(const std::string& text, const std::string& name, const YamlBounds& bounds) {
   // yaml-cpp takes some 500 bytes for each: by default 150 MB and twenty times the file at most.
   const size_t by_size = text.size() / 32;
-  Counter counter(name, {bounds.nodes + by_size, bounds.repeated + by_size, bounds.advice});
+  const YamlBounds of_file{bounds.nodes + by_size, bounds.repeated + by_size, bounds.advice};
+  Counter counter(name, of_file);
   try {
-    YAML::Parser parser(stream);
-    while (parser.HandleNextDocument(counter)) {
-    }
+    read_all(text, counter);
     counter.require_one_document();
+    if (ends_in_quotes(text, Counter(name, of_file)))
+      refuse(name, counter.last_scalar(), "not valid YAML, expected this quoted text to end");
   } catch (const YAML::Exception& error) {
     refuse(name, error.mark, expected(error.msg));
   }

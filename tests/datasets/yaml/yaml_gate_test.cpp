@@ -70,6 +70,22 @@ TEST(YamlGate, deep_nesting_is_refused_whichever_way_it_is_written) {
     EXPECT_NE(refusal(text).find("at most 32 lists and maps inside each other"), std::string::npos);
 }
 
+TEST(YamlGate, a_quoted_text_that_the_file_does_not_end_is_refused_where_it_begins) {
+  for (const char quote : {'"', '\''}) {
+    const std::string mark(1, quote);
+    EXPECT_EQ(refusal("a: 1\nb: " + mark + "open\nc:\n  - d: 2\n"),
+              "suite 's', line 2, column 4: not valid YAML, expected this quoted text to end.");
+    EXPECT_EQ(refusal("[1, " + mark + "open"),
+              "suite 's', line 1, column 10: not valid YAML, expected a quoted text to end.");
+    EXPECT_EQ(refusal("a: " + mark + "b\n---\nc: d\n"),
+              "suite 's', line 2, column 1: not valid YAML, expected a quoted text to end before '---'.");
+    for (const char* end : {"", "\n", "\n...\n", "\n---\n", "\n# it's\n"})
+      EXPECT_EQ(refusal("a: " + mark + "two\n lines" + mark + end), "accepted") << end;
+  }
+  for (const std::string text : {"a: it's", "a: |\n  \"open\n", "a: 5\" pipe\n", "# \"\n", "", "--- \n...\n"})
+    EXPECT_EQ(refusal(text), "accepted") << text;
+}
+
 TEST(YamlGate, names_line_column_and_what_was_expected_in_our_words) {
   EXPECT_EQ(refusal("a: [1, 2\n"), "suite 's', line 2, column 1: not valid YAML, expected ',' or ']'.");
   EXPECT_EQ(
