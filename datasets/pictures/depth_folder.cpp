@@ -15,6 +15,7 @@
 #include "datasets/pictures/picture_file.hpp"
 #include "datasets/pictures/picture_poses.hpp"
 #include "datasets/pictures/picture_times.hpp"
+#include "datasets/pictures/polycam_path.hpp"
 #include "datasets/pictures/stray_folder.hpp"
 #include "datasets/sources/folder_damage.hpp"
 #include "datasets/sources/lens.hpp"
@@ -285,6 +286,8 @@ class DepthFolder final : public FrameSource {
 /// another file.
 std::optional<CameraPath> path_of(const fs::path& poses, const PictureSizes& sizes) {
   if (poses.empty()) return std::nullopt;
+  std::error_code error;
+  if (fs::is_directory(poses, error)) return polycam_path(poses, sizes.depth);
   const std::string text = read_input(poses, "poses", largest_poses);
   if (!is_camera_path(text)) return std::nullopt;
   return parse_camera_path(text, "poses " + quote_path(poses.string()), sizes);

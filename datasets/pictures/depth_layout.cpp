@@ -13,6 +13,7 @@
 #include "datasets/pictures/picture_file.hpp"
 #include "datasets/pictures/picture_poses.hpp"
 #include "datasets/pictures/picture_times.hpp"
+#include "datasets/pictures/polycam_path.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -221,7 +222,10 @@ std::optional<DepthLayout> depth_layout(const fs::path& folder, const fs::path& 
     transforms.clear();
   const auto path = transforms.empty() ? std::nullopt : path_with_depth(transforms, layout);
   if (path) take_stated_pictures(*path, folder, layout);
-  if (layout.depth.empty()) return std::nullopt;
+  std::error_code error;
+  if (layout.depth.empty())
+    return fs::is_directory(folder / "keyframes", error) ? depth_layout(folder / "keyframes", stated_poses)
+                                                         : std::nullopt;
   layout.camera = first_there(folder, {"intrinsic/intrinsic_depth.txt",
                                        "intrinsic_depth.txt",
                                        "camera_intrinsic.json",
@@ -244,7 +248,6 @@ std::optional<DepthLayout> depth_layout(const fs::path& folder, const fs::path& 
                                        "calibration.txt",
                                        "camera_matrix.csv"});
   layout.extrinsic = first_there(folder, {"intrinsic/extrinsic_depth.txt", "extrinsic_depth.txt"});
-  std::error_code error;
   const fs::path above = fs::weakly_canonical(folder, error).parent_path();
   if (layout.camera.empty())
     layout.camera = first_there(above, {"cam_params.json"});  // Replica's, of all its rooms
@@ -262,6 +265,7 @@ std::optional<DepthLayout> depth_layout(const fs::path& folder, const fs::path& 
     layout.poses = first_there(folder, {"odometry.csv"});  // Stray Scanner's
   if (layout.poses.empty() && layout.pose_folder.empty())
     layout.poses = first_there(folder, {"trajectory.json"});
+  if (layout.poses.empty() && layout.pose_folder.empty()) layout.poses = polycam_cameras(folder);
   if (layout.poses.empty() && layout.pose_folder.empty()) take_colmap_model(folder, layout);
   if (!path) {
     if (const fs::path scene = first_there(folder, {"scene_camera.json"}); !scene.empty())

@@ -41,7 +41,8 @@ bool is_of_tum(const std::filesystem::path& poses);
 /// `.log` or `.freiburg`, or a folder `pose/` or `poses/`, or NAME.pose.txt; or the pictures that the
 /// `transforms.json` of nerfstudio or instant-ngp names, or is of; or as SUN3D's with `extrinsics/`,
 /// ARKitScenes' (`lowres_depth/` and a `.traj`) or Stray Scanner's
-/// (`odometry.csv` beside `camera_matrix.csv`), COLMAP's model as text (also in `sparse/0/`), or a scene of
+/// (`odometry.csv` beside `camera_matrix.csv`), Polycam's raw data (`keyframes/` with `corrected_cameras/` or
+/// `cameras/`), COLMAP's model as text (also in `sparse/0/`), or a scene of
 /// BOP's (`scene_camera.json`); and
 /// `intrinsic/intrinsic_depth.txt` (ScanNet), `camera_intrinsic.json` (Open3D) or another file that is called
 /// like a camera's. None when it holds no depth pictures.

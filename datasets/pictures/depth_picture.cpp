@@ -80,8 +80,8 @@ DepthPicture decode_by_opencv(const std::string& bytes) {
   if (depth.empty()) throw std::runtime_error("it cannot be decoded");
   const bool is_real = depth.depth() == CV_32F || depth.depth() == CV_64F;
   if (is_real) depth = only_channel(depth);
-  if (!is_real && depth.type() != CV_16UC1)
-    throw std::runtime_error("it is not a grey picture of 16 bits or of real numbers");
+  if (!is_real && depth.type() != CV_16UC1 && depth.type() != CV_32SC1)
+    throw std::runtime_error("it is not a grey picture of 16 bits, of 32 bits or of real numbers");
   DepthPicture picture{{depth.cols, depth.rows}, {}, is_real};
   cv::Mat_<float> values;
   depth.convertTo(values, CV_32F);

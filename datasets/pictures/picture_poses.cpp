@@ -15,6 +15,7 @@
 #include "datasets/pictures/arkit_folder.hpp"
 #include "datasets/pictures/camera_path.hpp"
 #include "datasets/pictures/picture_numbers.hpp"
+#include "datasets/pictures/polycam_path.hpp"
 #include "datasets/pictures/stray_folder.hpp"
 #include "datasets/poses/tum_poses.hpp"
 #include "datasets/sources/finite_number.hpp"
@@ -264,10 +265,14 @@ PicturePoses::PicturePoses(const fs::path& file, fs::path folder, std::string wo
   if (file.empty()) return;
   folder_.clear();
   const std::string name = "poses " + quote_path(file.string());
-  std::string text = read_input(file, "poses", largest_pose_file);
+  std::error_code error;
+  const bool is_folder = fs::is_directory(file, error);
+  std::string text = is_folder ? "" : read_input(file, "poses", largest_pose_file);
   if (is_arkit_poses(file, text)) text = tum_of_arkit(text, name);
   std::optional<CameraPath> path;
-  if (is_colmap_images(text))
+  if (is_folder)
+    path = polycam_path(file);
+  else if (is_colmap_images(text))
     path = path_of_colmap(text, name);
   else if (is_camera_path(text))
     path = parse_camera_path(text, name);

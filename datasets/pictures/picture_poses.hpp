@@ -41,7 +41,7 @@ std::optional<std::string> name_beside(const std::filesystem::path& file, const 
 class PicturePoses {
  public:
   /// @param file TUM text, numbered poses, a camera's path (camera_path.hpp) or COLMAP's images.txt, told
-  /// apart by its first line; empty: none
+  /// apart by its first line; or Polycam's folder of cameras; empty: none
   /// @param folder of a matrix for each picture, looked at when there is no `file`: NAME.txt, NAME.pose.txt,
   /// or what stands beside `word` in NAME, alone or after or before "pose"; empty: none
   /// @param pictures all of them in the order of names. Poses with numbers belong to those in the names

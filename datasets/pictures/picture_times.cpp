@@ -13,6 +13,7 @@
 
 #include "datasets/pictures/name_time.hpp"
 #include "datasets/pictures/picture_file.hpp"
+#include "datasets/pictures/polycam_path.hpp"
 #include "datasets/sources/clock_seconds.hpp"
 #include "datasets/sources/finite_number.hpp"
 #include "mapping/system/child_process.hpp"
@@ -317,6 +318,16 @@ std::vector<TimedFile> evenly_timed(const std::vector<fs::path>& files, double r
   return together(files, times);
 }
 
+/// Polycam's pictures, depth and colour alike, are called by their microseconds.
+std::optional<std::vector<TimedFile>> times_of_polycam(const std::vector<fs::path>& files,
+                                                       const fs::path& folder) {
+  if (polycam_cameras(folder.parent_path()).empty()) return std::nullopt;
+  auto times = name_times(files);
+  if (!times || !are_distinct(*times)) return std::nullopt;
+  for (double& time : *times) time *= 1e-6;
+  return together(files, *times);
+}
+
 /// Of pictures as far apart as no hand paints, in whole numbers: times may be finer than seconds.
 std::string slow_times(const std::vector<TimedFile>& files) {
   constexpr std::size_t few = 5;
@@ -441,6 +452,8 @@ TimedFiles times_of_files(const std::vector<fs::path>& given, std::optional<doub
     result = std::move(*inside);
   } else if (auto neighbour = times_by_neighbour(files, folder)) {
     result = std::move(*neighbour);
+  } else if (auto microseconds = times_of_polycam(files, folder)) {
+    result.files = std::move(*microseconds);
   } else if (const auto exif = exif_times(files); exif && are_distinct(*exif)) {
     result.files = together(files, *exif);
   } else if (auto associated = is_clock ? std::nullopt : times_by_associations(files, folder)) {

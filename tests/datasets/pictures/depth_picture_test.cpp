@@ -38,6 +38,11 @@ TEST(DepthPictureFile, WholeNumbersAreSteps) {
     EXPECT_FALSE(picture.is_real) << end;
     EXPECT_EQ(picture.values, (std::vector<float>{0, 1, 1000, 65534, 0, 7})) << end;
   }
+  cv::Mat_<int> wide;
+  steps.convertTo(wide, CV_32S);
+  wide(0, 2) = 100000;
+  EXPECT_EQ(decode_depth_picture(picture_bytes(wide, ".tiff")).values,
+            (std::vector<float>{0, 1, 100000, 65534, 0, 7}));
 }
 
 TEST(DepthPictureFile, RealNumbersAreThemselvesAndWhatIsNoDistanceIsNone) {
