@@ -5,7 +5,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "datasets/pictures/arkit_folder.hpp"
+#include "datasets/phones/arkit_folder.hpp"
+#include "datasets/phones/polycam_path.hpp"
+#include "datasets/phones/stray_folder.hpp"
 #include "datasets/pictures/camera_path.hpp"
 #include "datasets/pictures/depth_casting.hpp"
 #include "datasets/pictures/depth_picture.hpp"
@@ -15,8 +17,6 @@
 #include "datasets/pictures/picture_file.hpp"
 #include "datasets/pictures/picture_poses.hpp"
 #include "datasets/pictures/picture_times.hpp"
-#include "datasets/pictures/polycam_path.hpp"
-#include "datasets/pictures/stray_folder.hpp"
 #include "datasets/sources/folder_damage.hpp"
 #include "datasets/sources/lens.hpp"
 #include "mapping/system/input_file.hpp"

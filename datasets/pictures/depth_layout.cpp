@@ -7,13 +7,13 @@
 #include <sstream>
 
 #include "datasets/cameras/colmap_images.hpp"
+#include "datasets/phones/polycam_path.hpp"
 #include "datasets/pictures/camera_path.hpp"
 #include "datasets/pictures/depth_picture.hpp"
 #include "datasets/pictures/name_time.hpp"
 #include "datasets/pictures/picture_file.hpp"
 #include "datasets/pictures/picture_poses.hpp"
 #include "datasets/pictures/picture_times.hpp"
-#include "datasets/pictures/polycam_path.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 

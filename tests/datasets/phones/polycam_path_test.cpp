@@ -1,4 +1,4 @@
-#include "datasets/pictures/polycam_path.hpp"
+#include "datasets/phones/polycam_path.hpp"
 
 #include <gtest/gtest.h>
 
