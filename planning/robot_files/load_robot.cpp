@@ -19,6 +19,7 @@
 #include "planning/robot_files/allowed_collisions.hpp"
 #include "planning/robot_files/robot_settings.hpp"
 #include "planning/robot_files/srdf_file.hpp"
+#include "planning/robot_files/tip_choice.hpp"
 #include "planning/robot_files/urdf_file.hpp"
 #include "planning/robot_files/xacro_file.hpp"
 
@@ -99,36 +100,6 @@ HeldJoint at_rest(const Robot& robot, const Joint& joint) {
     return {joint.name, value->second, HoldSource::default_state};
   }
   return {joint.name, std::clamp(0.0, joint.lower, joint.upper), HoldSource::zero};
-}
-
-/// The last link below the most joints that move, without any that is held below those.
-int last_moved_link(const Robot& robot) {
-  std::vector<int> moving(robot.links.size(), 0), depth(robot.links.size(), 0);
-  int best = 0;
-  for (std::size_t i = 1; i < robot.links.size(); ++i) {
-    const Link& link = robot.links[i];
-    const auto parent = static_cast<std::size_t>(link.parent);
-    moving[i] = moving[parent] + (link.joint >= 0 ? 1 : 0);
-    depth[i] = depth[parent] + 1;
-    if (link.is_held) moving[i] = depth[i] = 0;  // and what hangs on it begins anew
-    const auto b = static_cast<std::size_t>(best);
-    if (std::pair(moving[i], depth[i]) > std::pair(moving[b], depth[b])) best = static_cast<int>(i);
-  }
-  return best;
-}
-
-void choose_tip(const Srdf& srdf, const fs::path& file, Robot& robot) {
-  const std::string tip = tip_of_group(srdf, robot.group);
-  if (tip.empty()) {
-    robot.tip_link = last_moved_link(robot);
-    return;
-  }
-  const auto link =
-      std::find_if(robot.links.begin(), robot.links.end(), [&](const Link& l) { return l.name == tip; });
-  if (link == robot.links.end())
-    throw std::invalid_argument(file.string() + ": the tip of group " + quote(robot.group) + " is link " +
-                                quote(tip) + ", which " + robot.name + " does not have");
-  robot.tip_link = static_cast<int>(link - robot.links.begin());
 }
 
 bool has_joint(const Robot& robot, const std::string& name) {
@@ -382,7 +353,7 @@ Robot load_robot(const RobotRequest& request) {
   robot.exempt = exempt_pairs(robot, settings, settings_file, srdf);  // while every joint may still move
   robot = hold(robot, request, settings, settings_file, srdf);
   robot.standing = standing_links(robot, request, settings);
-  if (!robot.group.empty() && settings.tip_link.empty()) choose_tip(*srdf, robot.srdf, robot);
+  if (!robot.group.empty() && settings.tip_link.empty()) robot.tip_link = tip_of_group(robot, *srdf);
   cover_bodies(robot);
   return settings.scale == 1.0 ? robot : scaled(robot, settings.scale);
 }

@@ -10,6 +10,7 @@
 #include "mapping/system/nearest_name.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "planning/robot_files/tip_choice.hpp"
 #include "planning/robot_files/urdf_document.hpp"
 
 namespace clearway {
@@ -294,9 +295,8 @@ std::vector<std::string> srdf_notes(const Robot& robot) {
   for (const auto* pairs : {&srdf.disabled, &srdf.enabled})
     for (const auto& [first, second] : *pairs) unknown.insert({first, second});
   std::vector<std::string> hands;
-  for (const Srdf::EndEffector& effector : srdf.end_effectors)
-    if (!robot.group.empty() && effector.parent_group == robot.group)
-      hands.push_back(quote(effector.name) + " on link " + quote(effector.parent_link));
+  for (const Srdf::EndEffector& effector : end_effectors_of_group(robot, srdf))
+    hands.push_back(quote(effector.name) + " on link " + quote(effector.parent_link));
   if (hands.size() > 1)
     notes.push_back(called + " has several end effectors of group " + quote(robot.group) +
                     ", and the first is the tip; --tip chooses another: " + listed(hands));
@@ -313,14 +313,6 @@ std::vector<std::string> srdf_notes(const Robot& robot) {
 std::set<std::string> joints_of_group(const Robot& robot, const Srdf& srdf, const std::string& group,
                                       const std::filesystem::path& file) {
   return GroupJoints(robot, srdf, file).of(group);
-}
-
-std::string tip_of_group(const Srdf& srdf, const std::string& group) {
-  for (const Srdf::EndEffector& effector : srdf.end_effectors)
-    if (effector.parent_group == group) return effector.parent_link;
-  const auto found = srdf.groups.find(group);
-  if (found == srdf.groups.end() || found->second.chains.size() != 1) return "";
-  return found->second.chains.front().second;
 }
 
 std::string link_of_tip(const Robot& robot, const std::string& name) {

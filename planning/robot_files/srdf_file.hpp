@@ -65,10 +65,6 @@ std::vector<std::string> srdf_notes(const Robot& robot);
 std::set<std::string> joints_of_group(const Robot& robot, const Srdf& srdf, const std::string& group,
                                       const std::filesystem::path& file);
 
-/// The link that a group's configurations place: what an end effector with this parent group hangs on, else
-/// the tip of the group's only chain; empty when the SRDF says neither.
-std::string tip_of_group(const Srdf& srdf, const std::string& group);
-
 /// The link that a tip's name means: where the end effector of that name hangs on, in the robot's SRDF; else
 /// the name itself, as of a link. @throws as read_srdf
 std::string link_of_tip(const Robot& robot, const std::string& name);

@@ -1,12 +1,13 @@
 #include "planning/robot_files/tip_choice.hpp"
 
+#include <algorithm>
+#include <set>
+#include <stdexcept>
 #include <string_view>
-#include <vector>
 
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/robot_files/robot_settings.hpp"
-#include "planning/robot_files/srdf_file.hpp"
 
 namespace clearway {
 namespace {
@@ -41,6 +42,17 @@ class Branches {
 
   std::size_t parent(std::size_t link) const { return static_cast<std::size_t>(robot_.links[link].parent); }
 
+  /// Ends below a link that no held joint parts from it.
+  std::vector<std::string> ends_below(std::size_t link) const {
+    std::vector<std::string> names;
+    for (std::size_t i = link + 1; i < robot_.links.size(); ++i) {
+      std::size_t at = i;
+      while (at > link && !robot_.links[at].is_held) at = parent(at);
+      if (is_end_[i] && at == link) names.push_back(robot_.links[i].name);
+    }
+    return names;
+  }
+
   /// Ends on the parent of a link that are not on the link itself.
   std::vector<std::string> ends_beside(std::size_t link) const {
     std::vector<std::string> names;
@@ -62,7 +74,123 @@ class Branches {
   std::vector<bool> is_end_;
 };
 
+/// Where the joints that move have links.
+class MovedLinks {
+ public:
+  explicit MovedLinks(const Robot& robot)
+      : robot_(robot), joints_(robot.links.size(), 0), last_(joints_), depth_(joints_) {
+    for (std::size_t i = 1; i < robot.links.size(); ++i) {
+      const Link& link = robot.links[i];
+      const std::size_t above = parent(i);
+      joints_[i] = joints_[above] + (link.joint >= 0 ? 1 : 0);
+      depth_[i] = depth_[above] + 1;
+      last_[i] = link.joint >= 0 ? static_cast<int>(i) : link.is_held ? 0 : last_[above];
+    }
+  }
+
+  /// The link that the last joint above a link moves; 0: none, or a held joint is between.
+  int last_moved(std::size_t link) const { return last_[link]; }
+
+  /// Whether, of what is below a link, these joints alone move.
+  bool moves_only(const std::set<std::string>& joints, std::size_t link) const {
+    for (std::size_t i = link + 1; i < robot_.links.size(); ++i) {
+      const int joint = robot_.links[i].joint;
+      if (joint < 0 || joints.contains(robot_.joints[static_cast<std::size_t>(joint)].name)) continue;
+      std::size_t at = i;
+      while (at > link) at = parent(at);  // parents come first
+      if (at == link) return false;
+    }
+    return true;
+  }
+
+  /// The last link below the most joints, but for two fingers what both hang on.
+  int tip() const {
+    std::size_t moved = 0;
+    for (std::size_t i = 1; i < last_.size(); ++i)
+      if (is_moved(i) && joints_[i] > joints_[moved]) moved = i;
+    if (moved == 0) return 0;
+    const std::size_t hand = parent(moved);
+    return end_of(last_[hand] > 0 && has_sibling(moved) ? last_[hand] : static_cast<int>(moved));
+  }
+
+ private:
+  std::size_t parent(std::size_t link) const { return static_cast<std::size_t>(robot_.links[link].parent); }
+  bool is_moved(std::size_t link) const { return robot_.links[link].joint >= 0; }
+
+  bool has_sibling(std::size_t moved) const {
+    for (std::size_t i = 1; i < last_.size(); ++i)
+      if (i != moved && is_moved(i) && parent(i) == parent(moved)) return true;
+    return false;
+  }
+
+  /// The last of the links that a moved one carries along; the one that several last ones have above them.
+  int end_of(int moved) const {
+    auto end = static_cast<std::size_t>(moved);
+    int deepest = depth_[end];
+    for (std::size_t i = end + 1; i < last_.size(); ++i) {
+      if (last_[i] != moved || depth_[i] < deepest) continue;
+      end = depth_[i] > deepest ? i : common(i, end);
+      deepest = depth_[i];
+    }
+    return static_cast<int>(end);
+  }
+
+  std::size_t common(std::size_t a, std::size_t b) const {
+    while (a != b) (a > b ? a : b) = parent(std::max(a, b));
+    return a;
+  }
+
+  const Robot& robot_;
+  std::vector<int> joints_, last_, depth_;
+};
+
+/// The joints that move in an end effector's own group: none where it names no group of the robot's.
+std::set<std::string> joints_of_hand(const Robot& robot, const Srdf& srdf, const std::string& group) {
+  try {
+    return joints_of_group(robot, srdf, group, robot.srdf);
+  } catch (const std::invalid_argument&) {
+    return {};
+  }
+}
+
+/// The link that the SRDF says the robot's planning group places; empty: it says none.
+std::string stated_tip(const Robot& robot, const Srdf& srdf) {
+  const std::vector<Srdf::EndEffector> effectors = end_effectors_of_group(robot, srdf);
+  if (!effectors.empty() && effectors.front().parent_group == robot.group)
+    return effectors.front().parent_link;
+  const auto group = srdf.groups.find(robot.group);
+  if (group != srdf.groups.end() && group->second.chains.size() == 1)
+    return group->second.chains.front().second;
+  return effectors.empty() ? "" : effectors.front().parent_link;
+}
+
 }  // namespace
+
+std::vector<Srdf::EndEffector> end_effectors_of_group(const Robot& robot, const Srdf& srdf) {
+  std::vector<Srdf::EndEffector> named, attached;
+  if (robot.group.empty()) return named;
+  const MovedLinks moved(robot);
+  for (const Srdf::EndEffector& effector : srdf.end_effectors) {
+    if (effector.parent_group == robot.group) named.push_back(effector);
+    if (!effector.parent_group.empty() || effector.group == robot.group) continue;
+    for (std::size_t i = 1; i < robot.links.size(); ++i)
+      if (robot.links[i].name == effector.parent_link && moved.last_moved(i) > 0 &&
+          moved.moves_only(joints_of_hand(robot, srdf, effector.group), i))
+        attached.push_back(effector);
+  }
+  return named.empty() ? attached : named;
+}
+
+int tip_of_group(const Robot& robot, const Srdf& srdf) {
+  const std::string tip = stated_tip(robot, srdf);
+  if (tip.empty()) return MovedLinks(robot).tip();
+  const auto link = std::find_if(robot.links.begin(), robot.links.end(),
+                                 [&](const Link& other) { return other.name == tip; });
+  if (link == robot.links.end())
+    throw std::invalid_argument(robot.srdf.string() + ": the tip of group " + quote(robot.group) +
+                                " is link " + quote(tip) + ", which " + robot.name + " does not have");
+  return static_cast<int>(link - robot.links.begin());
+}
 
 std::string tip_name(const Robot& robot) {
   const std::string& link = robot.links[static_cast<std::size_t>(robot.tip_link)].name;
@@ -79,8 +207,7 @@ bool is_tip_chosen(const Robot& robot) {
   if ((!is_urdf_name(robot.source) || is_input_there(settings)) &&
       !read_robot_settings(settings).tip_link.empty())
     return true;
-  return !robot.group.empty() && !robot.srdf.empty() &&
-         !tip_of_group(read_srdf(robot.srdf), robot.group).empty();
+  return !robot.group.empty() && !robot.srdf.empty() && !stated_tip(robot, read_srdf(robot.srdf)).empty();
 }
 
 std::string tip_doubt(const Robot& robot) {
@@ -88,6 +215,10 @@ std::string tip_doubt(const Robot& robot) {
   const auto tip = static_cast<std::size_t>(robot.tip_link);
   const Branches branches(robot);
   std::string why;
+  if (const auto others = branches.ends_below(tip); !others.empty())
+    return "the tip is link " + quote(robot.links[tip].name) + ", on which " + listed(others) +
+           (others.size() == 1 ? " hangs" : " hang") +
+           ", because neither --tip nor the robot's settings or SRDF say another";
   if (const auto others = branches.ends_as_deep_as(tip); !others.empty())
     why = listed(others) + (others.size() == 1 ? " is" : " are") + " at the end of as long a branch";
   const std::size_t moved = branches.last_moved(tip);

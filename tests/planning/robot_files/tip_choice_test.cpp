@@ -37,6 +37,64 @@ std::string doubt(const std::string& urdf, const std::string& settings = "", con
   return tip_doubt(load_robot(request));
 }
 
+std::string tip_of(const std::string& urdf, const std::string& srdf, const std::string& group) {
+  TemporaryFolder folder;
+  RobotRequest request{folder.write("hand.urdf", urdf)};
+  folder.write("hand.srdf", "<robot name='hand'>" + srdf + "</robot>");
+  request.group = group;
+  return tip_name(load_robot(request));
+}
+
+const std::string slide_group = "<group name='arm'><joint name='slide'/></group>";
+const std::string fingers_group =
+    "<group name='fingers'><link name='left'/><joint name='right_joint'/></group>"
+    "<group name='both'><group name='arm'/><group name='fingers'/></group>";
+
+TEST(TipChoice, OfAGroupIsWhatAnEndEffectorHangsOnThatIsAtItsEnd) {
+  const std::string effector = "<end_effector name='gripper' parent_link='palm' group='fingers'/>";
+  for (const bool is_held : {true, false}) {
+    const std::string fingers =
+        is_held ? finger("left") + finger("right") : fixed("palm", "left") + fixed("palm", "right");
+    EXPECT_EQ(tip_of(hand(fingers), slide_group + fingers_group + effector, "arm"), "palm");
+    EXPECT_EQ(doubt(hand(fingers), "", slide_group + fingers_group + effector, "arm"), "");
+  }
+  const std::string moving = hand(finger("left") + finger("right"));
+  EXPECT_EQ(tip_of(moving, slide_group + fingers_group + effector, "both"), "palm");
+  EXPECT_EQ(tip_of(moving, slide_group + fingers_group + effector, "fingers"), "left") << "its own group";
+}
+
+TEST(TipChoice, OfAGroupIsNotWhereAnEndEffectorHangsBeforeItsEnd) {
+  const std::string longer = hand(fixed("palm", "camera") + finger("boom"));
+  const std::string groups =
+      "<group name='arm'><joint name='slide'/><joint name='boom_joint'/></group>"
+      "<group name='look'><link name='camera'/></group>";
+  for (const char* parent : {"palm", "rail", "nowhere"})
+    EXPECT_EQ(
+        tip_of(longer, groups + "<end_effector name='e' parent_link='" + parent + "' group='look'/>", "arm"),
+        "boom")
+        << parent;
+}
+
+TEST(TipChoice, OfAGroupWithAGapIsBelowItsLastJoint) {
+  const std::string wrist = "<link name='tool'/>" + urdf_joint("wrist", "revolute", "left", "tool", "0 0 0",
+                                                               "0 0 1", urdf_limit(-1, 1));
+  const std::string groups = "<group name='arm'><joint name='wrist'/><joint name='slide'/></group>";
+  EXPECT_EQ(tip_of(hand(finger("left") + wrist), groups, "arm"), "tool");
+}
+
+TEST(TipChoice, OfAGroupIsNoFinger) {
+  const std::string tcp = fixed("palm", "tcp");
+  const std::string pads = fixed("left", "pad") + fixed("right", "other_pad");
+  EXPECT_EQ(tip_of(hand(finger("left") + finger("right") + pads), slide_group + fingers_group, "both"),
+            "palm");
+  EXPECT_EQ(tip_of(hand(tcp + finger("left") + finger("right")), slide_group + fingers_group, "both"), "tcp");
+  const std::string three = fixed("palm", "left") + fixed("palm", "middle") + fixed("palm", "right");
+  EXPECT_EQ(tip_of(hand(three), slide_group, "arm"), "palm");
+  EXPECT_NE(doubt(hand(three), "", slide_group, "arm")
+                .find("the tip is link 'palm', on which left, middle, right hang, because neither --tip nor"),
+            std::string::npos);
+}
+
 TEST(TipChoice, OfOneBranchIsNoQuestion) {
   EXPECT_EQ(doubt(hand("")), "");
   EXPECT_EQ(doubt(hand(fixed("palm", "tcp"))), "");
