@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -7,6 +8,7 @@
 
 #include "apps/console/flags.hpp"
 #include "apps/console/table.hpp"
+#include "apps/problem_sets/file_words.hpp"
 #include "apps/problem_sets/import_suite.hpp"
 #include "apps/problem_sets/planning_scene.hpp"
 #include "apps/query/query.hpp"
@@ -65,16 +67,37 @@ ForeignSet read_robometrics_sets(const ImportOptions& options, const RobotReques
   });
 }
 
+/// Each folder's own word where files are of several folders, as MotionBenchMaker has one a set; else none.
+class FolderWords {
+ public:
+  void add(const std::filesystem::path& file) {
+    const std::filesystem::path folder = file.parent_path();
+    if (words_.contains(folder)) return;
+    words_[folder] = names_.of(std::filesystem::weakly_canonical(folder.empty() ? "." : folder).filename());
+  }
+  std::string of(const std::filesystem::path& folder) const {
+    return words_.size() > 1 ? words_.at(folder) : "";
+  }
+
+ private:
+  FileWords names_;
+  std::map<std::filesystem::path, std::string> words_;
+};
+
 /// Scenes, as YAML or as MoveIt's text, and then requests, each in the frames of its scene.
 ForeignSet read_scenes(const ImportOptions& options, const RobotRequest& request) {
   const SceneContext context = scene_context(options, request);
   ForeignSet set;
+  FolderWords of_scenes, of_requests;
   std::vector<std::pair<std::filesystem::path, std::string>> requests;
   for (const std::filesystem::path& file : options.files) {
     std::string text = read_text(file, "scene or request", largest_scene);
     const bool is_text = extension_of(file) == ".scene";
     const SceneFileKind kind = is_text ? SceneFileKind::scene : kind_of_scene_file(text, file);
-    if (kind == SceneFileKind::request) requests.emplace_back(file, std::move(text));
+    if (kind == SceneFileKind::request) {
+      requests.emplace_back(file, std::move(text));
+      of_requests.add(file);
+    }
     if (kind == SceneFileKind::neither)
       set.left_out.push_back(file.filename().string() +
                              ": neither a scene with 'world' nor a request with 'goal_constraints'");
@@ -82,7 +105,11 @@ ForeignSet read_scenes(const ImportOptions& options, const RobotRequest& request
     set.worlds.push_back(is_text ? read_scene_text(text, file, context)
                                  : read_planning_scene(text, file, context, set.left_out));
     set.worlds.back().folder = file.parent_path();
+    of_scenes.add(file);
   }
+  for (ForeignWorld& world : set.worlds)
+    if (const std::string word = of_scenes.of(world.folder); !word.empty())
+      world.name = word + "/" + world.name;
   if (set.worlds.empty())
     throw std::invalid_argument(
         "import: no file is a scene, expected at least one" +
@@ -91,6 +118,7 @@ ForeignSet read_scenes(const ImportOptions& options, const RobotRequest& request
   for (const auto& [file, text] : requests) {
     const std::size_t scene = scene_of(file, {set.worlds.data(), scenes});
     ForeignProblem problem = read_motion_request(text, file, context, set.worlds[scene], set.left_out);
+    problem.experiment = of_requests.of(file.parent_path());
     take_scene(scene, problem, set);
     set.problems.push_back(std::move(problem));
   }
@@ -126,9 +154,6 @@ int run_import(const ImportOptions& options, Console& console) {
   // Refuses before the work what cannot be written; of what is there nothing is ours.
   AtomicFolder folder(options.out, [](const std::filesystem::path&) { return false; });
   const RobotRequest request = robot_request(options.robot);
-  if (!request.fixed_states.empty())
-    throw std::invalid_argument("--fix: expected JOINT=VALUE, got " + quote(request.fixed_states.front()) +
-                                ": of states `import` takes those that its problems name");
   const ForeignSet set = options.kind == "json"          ? read_sets(options, read_problem_json)
                          : options.kind == "robometrics" ? read_robometrics_sets(options, request)
                                                          : read_scenes(options, request);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <set>
 #include <stdexcept>
 
 #include "apps/problem_sets/attached_loads.hpp"
@@ -40,6 +41,8 @@ class SuiteWriter {
     for (std::size_t i = 0; i < set_.problems.size(); ++i)
       if (auto ready = or_left_out(i, [&] { return ready_problem(i); })) ready_.push_back(std::move(*ready));
     require_some();
+    for (const auto& [why, joints] : lost_joints_)
+      outcome_.left_out.push_back("start states: " + listed({joints.begin(), joints.end()}) + ", " + why);
     fs::create_directories(import_.out / "maps");
     write_maps();
     require_some();
@@ -142,6 +145,8 @@ class SuiteWriter {
     });
     ReadyProblem ready{index, motion_of(problem, whole_, srdf_, import_.robot), {}};
     const Robot& robot = robot_of(ready.motion);
+    for (const auto& [why, joints] : lost_joints(problem, whole_))
+      lost_joints_[why].insert(joints.begin(), joints.end());
     ready.question = {
         problem.name, configuration(ordered_values(robot, problem, problem.start, "start")), {}, {}};
     keep_goals(problem,
@@ -223,6 +228,7 @@ class SuiteWriter {
   std::map<std::pair<std::string, std::map<std::string, double>>, Robot> robots_;
   ReadySuite suite_;
   std::vector<ReadyProblem>& ready_ = suite_.problems;
+  std::map<std::string, std::set<std::string>> lost_joints_;  ///< of starts, by reason
   std::string refusal_;  ///< the first reason for which a problem was left out
   FileWords words_;      ///< of worlds
   ImportOutcome outcome_;

@@ -48,7 +48,7 @@ class SuiteFiles {
     Json suite = {{"title", "Imported problems"}, {"time_limit", 10}};
     for (const std::string& word : suite_.world_words)
       suite["worlds"].push_back({{"name", word}, {"map", "maps/" + word}});
-    suite["planners"] = Json::array({{{"planner", "rrtconnect"}}});
+    suite["planners"] = {{{"planner", "auto"}}, {{"planner", "rrtconnect"}}};
     fs::create_directories(import_.out / "problems");
     FileWords names;
     std::map<ExperimentMotion, std::vector<ReadyProblem*>> experiments;

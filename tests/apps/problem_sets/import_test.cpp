@@ -141,16 +141,109 @@ TEST_F(Import, RequestsGoWithTheScenesOfTheirFolderAndStartWhereTheseLeaveTheRob
   const CommandRun run = import("mbm", files);
   ASSERT_EQ(run.status, exit_done) << run.log;
   const Suite suite = load_suite(folder_.path() / "out/suite.yaml");
-  ASSERT_EQ(suite.experiments.size(), 1U);
-  EXPECT_EQ(suite.experiments[0].fixed, (std::map<std::string, double>{{"grip", 0.05}}));
-  ASSERT_EQ(suite.experiments[0].problems.size(), 2U);
+  ASSERT_EQ(suite.experiments.size(), 2U);  // one for each folder, called as that
   const Json record = Json::parse(read_file(folder_.file("out/import.json")));
   ASSERT_EQ(record["worlds"].size(), 2U);
   for (std::size_t i = 0; i < 2; ++i) {
-    EXPECT_EQ(suite.experiments[0].problems[i].start, (std::vector<double>{0.25, -2.0}));
-    const std::string world = suite.experiments[0].problems[i].world;
-    EXPECT_EQ(map(world).state({0.05, 0.05, i == 0 ? 3.05 : 5.05}), VoxelState::occupied) << world;
+    const SuiteExperiment& experiment = suite.experiments[i];
+    const std::string folder = i == 0 ? "shelf" : "table";
+    EXPECT_EQ(experiment.name, folder);
+    EXPECT_EQ(experiment.fixed, (std::map<std::string, double>{{"grip", 0.05}}));
+    ASSERT_EQ(experiment.problems.size(), 1U);
+    EXPECT_EQ(experiment.problems[0].name, "request0001");
+    EXPECT_EQ(experiment.problems[0].start, (std::vector<double>{0.25, -2.0}));
+    EXPECT_EQ(experiment.problems[0].world, folder + "_scene0001");
+    EXPECT_EQ(map(folder + "_scene0001").state({0.05, 0.05, i == 0 ? 3.05 : 5.05}), VoxelState::occupied);
   }
+}
+
+TEST_F(Import, TwoFoldersOfOneNameAreTwoExperiments) {
+  Arguments files;
+  for (const char* folder : {"a/shelf", "b/shelf"}) {
+    std::filesystem::create_directories(folder_.path() / folder);
+    files.push_back(folder_.write(std::string(folder) + "/scene1.yaml", "world: {collision_objects: []}\n"));
+    files.push_back(folder_.write(std::string(folder) + "/request1.yaml", arm_request));
+  }
+  ASSERT_EQ(import("mbm", files).status, exit_done);
+  const Suite suite = load_suite(folder_.path() / "out/suite.yaml");
+  ASSERT_EQ(suite.experiments.size(), 2U);
+  EXPECT_EQ(suite.experiments[0].name, "shelf");
+  EXPECT_EQ(suite.experiments[1].name, "shelf-2");
+}
+
+TEST_F(Import, SuitesListAutoBesideRrtConnect) {
+  const std::string scene = folder_.write("scene1.yaml", "world: {collision_objects: []}\n");
+  ASSERT_EQ(import("mbm", {scene, folder_.write("request1.yaml", arm_request)}).status, exit_done);
+  const Suite suite = load_suite(folder_.path() / "out/suite.yaml");
+  std::vector<std::string> planners;
+  for (const SuitePlanner& planner : suite.experiments.at(0).planners) planners.push_back(planner.planner);
+  EXPECT_EQ(planners, (std::vector<std::string>{"auto", "rrtconnect"}));
+}
+
+/// What the robot cannot take of a start is said once, whatever number of problems has it; joints that its
+/// settings hold stand where the start has them.
+TEST_F(Import, JointsOfStartsThatTheRobotCannotTakeAreListedOnce) {
+  using namespace worlds;
+  std::string urdf = arm_with_finger();
+  urdf.insert(urdf.rfind("</robot>"),
+              urdf_link("head", "0 0 0", "<sphere radius='0.01'/>") +
+                  urdf_link("neck", "0 0 0", "<sphere radius='0.01'/>") +
+                  urdf_joint("pan", "fixed", "base", "neck", "0 0 1", "0 0 1", "") +
+                  urdf_joint("tilt", "fixed", "neck", "head", "0 0 0.2", "0 0 1", ""));
+  robot_ = folder_.write("arm.urdf", urdf);
+  folder_.write("arm.yaml", "urdf: arm.urdf\nfixed: {grip: 0.01}\n");
+  std::string request = arm_request;
+  request.replace(request.find("[grip, elbow, shoulder]"), 23, "[grip, elbow, shoulder, pan, tilt, elbwo]");
+  request.replace(request.find("[0.02, 0.1, 0.0]"), 16, "[0.02, 0.1, 0.0, 0.5, 0, 0.7]");
+  Arguments files{folder_.write("scene.yaml", "world: {collision_objects: []}\n")};
+  for (const char* number : {"1", "2"})
+    files.push_back(folder_.write(std::string("request") + number + ".yaml", request));
+  const CommandRun run = import("mbm", files, {"--json"});
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  const Json left = Json::parse(run.out)["left_out"];
+  EXPECT_EQ(std::count(left.begin(), left.end(), "start states: elbwo, which robot 'arm' does not have"), 1)
+      << left;
+  EXPECT_EQ(std::count(left.begin(), left.end(),
+                       "start states: pan, which the robot's file fixes, elsewhere than at 0"),
+            1)
+      << left;
+  EXPECT_EQ(left.dump().find("tilt"), std::string::npos) << left;
+  EXPECT_EQ(Json::parse(read_file(folder_.file("out/import.json")))["left_out"], left);
+  EXPECT_EQ(load_suite(folder_.path() / "out/suite.yaml").experiments.at(0).fixed,
+            (std::map<std::string, double>{{"grip", 0.02}}));
+}
+
+TEST_F(Import, AStateThatIsFixedHoldsTheJointsOutsideOfTheGroup) {
+  folder_.write("arm.srdf",
+                "<robot name='arm'><group name='arm'><joint name='shoulder'/><joint name='elbow'/></group>"
+                "<group name='hand'><joint name='grip'/></group>"
+                "<group_state name='open' group='hand'><joint name='grip' value='0.04'/></group_state>"
+                "<group_state name='shut' group='hand'><joint name='grip' value='0'/></group_state></robot>");
+  const std::string set =
+      folder_.write("p.json", R"({"problems": {"free": [{"start": [0, 0.1], "goals": [[0.5, -0.1]]}]}})");
+  const CommandRun run = import("json", {set}, {"--group", "arm", "--fix", "open"});
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  const auto fixed = [&] { return load_suite(folder_.path() / "out/suite.yaml").experiments.at(0).fixed; };
+  EXPECT_EQ(fixed(), (std::map<std::string, double>{{"grip", 0.04}}));
+  std::filesystem::remove_all(folder_ / "out");
+  ASSERT_EQ(import("json", {set}, {"--group", "arm", "--fix", "open", "--fix", "grip=0.03"}).status,
+            exit_done);
+  EXPECT_EQ(fixed(), (std::map<std::string, double>{{"grip", 0.03}}));
+  std::filesystem::remove_all(folder_ / "out");
+  const std::string scene = folder_.write("scene1.yaml", "world: {collision_objects: []}\n");
+  ASSERT_EQ(import("mbm", {scene, folder_.write("request1.yaml", arm_request)}, {"--fix", "open"}).status,
+            exit_done);
+  EXPECT_EQ(fixed(), (std::map<std::string, double>{{"grip", 0.04}})) << "before what the start says";
+  const auto refused = [&](const Arguments& flags, const std::string& words) {
+    Arguments all{"--group", "arm"};
+    all.insert(all.end(), flags.begin(), flags.end());
+    std::filesystem::remove_all(folder_ / "out");
+    const CommandRun wrong = import("json", {set}, all);
+    EXPECT_EQ(wrong.status, exit_bad_input);
+    EXPECT_NE(wrong.log.find(words), std::string::npos) << wrong.log;
+  };
+  refused({"--fix", "opne"}, "or a state of the robot's SRDF, got 'opne', did you mean 'open'?");
+  refused({"--fix", "open", "--fix", "shut"}, "--fix: two states have joint 'grip' at two values");
 }
 
 TEST_F(Import, BothTextsOfMoveItsScenesAreReadAndMeshesAreTheirSurface) {
