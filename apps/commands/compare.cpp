@@ -209,8 +209,12 @@ CompareResults run_and_publish(const Suite& suite, const std::vector<PreparedExp
                                const CompareOptions& options, CompareAsked asked, Console& console) {
   if (options.resume) {
     const CompareChoice choice = choice_of(suite, options, options.out);
-    std::size_t runs = 0;
-    for (std::size_t e = 0; e < prepared.size(); ++e) runs += count_runs(suite, prepared[e], e, choice);
+    const auto runs = [&](const CompareRecords& records) {
+      std::size_t all = 0;
+      for (std::size_t e = 0; e < prepared.size(); ++e)
+        all += count_runs(suite, prepared[e], e, choice, &records);
+      return all;
+    };
     if (auto finished = finished_results(options.out, asked, runs)) {
       console.log("clearway: " + quote(options.out.string()) + " is finished: nothing was left to run");
       if (!console.json) print_results(*finished, console);

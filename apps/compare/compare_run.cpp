@@ -232,7 +232,7 @@ class ExperimentRunner {
     switch (reply.kind) {
       case Kind::opened:
         save(reply);
-        records_.open(index_, task.stage, reply.problems);
+        records_.open(index_, task.stage, reply.problems, reply.sentence);
         take_up(task.stage);
         return seat.task.reset();
       case Kind::preparing:
@@ -287,13 +287,15 @@ class ExperimentRunner {
 }  // namespace
 
 std::size_t count_runs(const Suite& suite, const PreparedExperiment& experiment, std::size_t index,
-                       const CompareChoice& choice) {
+                       const CompareChoice& choice, const CompareRecords* records) {
   if (choice.only) return 1;
   const auto stages = stages_of(suite, experiment);
   std::size_t problems = 0;
-  for (std::size_t s = 0; s < stage_count(experiment, stages); ++s)
+  for (std::size_t s = 0; s < stage_count(experiment, stages); ++s) {
+    if (records != nullptr && records->is_drawn_in_vain(index, s)) continue;
     for (std::size_t i = 0; i < most_problems(experiment, stages, s); ++i)
       problems += is_in(choice.shard, index, s, i);
+  }
   return problems * experiment.planners.size() * static_cast<std::size_t>(runs_of(experiment));
 }
 

@@ -68,9 +68,10 @@ struct CompareChoice {
 /// Called with how many runs of an experiment are done, of how many; and, with the same, as time goes by.
 using CompareProgress = std::function<void(std::size_t done, std::size_t all)>;
 
-/// How many runs an experiment has for this choice, at most.
+/// How many runs an experiment has for this choice, at most; without those of stages in which, as `records`
+/// know, no problem was found.
 std::size_t count_runs(const Suite& suite, const PreparedExperiment& experiment, std::size_t index,
-                       const CompareChoice& choice);
+                       const CompareChoice& choice, const CompareRecords* records = nullptr);
 
 /// Plans every problem with every planner, but for the runs that `records` have. Each answer's path is judged
 /// by the independent check (check_path), whoever planned it. Before the time is taken, a planner is asked
@@ -80,6 +81,8 @@ std::size_t count_runs(const Suite& suite, const PreparedExperiment& experiment,
 /// Each run has a process of its own (problem_server.hpp). To be called while no other thread runs but one
 /// that waits for signals: workers are forked from this one.
 /// @param index of the experiment in `records`
+/// A generator that finds no problem in a world leaves that world without runs, and `records` with the
+/// reason.
 /// @throws std::invalid_argument, DamagedFile or std::runtime_error when a world cannot be loaded or made, a
 /// planner refuses a robot, or a file cannot be written.
 void run_experiment(const Suite& suite, const PreparedExperiment& experiment, std::size_t index,

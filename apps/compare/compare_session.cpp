@@ -136,11 +136,12 @@ CompareRecords read_same(const fs::path& folder, const CompareAsked& asked) {
   return records;
 }
 
-std::optional<CompareResults> finished_results(const fs::path& folder, const CompareAsked& asked,
-                                               std::size_t runs) {
+std::optional<CompareResults> finished_results(
+    const fs::path& folder, const CompareAsked& asked,
+    const std::function<std::size_t(const CompareRecords&)>& runs) {
   if (fs::exists(AtomicFolder::partial_of(folder)) || !fs::exists(folder / records_name)) return std::nullopt;
   const CompareRecords records = read_same(folder, asked);
-  if (records.count() < runs) return std::nullopt;
+  if (records.count() < runs(records)) return std::nullopt;
   for (const auto& [experiment, stage] : records.stages())
     for (const CompareRecords::Problem& problem : *records.stage(experiment, stage))
       if (!problem.is_finished && !problem.found.runs.empty()) return std::nullopt;
@@ -233,6 +234,8 @@ CompareResults CompareSession::run(const Suite& suite, const std::vector<Prepare
     if (!console.json && !results.experiments.back().problems.empty())
       print_experiment(results.experiments.back(), console);
   }
+  if (records_.count() == 0 && !records_.drawn_in_vain().empty() && choice.shard.count == 1)
+    throw std::runtime_error(records_.drawn_in_vain().begin()->second);
   CompareResults results = records_.results(folder_.path());
   save_file(folder_.path() / records_name, records_.text());
   const std::lock_guard lock(printing);

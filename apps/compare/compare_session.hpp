@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,6 +21,7 @@ class CompareSession {
   CompareSession(AtomicFolder& folder, CompareAsked asked, bool resumes);
 
   /// Runs what is left, prints a table for each experiment, and saves the results.
+  /// @throws std::runtime_error when generators found no problem for any experiment; and as run_experiment
   CompareResults run(const Suite& suite, const std::vector<PreparedExperiment>& prepared,
                      const CompareChoice& choice, Console& console);
 
@@ -34,10 +36,10 @@ class CompareSession {
 };
 
 /// What --resume finds whole in `folder`: nothing is left to run. Empty when it is not there or lacks some of
-/// the `runs` that are asked for, or a comparison is under way beside it.
+/// the runs that are asked for, as `runs` counts them, or a comparison is under way beside it.
 /// @throws std::invalid_argument naming what differs when it is of another comparison
 std::optional<CompareResults> finished_results(const std::filesystem::path& folder, const CompareAsked& asked,
-                                               std::size_t runs);
+                                               const std::function<std::size_t(const CompareRecords&)>& runs);
 
 /// Every experiment's table, then their sums where there are several.
 void print_results(const CompareResults& results, Console& console);

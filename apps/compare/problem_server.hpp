@@ -33,7 +33,7 @@ struct ProblemReply {
   std::optional<CompareRun> run = {};             ///< run
   std::map<std::string, std::string> files = {};  ///< to be saved below the folder of results: bytes by name
   std::string page = {};                          ///< finished: which of the files is its page; empty: none
-  std::string sentence = {};                      ///< bad_input, damaged, failed
+  std::string sentence = {};  ///< bad_input, damaged, failed; opened: why the stage has no problems
 };
 
 std::string to_bytes(const ProblemRequest& request);

@@ -13,6 +13,7 @@
 #include "apps/results/compare_columns.hpp"
 #include "apps/results/compare_files.hpp"
 #include "apps/results/compare_record.hpp"
+#include "apps/suites/suite_draws.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/maps/map_damage.hpp"
 #include "mapping/maps/map_integration.hpp"
@@ -158,7 +159,14 @@ class RobotServer : public ProblemServer {
 
  private:
   void open(std::size_t index, const Send& send) override {
-    const SuiteStage& stage = opened(index).stage;
+    try {
+      send(opening(opened(index).stage));
+    } catch (const DrawnInVain& vain) {
+      send({.kind = Kind::opened, .sentence = vain.what()});
+    }
+  }
+
+  ProblemReply opening(const SuiteStage& stage) const {
     ProblemReply reply{.kind = Kind::opened};
     for (const StageProblem& problem : stage.problems)
       reply.problems.push_back({problem.name,
@@ -173,7 +181,7 @@ class RobotServer : public ProblemServer {
       for (auto& [name, bytes] : files_of_map(stage.map))
         reply.files.emplace(map_folder(stage) / name, std::move(bytes));
     }
-    send(reply);
+    return reply;
   }
 
   void plan(const ProblemRequest& request, const Send& send) override {

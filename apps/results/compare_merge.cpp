@@ -183,7 +183,9 @@ CompareRecords merge_all(const std::vector<ShardRecords>& shards, const fs::path
           problems.back().map_file =
               moved_map(shard, problem.found.map_file, shown).value_or(problem.found.map_file);
         }
-        all.open(e, s, std::move(problems));
+        const auto& in_vain = shard.records.drawn_in_vain();
+        const auto why = in_vain.find({e, s});
+        all.open(e, s, std::move(problems), why == in_vain.end() ? "" : why->second);
       }
       if (all.stage(e, s)->size() != stage.size())
         refuse_merge(folder_name(shard.folder) + " has other problems than the other shards");

@@ -53,10 +53,13 @@ CompareAsked asked_of_line(const std::string& line) {
   return asked;
 }
 
-std::string stage_line(const StageKey& key, const std::vector<CompareProblem>& problems) {
+std::string stage_line(const StageKey& key, const std::vector<CompareProblem>& problems,
+                       const std::string& in_vain) {
   Json list = Json::array();
   for (const CompareProblem& problem : problems) list.push_back(record_of(problem));
-  return line_of({{"stage", {key.first, key.second}}, {"problems", list}});
+  Json line = {{"stage", {key.first, key.second}}, {"problems", list}};
+  if (!in_vain.empty()) line["in_vain"] = in_vain;
+  return line_of(line);
 }
 
 std::string run_line(const StageKey& key, std::size_t problem, const CompareRun& run) {
@@ -135,6 +138,7 @@ CompareRecords::CompareRecords(CompareRecords&& other) noexcept
     : asked_(std::move(other.asked_)),
       sink_(std::move(other.sink_)),
       stages_(std::move(other.stages_)),
+      in_vain_(std::move(other.in_vain_)),
       time_(other.time_) {}
 
 namespace {
@@ -178,6 +182,7 @@ void CompareRecords::read_line(const std::string& line) {
     Stage& stage = stages_[key];
     stage.clear();
     for (const Json& problem : json.at("problems")) stage.push_back({problem_of_record(problem)});
+    if (json.contains("in_vain")) json.at("in_vain").get_to(in_vain_[key]);
   } else {
     const Json& of = json.at("of");
     Problem& problem = stages_.at({of.at(0), of.at(1)}).at(of.at(2).get<std::size_t>());
@@ -217,12 +222,18 @@ std::size_t CompareRecords::count() const {
   return runs;
 }
 
-void CompareRecords::open(std::size_t experiment, std::size_t stage, std::vector<CompareProblem> problems) {
-  write(stage_line({experiment, stage}, problems));
+bool CompareRecords::is_drawn_in_vain(std::size_t experiment, std::size_t stage) const {
+  return in_vain_.contains({experiment, stage});
+}
+
+void CompareRecords::open(std::size_t experiment, std::size_t stage, std::vector<CompareProblem> problems,
+                          const std::string& in_vain) {
+  write(stage_line({experiment, stage}, problems, in_vain));
   const std::lock_guard lock(mutex_);
   Stage& opened = stages_[{experiment, stage}];
   opened.clear();
   for (CompareProblem& problem : problems) opened.push_back({std::move(problem)});
+  if (!in_vain.empty()) in_vain_[{experiment, stage}] = in_vain;
 }
 
 void CompareRecords::add(std::size_t experiment, std::size_t stage, std::size_t problem,
@@ -276,6 +287,10 @@ CompareResults CompareRecords::results(const std::filesystem::path& folder, std:
     link_worst_pages(folder, all.experiments[e]);
   }
   const std::lock_guard lock(mutex_);
+  for (const auto& [key, why] : in_vain_)
+    if (key.first < all.experiments.size())
+      all.notes.push_back("experiment '" + all.experiments[key.first].setup.name +
+                          "' is without one of its worlds: " + why);
   all.time = time_;
   return all;
 }
@@ -286,7 +301,8 @@ std::string CompareRecords::text() const {
   for (const auto& [key, stage] : stages_) {
     std::vector<CompareProblem> problems;
     for (const Problem& problem : stage) problems.push_back(problem.found);
-    text += stage_line(key, problems);
+    const auto why = in_vain_.find(key);
+    text += stage_line(key, problems, why == in_vain_.end() ? "" : why->second);
     for (std::size_t i = 0; i < stage.size(); ++i) {
       for (const CompareRun& run : stage[i].found.runs) text += run_line(key, i, run);
       if (stage[i].is_finished) text += end_line(key, i, stage[i].found.page);

@@ -61,8 +61,13 @@ class CompareRecords {
   /// Stage and place there of each problem of experiment(index).
   std::vector<std::pair<std::size_t, std::size_t>> places(std::size_t index) const;
   std::size_t count() const;  ///< of runs
+  bool is_drawn_in_vain(std::size_t experiment, std::size_t stage) const;
+  /// Why stages have no problems, a sentence each.
+  const std::map<std::pair<std::size_t, std::size_t>, std::string>& drawn_in_vain() const { return in_vain_; }
 
-  void open(std::size_t experiment, std::size_t stage, std::vector<CompareProblem> problems);
+  /// @param in_vain why the stage has no problems; empty: it has some
+  void open(std::size_t experiment, std::size_t stage, std::vector<CompareProblem> problems,
+            const std::string& in_vain = "");
   /// In the place of an earlier run of the same planner and number.
   void add(std::size_t experiment, std::size_t stage, std::size_t problem, const CompareRun& run);
   void finish(std::size_t experiment, std::size_t stage, std::size_t problem, const std::string& page);
@@ -72,7 +77,7 @@ class CompareRecords {
   /// left out.
   CompareExperiment experiment(std::size_t index) const;
   /// All experiments, or those before `end`, and what is below `folder`: paths to plot, of its plans, and the
-  /// pages of worst runs.
+  /// pages of worst runs. Stages without problems are among its notes.
   CompareResults results(const std::filesystem::path& folder, std::size_t end = SIZE_MAX) const;
   /// All lines, in that order.
   std::string text() const;
@@ -84,6 +89,7 @@ class CompareRecords {
   CompareAsked asked_;
   Sink sink_;
   std::map<std::pair<std::size_t, std::size_t>, Stage> stages_;
+  std::map<std::pair<std::size_t, std::size_t>, std::string> in_vain_;
   double time_ = 0.0;
   mutable std::mutex mutex_;
 };

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <numbers>
-#include <stdexcept>
 
 #include "apps/query/query.hpp"
 #include "mapping/system/number_text.hpp"
@@ -54,11 +53,11 @@ std::vector<StageProblem> draw_problems(const SuiteGenerator& generator, std::si
                                         const ConfigurationSpace& space,
                                         const std::function<std::optional<StageProblem>()>& draw) {
   const std::string none = generator.kind + ": no problem found " + drawn_for(space) + " in " + quote(scene);
-  if (const std::string why = hopeless(space); !why.empty()) throw std::runtime_error(none + ": " + why);
+  if (const std::string why = hopeless(space); !why.empty()) throw DrawnInVain(none + ": " + why);
   std::vector<StageProblem> problems;
   const std::size_t count = std::min(static_cast<std::size_t>(generator.count) - index * each, each);
   for (int draws = 0; problems.size() < count; ++draws) {
-    if (draws == most_draws) throw std::runtime_error(none + ", in " + grouped(most_draws) + " draws");
+    if (draws == most_draws) throw DrawnInVain(none + ", in " + grouped(most_draws) + " draws");
     auto problem = draw();
     if (!problem) continue;
     problem->name = scene + "." + std::to_string(problems.size() + 1);

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,13 @@
 #include "apps/suites/suite_stages.hpp"
 
 namespace clearway {
+
+/// A generator that finds no problem for its robot in as many draws as it takes: one sentence that names
+/// both.
+class DrawnInVain : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 /// Evenly within the joint limits, turning joints within a turn.
 Configuration draw_configuration(const Robot& robot, SuiteDice& dice);
@@ -25,7 +33,7 @@ std::string drawn_for(const ConfigurationSpace& space);
 /// left of its count. They are called SCENE.1, SCENE.2 and so on.
 /// @param space the robot in the scene's map
 /// @param draw a problem without a name, or nothing when this draw gave none
-/// @throws std::runtime_error when `most_draws` in a row gave none, naming generator, scene, robot and
+/// @throws DrawnInVain when `most_draws` in a row gave none, naming generator, scene, robot and
 /// policies; at once where a part must lie in what the map has none of
 std::vector<StageProblem> draw_problems(const SuiteGenerator& generator, std::size_t index, std::size_t each,
                                         int most_draws, const std::string& scene,

@@ -31,12 +31,15 @@ struct FurnitureScene {
 FurnitureScene draw_furniture(const Robot& robot, std::uint64_t seed, std::size_t index, int attempt);
 
 /// Draws scene number `index` of a generator with `problems_of_furniture` problems (the last one with what is
+/// @throws std::runtime_error for an arm with fewer than six joints
+void require_cells(const Robot& robot);
+
 /// left of the generator's count). A goal, and of every second problem the start, holds the tip at a place
 /// with the tip's z axis at most 25 degrees off its approach, turned about it anyhow, up to 8 % of the arm's
 /// reach before it; the other starts are configurations drawn within the limits. All are free. Of draws that
 /// a straight edge seems to solve one in ten is kept. Of a scene that holds no problem another one is drawn.
 /// @param padding metres
-/// @throws std::runtime_error for an arm with fewer than six joints, or when ten scenes hold no problem.
+/// @throws as require_cells; DrawnInVain (suite_draws.hpp) when ten scenes hold no problem.
 FurnitureScene draw_cells(const SuiteGenerator& generator, std::size_t index, const Robot& robot,
                           const Policies& policies, double padding);
 

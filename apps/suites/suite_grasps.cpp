@@ -87,9 +87,8 @@ class GraspDrawer {
 
 }  // namespace
 
-FurnitureScene draw_cells(const SuiteGenerator& generator, std::size_t index, const Robot& robot,
-                          const Policies& policies, double padding) {
-  if (robot.dof() < 6) {
+void require_cells(const Robot& robot) {
+  if (robot.dof() < 6)
     throw std::runtime_error("cells: robot '" + robot.name + "' has " + counted(robot.dof(), "joint") +
                              ", expected at least 6 to hold its hand as it likes");
   }
@@ -103,10 +102,14 @@ FurnitureScene draw_cells(const SuiteGenerator& generator, std::size_t index, co
       scene.problems = draw_problems(generator, index, problems_of_furniture, most_grasp_draws, scene.name,
                                      space, [&] { return drawer.draw(); });
       return scene;
-    } catch (const std::runtime_error&) {
+    } catch (const DrawnInVain&) {
       if (attempt + 1 == most_scenes) throw;
     }
-  }
+}
+
+FurnitureScene draw_cells(const SuiteGenerator& generator, std::size_t index, const Robot& robot,
+                          const Policies& policies, double padding) {
+  require_cells(robot);
 }
 
 }  // namespace clearway

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <numbers>
 #include <optional>
-#include <stdexcept>
 #include <utility>
 
 #include "apps/suites/suite_dice.hpp"
@@ -109,8 +108,8 @@ Hole draw_hole(const SuiteGenerator& generator, std::size_t index, const Robot& 
     const ConfigurationSpace space = space_of(hole.map);
     if (space.is_free(start) && space.is_free(goal) && !space.is_edge_free(start, goal)) return hole;
   }
-  throw std::runtime_error(generator.kind + ": no volume found " + drawn + " in " + grouped(most_hole_draws) +
-                           " draws of ends and " + grouped(most_hole_maps) + " of paint");
+  throw DrawnInVain(generator.kind + ": no volume found " + drawn + " in " + grouped(most_hole_draws) +
+                    " draws of ends and " + grouped(most_hole_maps) + " of paint");
 }
 
 }  // namespace clearway

@@ -7,6 +7,7 @@
 
 #include "apps/query/loads.hpp"
 #include "apps/suites/suite_furniture.hpp"
+#include "apps/suites/suite_hand.hpp"
 #include "apps/suites/suite_holes.hpp"
 #include "apps/suites/suite_reaching.hpp"
 #include "apps/suites/suite_shelves.hpp"
@@ -49,11 +50,16 @@ std::vector<std::string> world_names(const SuiteExperiment& experiment) {
   return names;
 }
 
+void require_hand(const SuiteGenerator& generator, const Robot& robot) { SuiteHand(robot, generator.kind); }
+
+void require_six_joints(const SuiteGenerator&, const Robot& robot) { require_cells(robot); }
+
 /// Draws the worlds and problems of one kind of generator.
 struct Generator {
   std::string_view kind;
   std::size_t problems_of_a_stage;
   SuiteStage (*draw)(const SuiteGenerator&, std::size_t index, const Robot&, const Policies&, double padding);
+  void (*require)(const SuiteGenerator&, const Robot&) = nullptr;  ///< throws when the robot does not suit it
 };
 
 SuiteStage tunnel_stage(const SuiteGenerator& generator, std::size_t index, const Robot& robot,
@@ -89,16 +95,16 @@ SuiteStage furniture_stage(const SuiteGenerator& generator, std::size_t index, c
 
 /// All kinds.
 constexpr Generator generators[] = {
-    {"tunnels", 1, tunnel_stage},
-    {"holes", 1, hole_stage},
-    {"large_holes", 1, hole_stage},
+    {"tunnels", 1, tunnel_stage, require_hand},
+    {"holes", 1, hole_stage, require_hand},
+    {"large_holes", 1, hole_stage, require_hand},
     {"shelves", problems_of_a_shelf, shelf_stage},
     {"shelf", problems_of_a_scene, reaching_stage},
     {"table", problems_of_a_scene, reaching_stage},
     {"ladder", problems_of_a_scene, reaching_stage},
     {"cage", problems_of_a_scene, reaching_stage},
     {"boxes", problems_of_a_scene, reaching_stage},
-    {"cells", problems_of_furniture, furniture_stage},
+    {"cells", problems_of_furniture, furniture_stage, require_six_joints},
 };
 
 std::string generator_kinds() {
@@ -114,6 +120,15 @@ const Generator& generator_of(const Suite& suite, const SuiteExperiment& experim
   refuse(suite, experiment,
          "field 'generate': expected one of the kinds " + generator_kinds() + ", got '" +
              experiment.generate->kind + "'");
+}
+
+void require_robot(const Suite& suite, const SuiteExperiment& experiment, const Robot& robot) {
+  const Generator& generator = generator_of(suite, experiment);
+  try {
+    if (generator.require != nullptr) generator.require(*experiment.generate, robot);
+  } catch (const std::runtime_error& error) {
+    refuse(suite, experiment, std::string("field 'generate': ") + error.what());
+  }
 }
 
 /// These numbers, or those of the robot's state of that name.
@@ -217,7 +232,7 @@ SuiteStages::SuiteStages(const Suite& suite, const SuiteExperiment& experiment, 
     : suite_(suite), experiment_(experiment), robot_(robot) {
   static_cast<void>(suite_policies(suite, experiment, robot));
   if (experiment.generate) {
-    generator_of(suite, experiment);
+    require_robot(suite, experiment, robot);
   } else {
     // A cloud that cannot be read is reported before anything runs; see also hand_over.cpp.
     worlds_ = world_names(experiment);

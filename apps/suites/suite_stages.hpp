@@ -41,8 +41,8 @@ class SuiteStages {
  public:
   /// Keeps references to all three. @param robot scaled and placed as the experiment wants it
   /// @throws std::invalid_argument naming the suite, the experiment, the field and what was expected: a world
-  /// or generator that is not there, a number of joints that does not fit the robot, an unknown part, a load
-  /// that the robot cannot carry.
+  /// or generator that is not there or that the robot does not suit, a number of joints that does not fit the
+  /// robot, an unknown part, a load that the robot cannot carry.
   SuiteStages(const Suite& suite, const SuiteExperiment& experiment, const Robot& robot);
 
   std::size_t size() const;
@@ -51,8 +51,8 @@ class SuiteStages {
   /// How many problems a stage has, at most, without making it.
   std::size_t problems(std::size_t index) const;
   /// Deterministic, may be called from any thread. Worlds that are made take up to some seconds each.
-  /// @throws std::invalid_argument or DamagedFile when a map cannot be loaded, std::runtime_error when a
-  /// generator finds no problem for this robot.
+  /// @throws std::invalid_argument or DamagedFile when a map cannot be loaded, DrawnInVain (suite_draws.hpp)
+  /// when a generator finds no problem for this robot.
   SuiteStage make(std::size_t index) const;
 
  private:

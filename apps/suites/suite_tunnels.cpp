@@ -138,8 +138,7 @@ Tunnel draw_tunnel(const SuiteGenerator& generator, std::size_t index, const Rob
     if (!space.is_free(start) || !space.is_free(goal) || space.is_edge_free(start, goal)) continue;
     if (is_free_all_along(space, tunnel.way)) return tunnel;
   }
-  throw std::runtime_error("tunnels: no tunnel found " + drawn + " in " + grouped(most_tunnel_draws) +
-                           " draws");
+  throw DrawnInVain("tunnels: no tunnel found " + drawn + " in " + grouped(most_tunnel_draws) + " draws");
 }
 
 }  // namespace clearway

@@ -178,6 +178,29 @@ TEST(SuiteStages, AnUnknownGeneratorIsRefused) {
   }
 }
 
+TEST(SuiteStages, ARobotThatDoesNotSuitAGeneratorIsRefusedBeforeAnythingIsDrawn) {
+  const auto refusal = [](const std::string& kind, const Robot& robot) -> std::string {
+    const Suite suite = parse_suite(replaced(drawn, "KIND", kind), "s.yaml");
+    try {
+      SuiteStages(suite, suite.experiments[0], robot);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  const std::string where = "suite 's', experiment 'drawn', field 'generate': ";
+  EXPECT_EQ(refusal("cells", load_robot("arm5")),
+            where + "cells: robot 'arm5' has 5 joints, expected at least 6 to hold its hand as it likes");
+  Robot bare = load_robot("arm6");
+  bare.bodies.clear();
+  bare.critical_parts.clear();
+  for (const char* kind : {"holes", "large_holes", "tunnels"})
+    EXPECT_EQ(refusal(kind, bare),
+              where + kind + ": robot 'arm6' has no critical part and no body at its tip");
+  EXPECT_EQ(refusal("shelf", bare), "accepted");
+  EXPECT_EQ(refusal("cells", load_robot("arm6")), "accepted");
+}
+
 TEST(SuiteStages, PoliciesAreThoseOfTheExperiment) {
   const Suite suite = parse_suite(replaced(two_worlds, "WORLD", "painted"), "s.yaml");
   const Policies policies = suite_policies(suite, suite.experiments[0], load_robot("puma560"));
