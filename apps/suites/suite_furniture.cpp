@@ -12,11 +12,19 @@ using Eigen::Vector3d;
 
 const Vector3d ahead = Vector3d::UnitX(), down = -Vector3d::UnitZ();
 
+/// The attempt from which on scenes stand on the floor at least: of an arm with a low shoulder a cage may be
+/// in it, and scenes that held problems stay as they are.
+constexpr int first_lifted = 5;
+
 /// Draws one scene. Lengths are shares of the arm's reach.
 class FurnitureDrawer {
  public:
-  FurnitureDrawer(const Robot& robot, SuiteDice dice)
-      : front_(robot, arm_reach(robot), dice), size_(front_.size()), shoulder_(front_.shoulder()) {
+  /// @param is_lifted it stands on the floor at least
+  FurnitureDrawer(const Robot& robot, SuiteDice dice, bool is_lifted)
+      : front_(robot, arm_reach(robot), dice),
+        size_(front_.size()),
+        shoulder_(front_.shoulder()),
+        is_lifted_(is_lifted) {
     front_.add_floor();
   }
 
@@ -31,7 +39,8 @@ class FurnitureDrawer {
   /// Bars all around, closer on the side that faces the arm, and things on a plate in it.
   void cage() {
     const double half = between(0.20, 0.26), bar = between(0.02, 0.03);
-    const Vector3d middle(between(0.55, 0.65), between(-0.15, 0.15), shoulder_ + between(-0.2, 0.1));
+    Vector3d middle(between(0.55, 0.65), between(-0.15, 0.15), shoulder_ + between(-0.2, 0.1));
+    if (is_lifted_) middle.z() = floor_or(middle.z() - half) + half;
     for (int axis = 0; axis < 3; ++axis) front_.add_edges(middle, half, axis, bar);
     const Vector3d up = half * Vector3d::UnitZ(), aside = half * Vector3d::UnitY();
     for (const double side : {-1.0, 1.0}) {  // and upright bars in the middle of its sides
@@ -167,6 +176,7 @@ class FurnitureDrawer {
 
   SuiteFront front_;
   double size_, shoulder_;
+  bool is_lifted_;
   std::vector<GraspPlace> places_;
 };
 
@@ -186,7 +196,8 @@ constexpr std::array furniture_kinds = {FurnitureKind{"thin bookshelf", &Furnitu
 
 FurnitureScene draw_furniture(const Robot& robot, std::uint64_t seed, std::size_t index, int attempt) {
   const FurnitureKind& kind = furniture_kinds[index % furniture_kinds.size()];
-  FurnitureDrawer drawer(robot, SuiteDice(seed, 1000 * index + static_cast<std::uint64_t>(attempt)));
+  FurnitureDrawer drawer(robot, SuiteDice(seed, 1000 * index + static_cast<std::uint64_t>(attempt)),
+                         attempt >= first_lifted);
   (drawer.*kind.draw)();
   FurnitureScene scene;
   scene.name = std::string(kind.name) + " " + std::to_string(index / furniture_kinds.size() + 1);

@@ -4,6 +4,7 @@
 #include "apps/suites/suite_cells.hpp"
 #include "apps/suites/suite_draws.hpp"
 #include "apps/suites/suite_furniture.hpp"
+#include "apps/suites/suite_hand.hpp"
 #include "apps/suites/suite_reaching.hpp"
 #include "mapping/system/number_text.hpp"
 
@@ -32,7 +33,10 @@ class GraspDrawer {
  public:
   GraspDrawer(const ConfigurationSpace& space, const std::vector<GraspPlace>& places, double reach,
               SuiteDice dice)
-      : space_(space), places_(places), reach_(reach), dice_(dice) {}
+      : space_(space), places_(places), reach_(reach), dice_(dice), hand_(hand_at_tip(space.robot())) {
+    if (hand_.axis != Eigen::Vector3d::UnitZ()) hand_from_tip_ = turn_of_z(hand_.axis).transpose();
+    if (hand_.depth <= farthest_before * reach) hand_.depth = 0.0;  // the tip is at its end
+  }
 
   std::optional<StageProblem> draw() {
     const int count = static_cast<int>(places_.size()), from = dice_.whole(0, count - 1);
@@ -72,7 +76,8 @@ class GraspDrawer {
     map_from_tip = map_from_tip * Eigen::AngleAxisd(about, Eigen::Vector3d::UnitZ()) *
                    Eigen::AngleAxisd(lean, Eigen::Vector3d::UnitX()) *
                    Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitZ());
-    map_from_tip.translation() = place.at - before * map_from_tip.linear().col(2);
+    map_from_tip.translation() = place.at - (hand_.depth + before) * map_from_tip.linear().col(2);
+    map_from_tip.linear() *= hand_from_tip_;
     const auto q =
         inverse_kinematics(space_.robot(), map_from_tip, near, {.max_iterations = 60, .restarts = 1});
     return q ? freely(*q) : std::nullopt;
@@ -82,7 +87,9 @@ class GraspDrawer {
   const std::vector<GraspPlace>& places_;
   double reach_;
   SuiteDice dice_;
-  bool is_carrying_ = true;  ///< from place to place; else from anywhere
+  HandAtTip hand_;
+  Eigen::Matrix3d hand_from_tip_ = Eigen::Matrix3d::Identity();  ///< the hand points along its z
+  bool is_carrying_ = true;                                      ///< from place to place; else from anywhere
 };
 
 }  // namespace
@@ -91,7 +98,11 @@ void require_cells(const Robot& robot) {
   if (robot.dof() < 6)
     throw std::runtime_error("cells: robot '" + robot.name + "' has " + counted(robot.dof(), "joint") +
                              ", expected at least 6 to hold its hand as it likes");
-  }
+}
+
+FurnitureScene draw_cells(const SuiteGenerator& generator, std::size_t index, const Robot& robot,
+                          const Policies& policies, double padding) {
+  require_cells(robot);
   for (int attempt = 0;; ++attempt) {
     FurnitureScene scene = draw_furniture(robot, generator.seed, index, attempt);
     scene.map = map_of_solids(scene.solids, generator.resolution);
@@ -105,11 +116,7 @@ void require_cells(const Robot& robot) {
     } catch (const DrawnInVain&) {
       if (attempt + 1 == most_scenes) throw;
     }
-}
-
-FurnitureScene draw_cells(const SuiteGenerator& generator, std::size_t index, const Robot& robot,
-                          const Policies& policies, double padding) {
-  require_cells(robot);
+  }
 }
 
 }  // namespace clearway

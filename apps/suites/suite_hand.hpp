@@ -26,6 +26,17 @@ class SuiteHand {
   std::vector<const Body*> bodies_;
 };
 
+/// How a hand stands at an arm's tip.
+struct HandAtTip {
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< unit, the tip's frame: the way that it points
+  double depth = 0.0;                               ///< m that it reaches beyond the tip that way
+};
+
+/// It points along the tip's z; where that is more than 45 degrees off the axis of the last joint, before
+/// which the tip stands, along that axis, as on flanges whose x is ahead. What hangs on the tip's link
+/// reaches as deep.
+HandAtTip hand_at_tip(const Robot& robot);
+
 /// A straight piece of a way, cut so that no joint moves by more than `step`; both ends included.
 std::vector<Configuration> finely(const Configuration& from, const Configuration& to, double step);
 

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <set>
 
+#include "apps/suites/suite_hand.hpp"
 #include "apps/suites/suite_reaching.hpp"
 #include "mapping/files/map_digest.hpp"
 #include "planning/check/path_check.hpp"
@@ -21,15 +22,17 @@ SuiteGenerator generator(int count) {
   return {.kind = "cells", .count = count, .seed = 1, .resolution = 0.02};
 }
 
-/// Whether the hand at q is at one of the places: its tip there or before it, pointing as it should.
-bool is_grasp(const FurnitureScene& scene, const Robot& robot, const Configuration& q) {
+/// Whether the hand at q is at one of the places: its end there or before it, pointing as it should.
+bool is_grasp(const FurnitureScene& scene, const Robot& robot, const Configuration& q,
+              const HandAtTip& hand = {}) {
   const Eigen::Isometry3d tip = tip_pose(robot, q);
+  const Eigen::Vector3d ahead = tip.linear() * hand.axis;
   for (const GraspPlace& place : scene.places) {
-    const Eigen::Vector3d to_place = place.at - tip.translation();
-    const double before = to_place.dot(tip.linear().col(2));
-    const bool is_in_line = (to_place - before * tip.linear().col(2)).norm() < 1e-5;
+    const Eigen::Vector3d to_place = place.at - (tip.translation() + hand.depth * ahead);
+    const double before = to_place.dot(ahead);
+    const bool is_in_line = (to_place - before * ahead).norm() < 1e-5;
     const bool is_near = before > -1e-5 && before < 0.08 * arm_reach(robot).length + 1e-5;
-    const double lean = std::acos(std::min(1.0, tip.linear().col(2).dot(place.approach)));
+    const double lean = std::acos(std::min(1.0, ahead.dot(place.approach)));
     if (is_in_line && is_near && lean <= 25.001 * std::numbers::pi / 180) return true;
   }
   return false;
@@ -75,6 +78,56 @@ TEST(SuiteFurnitureScenes, TheHandOfThePandaReachesAroundThings) {
     }
   }
   EXPECT_GT(around, 0);
+}
+
+void expect_grasps(const Robot& robot, const HandAtTip& hand) {
+  for (std::size_t i = 0; i < kinds; ++i) {
+    const FurnitureScene scene = draw_cells(generator(56), i, robot, open, 0.0);
+    ASSERT_EQ(scene.problems.size(), problems_of_furniture) << scene.name;
+    for (const StageProblem& problem : scene.problems)
+      EXPECT_TRUE(is_grasp(scene, robot, problem.goals[0], hand)) << problem.name;
+  }
+}
+
+/// As of MoveIt's Panda, whose tip is the flange.
+TEST(SuiteFurnitureScenes, AHandBeyondTheTipReachesThePlacesInItsStead) {
+  Robot robot = load_robot("panda");
+  const double back = 0.1;
+  robot.link_from_tip = robot.link_from_tip * Eigen::Translation3d(0.0, 0.0, -back);
+  const HandAtTip hand = hand_at_tip(robot);
+  EXPECT_NEAR(hand.depth, back + hand_at_tip(load_robot("panda")).depth, 1e-9);
+  EXPECT_GT(hand.depth, 0.08 * arm_reach(robot).length);
+  expect_grasps(robot, hand);
+}
+
+/// Of an arm whose shoulder is as low as a UR5's a cage would be in the floor.
+TEST(SuiteFurnitureScenes, ACageStandsOnTheFloorWhereScenesHeldNoProblem) {
+  const auto lowest = [](int attempt) {
+    const Robot robot = load_robot("arm6");
+    double least = 1.0;
+    for (const SceneShape& solid : draw_furniture(robot, 1, 2, attempt).solids)
+      if (solid.name.starts_with("bar")) least = std::min(least, solid.map_from_shape.translation().z());
+    return least;
+  };
+  double before = 1.0, after = 1.0;
+  for (int attempt = 0; attempt < 5; ++attempt) before = std::min(before, lowest(attempt));
+  for (int attempt = 5; attempt < 10; ++attempt) after = std::min(after, lowest(attempt));
+  EXPECT_LT(before, 0.0);
+  EXPECT_GT(after, 0.0);
+}
+
+/// As of MoveIt's UR5, whose ee_link has x ahead.
+TEST(SuiteFurnitureScenes, AHandPointsAlongTheLastJointWhereItsZDoesNot) {
+  for (const char* name : {"panda", "puma560", "arm6"}) {
+    Robot robot = load_robot(name);
+    EXPECT_EQ(hand_at_tip(robot).axis, Eigen::Vector3d::UnitZ()) << name;
+    robot.link_from_tip = robot.link_from_tip * Eigen::AngleAxisd(-M_PI / 2, Eigen::Vector3d::UnitY());
+    EXPECT_TRUE(hand_at_tip(robot).axis.isApprox(Eigen::Vector3d::UnitX(), 1e-9))
+        << name << ": " << hand_at_tip(robot).axis.transpose();
+  }
+  Robot robot = load_robot("arm6");
+  robot.link_from_tip = robot.link_from_tip * Eigen::AngleAxisd(-M_PI / 2, Eigen::Vector3d::UnitY());
+  expect_grasps(robot, {hand_at_tip(robot).axis, 0.0});
 }
 
 TEST(SuiteFurnitureScenes, AProblemIsTheSameWhateverTheCount) {
