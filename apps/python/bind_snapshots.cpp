@@ -40,10 +40,12 @@ py::array states_at(const NamedMap& self, const std::vector<Eigen::Vector3d>& po
   }));
 }
 
-/// First cell of a box on one axis, and how many: all that the box overlaps, at least one.
+/// First cell of a box on one axis, and how many: all that the box overlaps, at least one. A face between two
+/// voxels is one, wherever it is rounded to.
 std::pair<std::int64_t, std::size_t> cells_along(double low, double high, double resolution) {
-  const double first = std::floor(low / resolution);
-  const double count = std::max(1.0, std::ceil(high / resolution - 1e-9) - first);
+  constexpr double rounding = 1e-9;  // voxels
+  const double first = std::floor(low / resolution + rounding);
+  const double count = std::max(1.0, std::ceil(high / resolution - rounding) - first);
   if (!(std::abs(first) < 1e9) || !(count <= most_cells))
     throw std::invalid_argument("box: expected one within 1e9 voxels");
   return {static_cast<std::int64_t>(first), static_cast<std::size_t>(count)};

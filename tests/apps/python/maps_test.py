@@ -236,6 +236,15 @@ class Answers(unittest.TestCase):
         self.assertEqual(self.map.state(points[7]), states.ravel()[7])
         self.assertEqual(self.map.voxel(points[7]).state, states.ravel()[7])
 
+    def test_without_a_box_the_grid_is_that_of_the_bounds(self):
+        for edge in (0.02, 0.05, 0.1):
+            for index in range(-60, 61):  # 29 * 0.02 / 0.02 is a little less than 29
+                fused = cw.FreeSpaceMap(resolution=edge)
+                fused.paint(fused.add_volume("v", []), [[(index + 0.5) * edge] * 3], [0.9 * edge])
+                states, low = fused.snapshot().states_in()
+                np.testing.assert_allclose(low, fused.snapshot().bounds[0], atol=1e-9)
+                self.assertEqual(states.tolist(), [[[cw.VoxelState.painted]]], (edge, index))
+
     def test_clearances_are_lower_bounds_of_the_distance_to_blocked_cubes(self):
         dice = np.random.default_rng(2)
         points = dice.uniform(-1, 1, (200, 3))
