@@ -146,7 +146,10 @@ class SrdfReader {
       const std::string name = attribute(joint, "name"), written = attribute(joint, "value");
       const std::string where = "joint " + quote(name) + " of state " + quote(state.name);
       const std::string& text = written;
-      if (text.find_first_of(blanks) != std::string::npos) return;  // of a virtual joint, several values
+      if (text.find_first_of(blanks) != std::string::npos) {  // as a virtual joint has several
+        srdf_.several.emplace_back(state.name, name);
+        return;
+      }
       if (text.empty()) refuse_srdf(file_, where + " has no value, expected a finite number");
       double value = 0.0;
       const char* first = text.data() + (text.front() == '+' ? 1 : 0);
@@ -291,6 +294,11 @@ std::vector<std::string> srdf_notes(const Robot& robot) {
   if (!srdf.states_of_no_group.empty())
     notes.push_back(called +
                     " is read without its states that name no group: " + listed(srdf.states_of_no_group));
+  for (const auto& [state, joint] : srdf.several)
+    if (std::any_of(robot.links.begin(), robot.links.end(),
+                    [&](const Link& link) { return link.joint_name == joint; }))
+      notes.push_back(called + " is read without what state " + quote(state) + " says of joint " +
+                      quote(joint) + ": several values, expected one");
   std::set<std::string> unknown(srdf.disabled_links.begin(), srdf.disabled_links.end());
   for (const auto* pairs : {&srdf.disabled, &srdf.enabled})
     for (const auto& [first, second] : *pairs) unknown.insert({first, second});

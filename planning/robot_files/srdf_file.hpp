@@ -38,6 +38,8 @@ struct Srdf {
   std::vector<std::string> disabled_links;                    ///< against all others, but for `enabled`
   std::vector<std::pair<std::string, std::string>> enabled;   ///< pairs of links, unless `disabled`
   std::vector<std::string> states_of_no_group;                ///< names; srdfdom leaves these states out, too
+  std::vector<std::pair<std::string, std::string>>
+      several;  ///< states and joints to which they give many values
 };
 
 /// Reads a SRDF. @throws std::invalid_argument in one sentence naming file, element and what was expected.
@@ -53,8 +55,8 @@ std::vector<std::pair<std::string, std::string>> tested_pairs(const Srdf& srdf,
                                                               const std::vector<std::string>& links);
 
 /// What makes one doubt that the robot's SRDF is of this robot, a sentence each: it is for one of another
-/// name than the URDF's, its pairs that need no test name links that the robot does not have, or it has
-/// states of no group. None without a SRDF. @throws as read_srdf
+/// name than the URDF's, its pairs that need no test name links that the robot does not have, it has states
+/// of no group, or gives a joint of one axis several values. None without a SRDF. @throws as read_srdf
 std::vector<std::string> srdf_notes(const Robot& robot);
 
 /// Names of the robot's joints that a group moves: those of its chains (between base and tip), joints, the

@@ -114,6 +114,16 @@ TEST_F(SrdfFile, OfAnotherRobotIsToldByItsNameAndByTheLinksOfItsPairs) {
   EXPECT_EQ(srdf_notes(load_robot(RobotRequest{urdf_, no_group})),
             (std::vector<std::string>{"the SRDF '" + no_group +
                                       "' is read without its states that name no group: home"}));
+  const std::string several =
+      folder_.write("several.srdf",
+                    "<robot name='two'><group name='left'><joint name='lj1'/></group>"
+                    "<virtual_joint name='world' type='floating' parent_frame='w' child_link='base'/>"
+                    "<group_state name='home' group='left'><joint name='lj1' value='0.5 0.6'/>"
+                    "<joint name='world' value='0 0 0 0 0 0 1'/></group_state></robot>");
+  EXPECT_EQ(srdf_notes(load_robot(RobotRequest{urdf_, several})),
+            (std::vector<std::string>{"the SRDF '" + several +
+                                      "' is read without what state 'home' says of joint 'lj1': several "
+                                      "values, expected one"}));
   EXPECT_TRUE(srdf_notes(load_robot("planar2")).empty()) << "without a SRDF";
 }
 
