@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -165,6 +166,19 @@ void LineProcess::hear_complaints() {
   if (last_words_.size() > most_last_words) last_words_.erase(0, last_words_.size() - most_last_words);
 }
 
+namespace {
+
+/// What a program that may write no file says of that: system's words, or those of Python and of Node.
+bool tells_of_forbidden_file(const std::string& complaints) {
+  rlimit files{};
+  if (::getrlimit(RLIMIT_FSIZE, &files) != 0 || files.rlim_cur != 0) return false;
+  for (const char* words : {"File too large", "EFBIG", "Errno 27"})
+    if (complaints.find(words) != std::string::npos) return true;
+  return false;
+}
+
+}  // namespace
+
 /// With the last line that it wrote to its standard error, and how it ended, if it did within a moment.
 void LineProcess::fail(const std::string& what) {
   int status = 0;
@@ -189,6 +203,8 @@ void LineProcess::fail(const std::string& what) {
     sentence +=
         "; its last line of errors: " + quote(words.substr(begin == std::string::npos ? 0 : begin + 1));
   }
+  if (tells_of_forbidden_file(last_words_))
+    sentence += "; it tried to write into a file, which an isolated run may not: --isolate no lets it";
   throw std::runtime_error(sentence);
 }
 

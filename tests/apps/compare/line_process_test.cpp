@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -82,6 +83,23 @@ TEST(LineProcess, SaysHowItEndedAndItsLastLineOfErrors) {
             "the planner's program ended without an answer");
   const std::string noisy = end_of("sh -c 'read l; seq 100000 >&2'");  // more than a pipe holds
   EXPECT_EQ(noisy, "the planner's program ended with status 0; its last line of errors: '100000'");
+}
+
+TEST(LineProcess, SaysThatAnIsolatedRunMayNotWriteIntoFiles) {
+  const std::string python = "sh -c 'read l; echo \"OSError: [Errno 27] File too large\" >&2; exit 1'";
+  const std::string ended =
+      "the planner's program ended with status 1; its last line of errors: 'OSError: [Errno 27] File too "
+      "large'";
+  EXPECT_EQ(end_of(python), ended);
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit none{0, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &none), 0);  // as in an isolated run
+  const std::string isolated = end_of(python), another = end_of("sh -c 'read l; echo other >&2; exit 1'");
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  EXPECT_EQ(isolated,
+            ended + "; it tried to write into a file, which an isolated run may not: --isolate no lets it");
+  EXPECT_EQ(another.find("--isolate"), std::string::npos) << another;
 }
 
 TEST(LineProcess, SaysThatAnAnswerHasNoNewline) {
