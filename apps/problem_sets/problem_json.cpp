@@ -238,10 +238,21 @@ ForeignSet read_problem_json(const std::string& text, const std::filesystem::pat
   ForeignSet set;
   leave_out_rest(root, set);
   const std::vector<std::string> joints = joint_names(root, "joints");
+  std::string first_fault;
   for (const auto& [experiment, list] : root.at("problems").members()) {
     std::size_t number = 0;
-    for (const JsonField& problem : list.items()) add_problem(experiment, ++number, problem, joints, set);
+    for (const JsonField& problem : list.items()) {
+      const std::size_t left_out = set.left_out.size();
+      try {
+        add_problem(experiment, ++number, problem, joints, set);
+      } catch (const std::invalid_argument& fault) {
+        set.left_out.resize(left_out);
+        set.left_out.push_back(experiment + ", problem " + std::to_string(number) + ": " + fault.what());
+        if (first_fault.empty()) first_fault = fault.what();
+      }
+    }
   }
+  if (set.problems.empty() && !first_fault.empty()) throw std::invalid_argument(first_fault);
   return set;
 }
 

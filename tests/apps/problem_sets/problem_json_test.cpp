@@ -69,6 +69,28 @@ TEST_F(Import, WhatItDoesNotUnderstandIsNeverTakenForFreeSpaceInSilence) {
             std::string::npos);
 }
 
+/// A slip in one problem of many costs that problem; one in all of them is told at once.
+TEST_F(Import, AProblemThatIsNotUnderstoodIsLeftOutWhereOthersAre) {
+  const std::string good = R"({"start": [0, 0, 0], "goals": [[0.1, 0.1, 0]]})";
+  const std::string odd = R"({"start": [0, 0, 0], "goals": [[0.1, 0.1, 0]], "spheres": [[0, 0, 0, 1]]})";
+  const auto import_all = [&](const std::string& list) {
+    std::filesystem::remove_all(folder_ / "out");
+    return import("json", {folder_.write("a.json", R"({"problems": {"a": [)" + list + "]}}")}, {"--json"});
+  };
+  const CommandRun one = import_all(good + "," + odd + "," + good);
+  ASSERT_EQ(one.status, exit_done) << one.log;
+  const Json said = Json::parse(one.out);
+  EXPECT_EQ(said["problems"], 2);
+  ASSERT_EQ(said["left_out"].size(), 1U);
+  const std::string left = said["left_out"][0];
+  EXPECT_TRUE(left.starts_with("a, problem 2: problem set ")) << left;
+  EXPECT_NE(left.find("expected no such key, as what it holds would be lost"), std::string::npos) << left;
+  const CommandRun all = import_all(odd + "," + odd);
+  EXPECT_EQ(all.status, exit_bad_input);
+  EXPECT_NE(all.log.find("expected no such key, as what it holds would be lost"), std::string::npos)
+      << all.log;
+}
+
 /// A capsule along y.
 TEST_F(Import, CapsulesOfAProblemSetAreSolids) {
   const Json set = {{"problems",
