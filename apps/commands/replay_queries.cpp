@@ -7,9 +7,12 @@
 
 #include "apps/console/flag_names.hpp"
 #include "apps/query/query.hpp"
+#include "apps/query/setup_robot.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
+#include "mapping/system/nearest_name.hpp"
 #include "mapping/system/number_text.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/plan_and_check.hpp"
 #include "planning/plan_pick.hpp"
 #include "planning/planned_motion.hpp"
@@ -21,13 +24,6 @@ namespace clearway {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-RobotChoice robot_choice(const RobotSetup& robot) {
-  RobotChoice choice;
-  choice.robot = robot.name;
-  choice.scale = robot.scale;
-  return choice;
-}
 
 Configuration configuration(const std::vector<double>& values) {
   return Eigen::Map<const Configuration>(values.data(), static_cast<Eigen::Index>(values.size()));
@@ -58,6 +54,13 @@ void require_size(const std::vector<double>& q, const Robot& robot, const QueryS
                               " (robot '" + robot.name + "')");
 }
 
+/// The field whose values look like degrees; empty: none.
+std::string field_of_degrees(const QuerySetup& query, const Robot& robot) {
+  if (looks_like_degrees(robot, configuration(query.start))) return "start";
+  const auto is_odd = [&](const auto& goal) { return looks_like_degrees(robot, configuration(goal)); };
+  return std::any_of(query.goals.begin(), query.goals.end(), is_odd) ? "goals" : "";
+}
+
 void require_policies(const QuerySetup& query, const Robot& robot) try {
   choose_policies(policy_texts(query), robot);
 } catch (const std::invalid_argument& error) {
@@ -82,10 +85,10 @@ QueryRunner::QueryRunner(const ReplayOptions& options, const std::filesystem::pa
       folder_(folder),
       setup_(fusion.setup),
       map_(map),
-      robot_(choose_robot(robot_choice(*setup_.robot))) {
-  robot_.map_from_base = setup_.robot->map_from_base;
-  for (const QuerySetup& query : setup_.queries) {
-    require_file_name(query.name);
+      robot_(planned_robot(*setup_.robot)) {
+  for (const QuerySetup& asked : setup_.queries) {
+    require_file_name(asked.name);
+    const QuerySetup& query = queries_.emplace_back(in_numbers(asked));
     require_tip(query);
     loads_.push_back(loads_of(query));
     picks_.push_back(pick_of(query));
@@ -101,11 +104,17 @@ QueryRunner::QueryRunner(const ReplayOptions& options, const std::filesystem::pa
 }
 
 std::vector<ReplayPlan> QueryRunner::run(Console& console) {
+  for (const std::string& note : notes_) console.warn("note: " + note);
+  for (const QuerySetup& query : queries_)
+    if (const std::string field = field_of_degrees(query, robot_); !field.empty())
+      console.warn("note: setup, query '" + query.name + "', field '" + field +
+                   "' is far outside of the joint limits in radians and within them in degrees: '" + field +
+                   "_deg' reads it so");
   const std::string digest = map_sha256(folder_);
   std::vector<ReplayPlan> plans;
   QueryRecord record{digest, {}};
-  for (std::size_t i = 0; i < setup_.queries.size(); ++i) {
-    const QuerySetup& query = setup_.queries[i];
+  for (std::size_t i = 0; i < queries_.size(); ++i) {
+    const QuerySetup& query = queries_[i];
     const auto [own, of_loads] = policies_of(query, riding_of(i));
     spaces_.push_back(std::make_unique<ConfigurationSpace>(
         robot_, map_, own,
@@ -119,8 +128,8 @@ std::vector<ReplayPlan> QueryRunner::run(Console& console) {
     record.queries.back().policies = loaded_policies(*spaces_.back(), riding_of(i), of_loads);
   }
   save_file(folder_ / "queries.json", to_json(record));
-  for (std::size_t i = 0; i < setup_.queries.size(); ++i) {
-    const QuerySetup& query = setup_.queries[i];
+  for (std::size_t i = 0; i < queries_.size(); ++i) {
+    const QuerySetup& query = queries_[i];
     const Configuration start = configuration(query.start);
     for (const std::string& planner : planners(query)) {
       console.log("planning '" + query.name + "' with " + planner);
@@ -152,6 +161,36 @@ std::vector<ReplayPlan> QueryRunner::run(Console& console) {
     }
   }
   return plans;
+}
+
+std::vector<double> QueryRunner::place_of(const QuerySetup& query, const std::string& field,
+                                          const std::string& state, const std::vector<double>& before) {
+  const std::string where = "setup, query '" + query.name + "', field '" + field + "': ";
+  std::vector<std::string> known;
+  for (const NamedState& of_robot : robot_.states) known.push_back(of_robot.name);
+  if (std::find(known.begin(), known.end(), state) == known.end())
+    throw std::invalid_argument(
+        where + "robot " + quote(robot_.name) + " has no state " + quote(state) + ", " +
+        (known.empty() ? "expected a number for each joint" : suggestion(state, known)));
+  try {
+    const bool is_start = field == "start";
+    const ChosenStops stops = is_start ? choose_stops(state, {}, robot_, false)
+                                       : choose_stops("", {state}, robot_, false, configuration(before));
+    for (const std::string& note : stops.notes) notes_.push_back(where + note.substr(note.find(": ") + 2));
+    const Configuration& q = is_start ? stops.start : stops.goals.front();
+    return {q.begin(), q.end()};
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(where + error.what());
+  }
+}
+
+QuerySetup QueryRunner::in_numbers(QuerySetup query) {
+  if (!query.start_state.empty()) query.start = place_of(query, "start", query.start_state, {});
+  for (std::size_t i = 0; i < query.goals.size(); ++i)
+    if (!query.goal_states[i].empty())
+      query.goals[i] = place_of(query, "goals[" + std::to_string(i) + "]", query.goal_states[i],
+                                i == 0 ? query.start : query.goals[i - 1]);
+  return query;
 }
 
 std::vector<LegLoad> QueryRunner::loads_of(const QuerySetup& query) try {

@@ -33,6 +33,12 @@ class QueryRunner {
   double motion_seconds() const { return motion_s_; }
 
  private:
+  /// The query with the numbers of states that it names.
+  QuerySetup in_numbers(QuerySetup query);
+  /// Those of one state. @param before the stop before it, where it leaves joints
+  std::vector<double> place_of(const QuerySetup& query, const std::string& field, const std::string& state,
+                               const std::vector<double>& before);
+
   static std::vector<LegLoad> loads_of(const QuerySetup& query);
 
   std::optional<Pick> pick_of(const QuerySetup& query) const;
@@ -64,6 +70,8 @@ class QueryRunner {
   const Setup& setup_;
   const Snapshot& map_;
   Robot robot_;
+  std::vector<QuerySetup> queries_;          ///< of the setup, in numbers
+  std::vector<std::string> notes_;           ///< on states, a sentence each
   std::vector<std::vector<LegLoad>> loads_;  ///< of each query
   std::vector<std::optional<Pick>> picks_;   ///< the same
   std::vector<std::unique_ptr<ConfigurationSpace>> spaces_;

@@ -9,6 +9,7 @@
 
 #include "apps/fusion/joint_readings.hpp"
 #include "apps/query/query.hpp"
+#include "apps/query/setup_robot.hpp"
 #include "datasets/bags/bag_source.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -17,15 +18,6 @@
 
 namespace clearway {
 namespace {
-
-Robot robot_of(const RobotSetup& setup) {
-  RobotChoice choice;
-  choice.robot = setup.name;
-  choice.scale = setup.scale;
-  Robot robot = choose_robot(choice);
-  robot.map_from_base = setup.map_from_base;
-  return robot;
-}
 
 /// Of each joint: how far a radian of it moves the body's farthest point.
 std::vector<double> levers_of(const Robot& robot, const Body& body) {
@@ -52,7 +44,7 @@ std::optional<JointStream> recorded_joints(const Setup& setup, const std::filesy
 }
 
 MovingRobot::MovingRobot(const RobotSetup& setup, JointStream joints)
-    : setup_(setup), joints_(std::move(joints)), robot_(robot_of(setup)) {
+    : setup_(setup), joints_(std::move(joints)), robot_(recorded_robot(setup, joints_.names())) {
   const std::vector<std::string> known = joints_.names();
   for (const Joint& joint : robot_.joints) {
     names_.push_back(joint.name);

@@ -9,6 +9,7 @@
 #include "apps/console/stopwatch.hpp"
 #include "apps/fusion/joint_readings.hpp"
 #include "apps/query/query.hpp"
+#include "apps/query/setup_robot.hpp"
 #include "datasets/poses/tum_poses.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -22,11 +23,7 @@ constexpr double farthest = 300.0;         ///< m, of what is cast without a max
 
 /// The robot's bodies at its setup's joints, as the spheres that cover them, grown by the margin.
 std::vector<Capsule> robot_capsules(const RobotSetup& setup) {
-  RobotChoice choice;
-  choice.robot = setup.name;
-  choice.scale = setup.scale;
-  Robot robot = choose_robot(choice);
-  robot.map_from_base = setup.map_from_base;
+  const Robot robot = planned_robot(setup);
   if (setup.joints.size() != robot.dof()) {
     throw std::invalid_argument("setup, robot, field 'joints': got " + counted(setup.joints.size(), "value") +
                                 ", expected " + std::to_string(robot.dof()) + " (robot '" + robot.name +

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "apps/console/flag_names.hpp"
+#include "apps/query/setup_robot.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -32,10 +33,8 @@ void TeachSession::begin(const Setup& setup, FreeSpaceMap& map, const FusionCoun
   map_ = &map;
   counts_ = &counts;
   if (!setup.robot) return;
-  RobotChoice choice;
-  choice.robot = setup.robot->name;
-  choice.scale = setup.robot->scale;
-  robot_ = std::make_shared<VirtualRobot>(choice, setup.robot->joints, setup.robot->map_from_base);
+  robot_ = std::make_shared<VirtualRobot>(choice_of(*setup.robot), setup.robot->joints,
+                                          setup.robot->map_from_base);
   choice_.robot = robot_;
 }
 

@@ -5,6 +5,38 @@
 
 namespace clearway {
 
+RobotTermsSetup read_robot_terms(const YamlFields& fields, const std::filesystem::path& folder) {
+  RobotTermsSetup terms;
+  if (fields.has("srdf")) terms.srdf = folder / fields.file("srdf");
+  if (fields.has("group")) terms.group = fields.text("group");
+  if (fields.has("fixed")) {
+    const YamlFields fixed = fields.map("fixed");
+    for (const std::string& joint : fixed.keys()) terms.fixed[joint] = fixed.number(joint, within_reach);
+  }
+  if (fields.has("xacro")) {
+    const YamlFields xacro = fields.map("xacro");
+    for (const std::string& name : xacro.keys()) terms.xacro[name] = xacro.prose(name, "");
+  }
+  if (!fields.has("packages")) return terms;
+  const YamlFields packages = fields.map("packages");
+  for (const std::string& name : packages.keys()) terms.packages[name] = folder / packages.file(name);
+  return terms;
+}
+
+void read_start(const YamlFields& fields, WaySetup& way) {
+  if (fields.is_word("start"))
+    way.start_state = fields.text("start");
+  else
+    way.start = fields.angles("start");
+  if (way.start.empty() && way.start_state.empty())
+    fields.fail("start", "expected a number for each joint, or the name of a state");
+}
+
+void read_goals(const YamlFields& fields, WaySetup& way) {
+  way.goals = fields.lists_among("goals");
+  way.goal_states = fields.words_among("goals");
+}
+
 std::map<std::string, std::string> read_options(const YamlFields& fields) {
   std::map<std::string, std::string> options;
   for (const auto& key : fields.keys()) options[key] = fields.text_or_numbers(key);

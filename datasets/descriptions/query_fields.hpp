@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <set>
@@ -11,6 +12,33 @@ namespace clearway {
 class YamlFields;
 
 // What the queries of a setup and the problems of a suite have in common.
+
+/// What of a robot moves, and where its files are, as flags of a command state it.
+struct RobotTermsSetup {
+  std::filesystem::path srdf{};           ///< beside the file; empty: the robot's own
+  std::string group{};                    ///< planning group of the SRDF; empty: the robot's own
+  std::map<std::string, double> fixed{};  ///< joints that stand still, rad or m at full size
+  std::map<std::string, std::filesystem::path> packages{};  ///< folders of packages of meshes
+  std::map<std::string, std::string> xacro{};               ///< arguments of the robot's .xacro
+};
+
+/// The keys srdf, group, fixed, packages and xacro. @param folder of the file that has them
+/// @throws std::invalid_argument
+RobotTermsSetup read_robot_terms(const YamlFields& fields, const std::filesystem::path& folder);
+
+/// Where a way begins and ends: numbers, or the name of a state of the robot's SRDF.
+struct WaySetup {
+  std::vector<double> start;
+  std::string start_state;  ///< empty: `start` has the numbers
+  std::vector<std::vector<double>> goals;
+  std::vector<std::string> goal_states;  ///< one for each goal, the same
+};
+
+/// The key start (or start_deg). @throws std::invalid_argument
+void read_start(const YamlFields& fields, WaySetup& way);
+
+/// The key goals (or goals_deg). @throws std::invalid_argument
+void read_goals(const YamlFields& fields, WaySetup& way);
 
 /// A planner's options: all keys with their values as texts. A list of numbers is the text "0.1, 0.2".
 /// @throws std::invalid_argument

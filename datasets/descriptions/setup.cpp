@@ -267,6 +267,7 @@ RobotSetup read_robot(const YamlFields& fields, const std::filesystem::path& fol
   robot.name = fields.robot("name", folder);
   robot.map_from_base = fields.pose("base", robot.map_from_base);
   robot.scale = fields.optional_number("scale", robot_scales);
+  robot.terms = read_robot_terms(fields, folder);
   if (fields.has_angles("joints")) robot.joints = fields.angles("joints");
   robot.payload = fields.number("payload", not_negative, robot.payload);
   if (fields.has("gravity")) robot.gravity = fields.vector("gravity");
@@ -312,7 +313,7 @@ GoalPoseSetup read_goal_pose(const YamlFields& fields) {
   return goal;
 }
 
-void read_goals(const YamlFields& fields, QuerySetup& query) {
+void read_ends(const YamlFields& fields, QuerySetup& query) {
   if (fields.has("goal_poses")) {
     if (fields.has_angles("goals")) fields.fail("goal_poses", "expected either goals or goal_poses");
     for (const YamlFields& goal : fields.list_of_maps("goal_poses"))
@@ -322,16 +323,16 @@ void read_goals(const YamlFields& fields, QuerySetup& query) {
   } else if (fields.has("tip")) {
     fields.fail("tip", "expected goal_poses beside it");
   } else if (fields.has_angles("goals") || !fields.has("pick")) {
-    query.goals = fields.lists_of_angles("goals");
+    read_goals(fields, query);
+    query.goal_states.resize(query.goals.size());
     if (query.goals.empty() && !fields.has("pick")) fields.fail("goals", "expected at least one goal");
   }
 }
 
 /// Start and goals; of a pick the goal afterwards may be left out.
 void read_ways(const YamlFields& fields, const std::filesystem::path& folder, QuerySetup& query) {
-  query.start = fields.angles("start");
-  if (query.start.empty()) fields.fail("start", "expected a number for each joint");
-  read_goals(fields, query);
+  read_start(fields, query);
+  read_ends(fields, query);
   if (!fields.has("pick")) return;
   query.pick = read_pick(fields.map("pick"), folder);
   if (query.goals.size() + query.goal_poses.size() > 1)
@@ -347,7 +348,7 @@ QuerySetup read_query(const YamlFields& fields, const std::filesystem::path& fol
   read_ways(fields, folder, query);
   for (std::size_t i = 0; i < query.goals.size(); ++i) {
     const std::size_t size = query.goals[i].size();
-    if (size == query.start.size()) continue;
+    if (size == query.start.size() || !query.start_state.empty() || !query.goal_states[i].empty()) continue;
     fields.fail("", "the start has " + counted(query.start.size(), "number") + " and goals[" +
                         std::to_string(i) + "] has " + std::to_string(size) +
                         ", expected as many numbers in both, one for each joint of the robot");

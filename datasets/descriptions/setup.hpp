@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "datasets/descriptions/load_setup.hpp"
+#include "datasets/descriptions/query_fields.hpp"
 #include "datasets/sources/frame_source.hpp"
 #include "datasets/sources/recording.hpp"
 
@@ -166,6 +167,7 @@ struct RobotSetup {
   std::string name;  ///< in datasets/robots, or a URDF path
   Eigen::Isometry3d map_from_base = Eigen::Isometry3d::Identity();
   std::optional<double> scale;
+  RobotTermsSetup terms;       ///< of what is planned; joint_file and joint_topic speak of all joints
   std::vector<double> joints;  ///< where it stands while scans are taken; empty: it is not in their way
   double payload = 0;          ///< kg at the tip, full size, for the path cost
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  ///< m/s^2, map frame, for the path cost
@@ -187,10 +189,8 @@ struct GoalPoseSetup {
 };
 
 /// A planning query: legs from the start through each goal in turn. Radians and metres, as the joints are.
-struct QuerySetup {
+struct QuerySetup : WaySetup {
   std::string name;
-  std::vector<double> start;
-  std::vector<std::vector<double>> goals;
   std::vector<GoalPoseSetup> goal_poses;        ///< instead of goals
   std::string tip;                              ///< link that they place; empty: the robot's own tip
   std::vector<std::string> planners;            ///< empty: the command's default

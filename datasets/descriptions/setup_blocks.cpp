@@ -90,6 +90,32 @@ std::string probe_block(const ProbeSetup& probe) {
   return text;
 }
 
+namespace {
+
+template <typename Values, typename Text>
+std::string named_list(const Values& values, const Text& text_of) {
+  std::string text;
+  for (const auto& [name, value] : values)
+    text += (text.empty() ? "" : ", ") + yaml_quoted(name) + ": " + text_of(value);
+  return "{" + text + "}\n";
+}
+
+std::string terms_lines(const RobotTermsSetup& terms) {
+  std::string text;
+  if (!terms.srdf.empty()) text += "  srdf: " + yaml_quoted(terms.srdf.string()) + "\n";
+  if (!terms.group.empty()) text += "  group: " + yaml_quoted(terms.group) + "\n";
+  if (!terms.fixed.empty())
+    text += "  fixed: " + named_list(terms.fixed, [](double at) { return digits(at); });
+  if (!terms.packages.empty())
+    text += "  packages: " + named_list(terms.packages, [](const std::filesystem::path& folder) {
+              return yaml_quoted(folder.string());
+            });
+  if (!terms.xacro.empty()) text += "  xacro: " + named_list(terms.xacro, yaml_quoted);
+  return text;
+}
+
+}  // namespace
+
 std::string robot_block(const RobotSetup& robot) {
   const std::vector<double> gravity(robot.gravity.begin(), robot.gravity.end());
   std::string text = "robot:\n  name: " + yaml_quoted(robot.name) +
@@ -99,6 +125,7 @@ std::string robot_block(const RobotSetup& robot) {
                      "\n  joint_error: " + digits(robot.joint_error) +
                      "\n  place_error: " + digits(robot.place_error) + "\n";
   if (robot.scale) text += "  scale: " + digits(*robot.scale) + "\n";
+  text += terms_lines(robot.terms);
   if (!robot.joints.empty()) text += "  joints: " + flow_list(robot.joints) + "\n";
   if (!robot.joint_file.empty()) text += "  joint_file: " + yaml_quoted(robot.joint_file.string()) + "\n";
   if (!robot.joint_topic.empty()) text += "  joint_topic: " + yaml_quoted(robot.joint_topic) + "\n";

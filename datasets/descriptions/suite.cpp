@@ -118,14 +118,13 @@ std::vector<LoadSetup> read_leg_loads(const YamlFields& fields, const std::files
 
 /// Start and goals, each numbers or the name of a state of the robot's SRDF.
 void read_ways(const YamlFields& fields, SuiteProblem& problem) {
-  if (fields.is_word("start"))
-    problem.start_state = fields.text("start");
-  else
-    problem.start = fields.angles("start");
-  problem.goals = fields.lists_among("goals");
-  problem.goal_states = fields.words_among("goals");
-  if (problem.start.empty() && problem.start_state.empty())
-    fields.fail("start", "expected a number for each joint, or the name of a state");
+  WaySetup way;
+  read_start(fields, way);
+  read_goals(fields, way);
+  problem.start = std::move(way.start);
+  problem.start_state = std::move(way.start_state);
+  problem.goals = std::move(way.goals);
+  problem.goal_states = std::move(way.goal_states);
   if (problem.goals.empty()) fields.fail("goals", "expected at least one goal");
 }
 
@@ -214,23 +213,16 @@ void read_tasks(const YamlFields& fields, const Suite& suite, const std::filesys
 }
 
 /// What of the robot moves, and where its files are.
-void read_robot_terms(const YamlFields& fields, const std::filesystem::path& folder,
+void take_robot_terms(const YamlFields& fields, const std::filesystem::path& folder,
                       SuiteExperiment& experiment) {
   for (const char* key : {"srdf", "group", "fixed", "packages", "xacro"})
     if (experiment.teams && fields.has(key)) fields.fail(key, "expected nothing: it does not apply to teams");
-  if (fields.has("srdf")) experiment.srdf = folder / fields.file("srdf");
-  if (fields.has("group")) experiment.group = fields.text("group");
-  if (fields.has("fixed")) {
-    const YamlFields fixed = fields.map("fixed");
-    for (const std::string& joint : fixed.keys()) experiment.fixed[joint] = fixed.number(joint, within_reach);
-  }
-  if (fields.has("xacro")) {
-    const YamlFields xacro = fields.map("xacro");
-    for (const std::string& name : xacro.keys()) experiment.xacro[name] = xacro.prose(name, "");
-  }
-  if (!fields.has("packages")) return;
-  const YamlFields packages = fields.map("packages");
-  for (const std::string& name : packages.keys()) experiment.packages[name] = folder / packages.file(name);
+  RobotTermsSetup terms = read_robot_terms(fields, folder);
+  experiment.srdf = std::move(terms.srdf);
+  experiment.group = std::move(terms.group);
+  experiment.fixed = std::move(terms.fixed);
+  experiment.packages = std::move(terms.packages);
+  experiment.xacro = std::move(terms.xacro);
 }
 
 std::set<std::string> used_worlds(const SuiteExperiment& experiment) {
@@ -275,8 +267,8 @@ SuiteExperiment read_experiment(const YamlFields& fields, const Suite& suite,
   if (fields.has("gravity")) experiment.gravity = fields.vector("gravity");
   read_tasks(fields, suite, folder, experiment);
   read_resolutions(fields, suite, experiment);
-  read_robot_terms(fields, folder, experiment);
-  for (const char* key : {"scale", "payload"})
+  take_robot_terms(fields, folder, experiment);
+  for (const char* key : {"scale", "payload", "base", "base_deg"})
     if (experiment.teams && fields.has(key)) fields.fail(key, "expected it beside each robot of a team");
   if (fields.has("policies")) experiment.policies = read_policies(fields.map("policies"));
   experiment.padding = read_padding(fields);

@@ -33,13 +33,17 @@ class ReplayMotion : public ::testing::Test {
   }
 
   /// @param robot more of the setup's robot: ", payload: 2"
+  static std::string setup_of(const std::string& robot) {
+    return "map: {resolution: 0.02}\nrobot: {name: panda" + robot +
+           "}\nqueries:\n  - {name: past, start: [-0.8, 0.5, 0, -1.8, 0, 2.3, 0], goals: [[0.8, 0.5, 0, "
+           "-1.8, 0, 2.3, 0]], planners: [rrtconnect], policies: {default: not_occupied}, "
+           "allow_outside: [all]}\n";
+  }
   CommandRun replay(const std::string& out, const std::string& robot = "") {
-    folder_.write(
-        "setup.yaml",
-        "map: {resolution: 0.02}\nrobot: {name: panda" + robot +
-            "}\nqueries:\n  - {name: past, start: [-0.8, 0.5, 0, -1.8, 0, 2.3, 0], goals: [[0.8, 0.5, 0, "
-            "-1.8, 0, 2.3, 0]], planners: [rrtconnect], policies: {default: not_occupied}, "
-            "allow_outside: [all]}\n");
+    return replay_setup(out, setup_of(robot));
+  }
+  CommandRun replay_setup(const std::string& out, const std::string& setup) {
+    folder_.write("setup.yaml", setup);
     return run_command(
         {"replay", folder_.file("scans"), "--setup", folder_.file("setup.yaml"), "--out", folder_.file(out)});
   }
@@ -70,6 +74,18 @@ TEST_F(ReplayMotion, IsSmoothInPlanAndReportAndCheckedUnderTheRecordsPayload) {
   EXPECT_EQ(verdict["motion"]["verdict"], "valid");
   EXPECT_GT(verdict["motion"]["torque_share"], 0.0);
   EXPECT_EQ(verdict["contract"]["payload_kg"], Json({{"value", 1.5}, {"source", "map"}}));
+}
+
+TEST_F(ReplayMotion, AQueryInDegreesIsToldTheKeyForThem) {
+  std::string setup = setup_of("");
+  const std::string start = "start: [-0.8, 0.5, 0, -1.8, 0, 2.3, 0]";
+  setup.replace(setup.find(start), start.size(), "start: [-45.8, 28.6, 0, -103.1, 0, 131.8, 0]");
+  const CommandRun run = replay_setup("one", setup);
+  EXPECT_NE(run.log.find("note: setup, query 'past', field 'start' is far outside of the joint limits in "
+                         "radians and within them in degrees: 'start_deg' reads it so"),
+            std::string::npos)
+      << run.log;
+  EXPECT_EQ(replay("two").log.find("_deg"), std::string::npos);
 }
 
 TEST_F(ReplayMotion, IsTheSameByteForByteWhenDoneAgain) {

@@ -72,6 +72,7 @@ TEST(SetupBlocks, robots_and_sensors_read_back_to_what_was_written) {
   robot.self_margin = 0.03;
   robot.joint_file = "joints \"of\" today.csv";
   robot.paints = {"tool", "left hand"};
+  robot.terms = {"arm.srdf", "left arm", {{"grip", 0.025}}, {{"arm_description", "up"}}, {{"prefix", "l_"}}};
   robot.latency = 0.015;
   robot.joint_error = 0.002;
   robot.place_error = 0.0017;
@@ -85,6 +86,10 @@ TEST(SetupBlocks, robots_and_sensors_read_back_to_what_was_written) {
   EXPECT_EQ(again.robot->gravity, robot.gravity);
   EXPECT_EQ(again.robot->joint_file, robot.joint_file);
   EXPECT_EQ(again.robot->paints, robot.paints);
+  EXPECT_EQ(std::tie(again.robot->terms.srdf, again.robot->terms.group, again.robot->terms.fixed,
+                     again.robot->terms.packages, again.robot->terms.xacro),
+            std::tie(robot.terms.srdf, robot.terms.group, robot.terms.fixed, robot.terms.packages,
+                     robot.terms.xacro));
   EXPECT_EQ(std::tie(again.robot->name, again.robot->scale, again.robot->payload, again.robot->self_margin,
                      again.robot->latency, again.robot->joint_error, again.robot->place_error),
             std::tie(robot.name, robot.scale, robot.payload, robot.self_margin, robot.latency,

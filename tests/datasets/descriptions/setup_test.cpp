@@ -147,6 +147,27 @@ TEST(Setup, TheRobotsFileIsLookedForInItsFolder) {
   EXPECT_EQ(parse_setup("robot: {name: puma560}", "some/where/s.yaml").robot->name, "puma560");
 }
 
+TEST(Setup, TheRobotsGroupAndStatesStandAsInFlags) {
+  const auto setup = parse_setup(
+      "robot: {name: arm.urdf, srdf: arm.srdf, group: arm, fixed: {grip: 0.02}, packages: {p: ../p}, "
+      "xacro: {prefix: left_}}\n"
+      "queries:\n  - {name: a, start: home, goals: [[0, 1], ready]}\n"
+      "  - {name: b, start: [0, 1], goals: [[0, 1]]}\n",
+      "some/where/s.yaml");
+  const RobotTermsSetup& terms = setup.robot->terms;
+  EXPECT_EQ(terms.srdf, "some/where/arm.srdf");
+  EXPECT_EQ(terms.group, "arm");
+  EXPECT_EQ(terms.fixed, (std::map<std::string, double>{{"grip", 0.02}}));
+  EXPECT_EQ(terms.packages.at("p"), "some/where/../p");
+  EXPECT_EQ(terms.xacro.at("prefix"), "left_");
+  EXPECT_EQ(setup.queries.at(0).start_state, "home");
+  EXPECT_EQ(setup.queries.at(0).goal_states, (std::vector<std::string>{"", "ready"}));
+  EXPECT_EQ(setup.queries.at(0).goals.at(0), (std::vector<double>{0, 1}));
+  EXPECT_EQ(setup.queries.at(1).goal_states, (std::vector<std::string>{""}));
+  EXPECT_THROW(parse_setup("queries: [{name: a, start: [0], goals: [[0, 1]]}]", "s.yaml"),
+               std::invalid_argument);
+}
+
 TEST(Setup, SensorsWithMistakesAreRefused) {
   const auto refusal = [](const std::string& from, const std::string& to) -> std::string {
     std::string text = mounted;

@@ -1,0 +1,48 @@
+#include "apps/query/setup_robot.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "apps/console/flag_names.hpp"
+#include "apps/query/query.hpp"
+#include "mapping/system/number_text.hpp"
+
+namespace clearway {
+namespace {
+
+Robot in_place(const RobotSetup& setup, const RobotChoice& choice) try {
+  Robot robot = choose_robot(choice);
+  robot.map_from_base = setup.map_from_base;
+  return robot;
+} catch (const std::invalid_argument& error) {
+  const std::string sentence = error.what(), said = with_keys(sentence);
+  throw std::invalid_argument(said == sentence ? sentence : "setup, robot, " + said);
+}
+
+}  // namespace
+
+RobotChoice choice_of(const RobotSetup& setup) {
+  const RobotTermsSetup& terms = setup.terms;
+  RobotChoice choice;
+  choice.robot = setup.name;
+  choice.scale = setup.scale;
+  choice.srdf = terms.srdf;
+  choice.group = terms.group;
+  for (const auto& [joint, value] : terms.fixed) choice.fixed.push_back(joint + "=" + to_text(value));
+  for (const auto& [name, folder] : terms.packages) choice.packages.push_back(name + "=" + folder.string());
+  for (const auto& [name, value] : terms.xacro) choice.xacro.push_back(name + ":=" + value);
+  return choice;
+}
+
+Robot planned_robot(const RobotSetup& setup) { return in_place(setup, choice_of(setup)); }
+
+Robot recorded_robot(const RobotSetup& setup, const std::vector<std::string>& recorded) {
+  RobotSetup whole = setup;
+  whole.terms.group.clear();
+  std::erase_if(whole.terms.fixed, [&](const auto& fixed) {
+    return std::binary_search(recorded.begin(), recorded.end(), fixed.first);
+  });
+  return in_place(setup, choice_of(whole));
+}
+
+}  // namespace clearway
