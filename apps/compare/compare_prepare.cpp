@@ -110,7 +110,9 @@ PreparedExperiment prepare(const Suite& suite, const SuiteExperiment& experiment
     ready.robot = reported(suite, experiment, "field 'robot'", [&] {
       Robot robot = load_robot(RobotRequest{experiment.robot, experiment.srdf, experiment.group,
                                             experiment.fixed, experiment.packages, experiment.xacro});
-      return experiment.scale ? scaled(robot, *experiment.scale / robot.scale) : robot;
+      if (experiment.scale) robot = scaled(robot, *experiment.scale / robot.scale);
+      if (experiment.map_from_base) robot.map_from_base = *experiment.map_from_base;
+      return robot;
     });
     ready.policies = suite_policies(suite, experiment, ready.robot);
     ready.setup.padding = experiment.padding.value_or(ready.robot.position_accuracy);

@@ -263,6 +263,7 @@ SuiteExperiment read_experiment(const YamlFields& fields, const Suite& suite,
   experiment.paper = fields.prose("paper", "");
   experiment.notes = fields.prose("notes", "");
   experiment.scale = fields.optional_number("scale", robot_scales);
+  if (fields.has_angles("base")) experiment.map_from_base = fields.pose("base");
   experiment.payload = fields.number("payload", not_negative, experiment.payload);
   if (fields.has("gravity")) experiment.gravity = fields.vector("gravity");
   read_tasks(fields, suite, folder, experiment);

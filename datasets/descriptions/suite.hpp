@@ -89,6 +89,7 @@ struct SuiteExperiment {
   std::map<std::string, std::filesystem::path> packages{};  ///< folders of packages of meshes
   std::map<std::string, std::string> xacro{};               ///< arguments of the robot's .xacro
   std::optional<double> scale;
+  std::optional<Eigen::Isometry3d> map_from_base{};  ///< left out: where its settings have it
   double payload = 0;  ///< kg at the tip, full size, for the path cost; of teams beside each robot
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  ///< m/s^2, map frame, for the path cost
   std::string
