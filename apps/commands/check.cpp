@@ -156,6 +156,18 @@ void pad_by_slack(double slack, Contract& contract, Plan& plan) {
       significant(1000.0 * slack, 3) + " mm larger, by which that may move the robot");
 }
 
+/// Where start or goals that flags state look like degrees, without the flag for them; else empty.
+std::string hint_of_degrees(const CheckOptions& options, const Contract& contract, const Robot& robot) {
+  std::string hint;
+  if (options.degrees) return hint;
+  if (contract.start.source == TermSource::flag) hint = degrees_hint(robot, contract.start.value, "--start");
+  if (contract.goals.source != TermSource::flag) return hint;
+  for (const Configuration& goal : contract.goals.value)
+    if (hint.empty() && static_cast<std::size_t>(goal.size()) == robot.dof())
+      hint = degrees_hint(robot, goal, "--goal");
+  return hint;
+}
+
 /// Whether the robot's SRDF has the group; without one, the joints that an export holds tell.
 bool has_group(const CheckOptions& options, const std::string& group) {
   RobotRequest request = robot_request(options.robot);
@@ -225,6 +237,8 @@ int run_check(const CheckOptions& options, Console& console) {
           "the trajectory does not name " + listed(unnamed) + ": judged where trajectory_start" +
           (entries.size() > 1 ? ", or a later one," : "") + " has " + (unnamed.size() == 1 ? "it" : "them"));
   }
+  if (const std::string hint = hint_of_degrees(options, report.contract, robot); !hint.empty())
+    console.warn(hint);
   report.deviations = deviations(report.contract, plan, robot, options.accepted);
   if (const auto group = group_deviation(stated, report.contract, options.accepted))
     report.deviations.push_back(*group);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <locale>
+#include <numbers>
 #include <sstream>
 #include <stdexcept>
 
@@ -35,6 +36,10 @@ void require_within_limits(const Joint& joint, double value, const std::filesyst
   text.imbue(std::locale::classic());
   text << file.string() << ": joint " << quote(joint.name) << " is fixed at " << value
        << ", expected a number within its limits " << joint.lower << " to " << joint.upper;
+  const double turned = value * std::numbers::pi / 180.0;
+  if (joint.kind == JointKind::revolute && std::abs(value) > 2.0 * std::numbers::pi &&
+      turned >= joint.lower && turned <= joint.upper)
+    text << " (radians; in degrees it would be within them: " << turned << ")";
   throw std::invalid_argument(text.str());
 }
 

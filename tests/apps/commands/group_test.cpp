@@ -425,6 +425,16 @@ TEST_F(Group, ValuesThatMustBeDegreesAreRefused) {
   EXPECT_NE(run.status, exit_done);
   EXPECT_NE(run.log.find("--degrees reads it so"), std::string::npos) << run.log;
   EXPECT_EQ(plan({"--group", "arm", "--start=2.5,0", "--goal=0,0"}).log.find("--degrees"), std::string::npos);
+  ASSERT_EQ(plan({"--group", "arm", "--start=0,0", "--goal=0.5,0.1"}).status, exit_done);
+  for (const char* flag : {"--start", "--goal"}) {
+    const CommandRun checked = check({"--group", "arm", std::string(flag) + "=28.6,5.7"});
+    EXPECT_NE(
+        checked.log.find("note: " + std::string(flag) + " is far outside of the joint limits in radians"),
+        std::string::npos)
+        << checked.log;
+  }
+  EXPECT_EQ(check({"--group", "arm", "--goal=28.65,5.73", "--degrees"}).log.find("reads it so"),
+            std::string::npos);
 }
 
 /// A SRDF that was not made for this robot: its pairs may be meant for other links.

@@ -140,6 +140,10 @@ TEST(HeldJoints, WhatCannotBeHeldIsRefusedInOneSentence) {
             "t.yaml: joint 'side' cannot be fixed, because it follows 'reach' (mimic), expected that one");
   EXPECT_EQ(refusal({{"turn", 3.5, HoldSource::asked}}),
             "--fix: joint 'turn' is fixed at 3.5, expected a number within its limits -3 to 3");
+  EXPECT_EQ(
+      refusal({{"turn", 90.0, HoldSource::asked}}),
+      "--fix: joint 'turn' is fixed at 90, expected a number within its limits -3 to 3 (radians; in degrees "
+      "it would be within them: 1.5708)");
   EXPECT_EQ(refusal({{"turn", 0.0, HoldSource::asked}, {"reach", 0.0, HoldSource::asked}}),
             "--fix: every joint is fixed, expected at least one that moves (--group)");
   EXPECT_EQ(refusal({{"turn", 0.0, HoldSource::settings}, {"reach", 0.0, HoldSource::settings}}),
