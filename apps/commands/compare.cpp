@@ -31,6 +31,7 @@
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/planner_table.hpp"
+#include "planning/robot/inverse_dynamics.hpp"
 #include "planning/robot_files/load_robot.hpp"
 
 namespace clearway {
@@ -107,6 +108,9 @@ std::vector<ExternalChoice> chosen_externals(const CompareOptions& options) {
 /// What one should know of an experiment's robot and problems.
 std::vector<std::string> notes_on(const Suite& suite, const PreparedExperiment& experiment) {
   std::vector<std::string> notes = robot_notes(experiment.robot, experiment.setup.packages);
+  if (const std::string missing = missing_masses(experiment.robot, experiment.setup.gravity);
+      !missing.empty())
+    notes.push_back(missing + ", so costs of robot " + quote(experiment.setup.robot) + " are not known");
   const std::vector<std::string> more = SuiteStages(suite, experiment.setup, experiment.robot).notes();
   notes.insert(notes.end(), more.begin(), more.end());
   return notes;
@@ -343,6 +347,21 @@ void print_run(const CompareExperiment& experiment, const std::string& id, Conso
                                           (run.team ? "" : ", CPU " + significant(run.cpu) + " s")}});
 }
 
+/// Names the near ones of the problems of all stages, which were opened in the search for it.
+[[noreturn]] void refuse_problem(const RunId& id, const CompareRecords& records) {
+  std::vector<std::string> known;
+  for (const auto& [experiment, stage] : records.stages())
+    for (const CompareRecords::Problem& problem : *records.stage(experiment, stage))
+      known.push_back(name_as_file(problem.found.name));
+  constexpr std::size_t most_named = 20;
+  std::string near = nearest_name(id.problem, known).empty() && known.size() > most_named
+                         ? std::to_string(known.size()) + " others, such as " +
+                               listed({known.begin(), known.begin() + most_named})
+                         : suggestion(id.problem, known);
+  throw std::invalid_argument("--rerun: experiment '" + id.experiment + "' has no problem '" + id.problem +
+                              "': " + near);
+}
+
 int rerun(const CompareOptions& options, Console& console) {
   const RunId id = parse_id(options.rerun);
   if (fs::exists(options.out))
@@ -364,9 +383,7 @@ int rerun(const CompareOptions& options, Console& console) {
   CompareRecords records(asked);
   run_experiment(suite, prepared.front(), 0, choice, records, [](std::size_t, std::size_t) {});
   const CompareResults results = records.results(folder.path());
-  if (results.experiments.front().problems.empty())
-    throw std::invalid_argument("--rerun: experiment '" + id.experiment + "' has no problem '" + id.problem +
-                                "'");
+  if (results.experiments.front().problems.empty()) refuse_problem(id, records);
   if (!options.out.empty()) {
     save_results(results, folder.path());
     folder.publish();

@@ -285,7 +285,11 @@ TEST_F(CompareParts, ShardsOnAnotherMapRobotOrProblemAreOfAnotherComparison) {
   EXPECT_EQ(read_file(folder_.file("1/results.csv")).find(",nan"), std::string::npos)
       << "the arm has no masses, so that its costs are not known";
   ASSERT_EQ(shard("2/2", "2").status, 0);
-  EXPECT_EQ(merged(), "");
+  const std::string merging = merged();
+  EXPECT_EQ(merging,
+            "note: The robot's file gives link 'lower' and 1 other that move no mass (<inertial>), so "
+            "costs of robot '" +
+                folder_.file("arm.urdf") + "' are not known\n");
 
   folder_.write("more.yaml",
                 read_file(folder_.file("small.yaml")) +
@@ -362,7 +366,8 @@ TEST_F(CompareParts, OneRunIsRepeatedByItsId) {
   refused("swign/swing/beam", "did you mean 'swing'?");
   refused("swing/swing/bream", "did you mean 'beam'?");
   refused("round/there_and_back/mine-2", "An external planner needs its --external NAME=COMMAND here, too.");
-  refused("swing/swnig/beam", "no problem 'swnig'");
+  refused("swing/swnig/beam", "no problem 'swnig': did you mean 'swing'?");
+  refused("round/nowhere/coarse-1", "no problem 'nowhere': expected one of there, there_and_back, blocked");
 }
 
 TEST_F(CompareParts, ARunOfAPlannerThatOnlyAFlagNamedIsRepeatedByItsId) {

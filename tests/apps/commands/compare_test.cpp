@@ -14,6 +14,7 @@
 #include "tests/apps/page_reader.hpp"
 #include "tests/apps/run_command.hpp"
 #include "tests/worlds/small_suite.hpp"
+#include "tests/worlds/urdf_robots.hpp"
 
 namespace clearway {
 namespace compare_test {
@@ -458,6 +459,23 @@ TEST(CompareCosts, AreReckonedWithThePayloadAndGravityOfTheExperiment) {
                loaded = run_with("    gravity: [0, -9.81, 0]\n    payload: 3\n");
   EXPECT_GT(std::abs(upright - usual), 0.01 * usual);
   EXPECT_GT(std::abs(loaded - upright), 0.01 * upright);
+}
+
+TEST(CompareCosts, OfARobotWithoutMassesAreNotKnownAndItIsSaidWhy) {
+  const TemporaryFolder folder;
+  folder.write("arm.urdf", worlds::arm_with_finger());
+  const std::string suite = folder.write(
+      "s.yaml",
+      "worlds: [{name: w, resolution: 0.1, volumes: [{label: v, strokes: [{balls: [[0, 0, 0, 0.3]]}]}]}]\n"
+      "planners: [{planner: rrtconnect}]\n"
+      "experiments: [{name: e, robot: arm.urdf, world: w, policies: {default: not_occupied},\n"
+      "  problems: [{name: p, start: [0, 0, 0], goals: [[0.3, 0.2, 0]]}]}]\n");
+  const CommandRun run = run_command({"compare", suite, "--out", folder.file("out"), "--worst-pages", "0"});
+  ASSERT_EQ(run.status, 0) << run.log;
+  EXPECT_NE(run.log.find("note: The robot's file gives link 'lower' and 1 other that move no mass "
+                         "(<inertial>), so costs of robot "),
+            std::string::npos)
+      << run.log;
 }
 
 }  // namespace compare_test
