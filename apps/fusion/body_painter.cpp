@@ -51,7 +51,8 @@ std::vector<Sphere> inner_spheres(const Shape& shape, double margin, std::size_t
 }
 
 BodyPainter::BodyPainter(const Setup& setup, const MovingRobot& robot, FreeSpaceMap& map)
-    : robot_(robot), map_(map), volumes_(setup.volumes), times_(robot.times()) {
+    : robot_(robot), map_(map), volumes_(setup.volumes) {
+  std::vector<std::size_t> painting_bodies;
   const std::vector<double> errors = robot.place_errors();
   const std::vector<Body>& bodies = robot.robot().bodies;
   for (const std::string& part : setup.robot->paints) {
@@ -59,6 +60,7 @@ BodyPainter::BodyPainter(const Setup& setup, const MovingRobot& robot, FreeSpace
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       if (bodies[i].part != part) continue;
       is_there = true;
+      painting_bodies.push_back(i);
       if (!bodies[i].shape.has_exact_distance())
         fail(part, "is a mesh: expected a part of spheres, capsules, cylinders or boxes");
       for (int link = bodies[i].link; link >= 0;) {
@@ -75,6 +77,7 @@ BodyPainter::BodyPainter(const Setup& setup, const MovingRobot& robot, FreeSpace
     if (!is_there) fail(part, "is none of robot '" + robot.robot().name + "'");
     if (!paints) fail(part, "has no body that is larger than place_error and joint_error leave open");
   }
+  times_ = robot.times(painting_bodies);
 }
 
 void BodyPainter::paint(const LinkPoses& poses, double since_start, const std::optional<Brush>& brush) {

@@ -2,9 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <map>
 #include <numbers>
+#include <set>
 #include <stdexcept>
+#include <utility>
 
+#include "apps/query/setup_robot.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -31,6 +36,21 @@ bool is_possible(const Joint& joint, double value) {
   return excess(joint, value) == 0.0 || std::abs(value) <= std::max(1.0, 10.0 * (joint.upper - joint.lower));
 }
 
+std::vector<double> impossible_times(const Joint& joint, const std::map<double, double>& readings) {
+  std::vector<double> times;
+  for (const auto& [time, position] : readings)
+    if (!is_possible(joint, position)) times.push_back(time);
+  return times;
+}
+
+bool are_in_other_units(const std::vector<double>& impossible, const std::map<double, double>& readings) {
+  const auto follow = [&](double time, double next) {
+    return std::next(readings.find(time)) == readings.find(next);
+  };
+  return 10 * impossible.size() > readings.size() ||
+         std::adjacent_find(impossible.begin(), impossible.end(), follow) != impossible.end();
+}
+
 void require_possible(const Joint& joint, double value, const std::string& where) {
   const bool turns = joint.kind == JointKind::revolute;
   if (is_possible(joint, value)) return;
@@ -50,6 +70,80 @@ std::optional<std::string> beyond_limits(const Joint& joint, double value) {
   }
   if (least <= (turns ? 0.1 : 0.02)) return std::nullopt;
   return reading_of(joint, value);
+}
+
+namespace {
+
+void require_joints(const Robot& robot, const std::vector<std::string>& known) {
+  for (const Joint& joint : robot.joints) {
+    if (std::binary_search(known.begin(), known.end(), joint.name)) continue;
+    std::string list;
+    for (const std::string& name : known) list += (list.empty() ? "" : ", ") + quote(name);
+    throw std::invalid_argument("the recorded joint positions have no joint " + quote(joint.name) +
+                                " of robot '" + robot.name + "', but " + shortened(list));
+  }
+}
+
+/// Why the readings do not say where a joint is, as a clause; empty: they do.
+/// @param others of a joint that is known
+std::string why_useless(const Joint& joint, const JointStream& joints,
+                        const std::map<double, double>& others) {
+  const std::map<double, double>& readings = joints.readings(joint.name);
+  if (const auto impossible = impossible_times(joint, readings); are_in_other_units(impossible, readings))
+    return "its recorded positions cannot be (" + short_text(readings.at(impossible.front())) + " at " +
+           short_text(impossible.front(), 15) + " s)";
+  const auto known = std::count_if(others.begin(), others.end(), [&](const auto& reading) {
+    return joints.at({joint.name}, reading.first).has_value();
+  });
+  const bool is_known = 2 * static_cast<std::size_t>(known) >= others.size();
+  return is_known ? "" : "it was read too rarely for more than half of the time";
+}
+
+/// Those of `moving` that the stream is of no use for, and why.
+std::map<std::string, std::string> useless_joints(const Robot& robot, const std::set<std::string>& moving,
+                                                  const JointStream& joints,
+                                                  const std::map<double, double>& others) {
+  std::map<std::string, std::string> useless;
+  for (const Joint& joint : robot.joints) {
+    if (!moving.contains(joint.name)) continue;
+    const std::string why = why_useless(joint, joints, others);
+    if (!why.empty()) useless.emplace(joint.name, why);
+  }
+  return useless;
+}
+
+/// @param useless as useless_joints
+std::vector<std::string> doubts_of(const Robot& robot, const std::map<std::string, std::string>& useless) {
+  std::vector<std::string> doubts, missing;
+  for (const HeldJoint& joint : robot.held) {
+    if (const auto why = useless.find(joint.name); why != useless.end())
+      doubts.push_back("joint " + quote(joint.name) + " is held at " + short_text(joint.value) + ": " +
+                       why->second);
+    else if (joint.source != HoldSource::settings)
+      missing.push_back(joint.name);
+  }
+  if (!missing.empty())
+    doubts.push_back("of joints that planning holds still, the recorded positions lack " + listed(missing) +
+                     ": what hangs there was taken out of scans where it is held");
+  return doubts;
+}
+
+}  // namespace
+
+RobotAsRead robot_as_read(const RobotSetup& setup, const JointStream& joints) {
+  Robot robot = recorded_robot(setup, {});
+  const std::vector<std::string> known = joints.names();
+  require_joints(robot, known);
+  const std::map<double, double>& others = joints.readings(robot.joints.front().name);
+  std::set<std::string> moving;
+  for (const HeldJoint& joint : robot.held)
+    if (std::binary_search(known.begin(), known.end(), joint.name)) moving.insert(joint.name);
+  if (moving.empty()) return {robot, doubts_of(robot, {})};
+  Robot all = recorded_robot(setup, moving);
+  const auto useless = useless_joints(all, moving, joints, others);
+  for (const auto& [name, why] : useless) moving.erase(name);
+  robot = useless.empty() ? std::move(all) : recorded_robot(setup, moving);
+  return {robot, doubts_of(robot, useless)};
 }
 
 }  // namespace clearway

@@ -7,9 +7,6 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "apps/fusion/joint_readings.hpp"
-#include "apps/query/query.hpp"
-#include "apps/query/setup_robot.hpp"
 #include "datasets/bags/bag_source.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -44,18 +41,16 @@ std::optional<JointStream> recorded_joints(const Setup& setup, const std::filesy
 }
 
 MovingRobot::MovingRobot(const RobotSetup& setup, JointStream joints)
-    : setup_(setup), joints_(std::move(joints)), robot_(recorded_robot(setup, joints_.names())) {
-  const std::vector<std::string> known = joints_.names();
+    : MovingRobot(setup, robot_as_read(setup, joints), joints) {}
+
+MovingRobot::MovingRobot(const RobotSetup& setup, RobotAsRead read, JointStream joints)
+    : setup_(setup),
+      doubts_(std::move(read.doubts)),
+      joints_(std::move(joints)),
+      robot_(std::move(read.robot)) {
   for (const Joint& joint : robot_.joints) {
     names_.push_back(joint.name);
-    if (std::binary_search(known.begin(), known.end(), joint.name)) {
-      take(joint);
-      continue;
-    }
-    std::string list;
-    for (const std::string& name : known) list += (list.empty() ? "" : ", ") + quote(name);
-    throw std::invalid_argument("the recorded joint positions have no joint " + quote(joint.name) +
-                                " of robot '" + robot_.name + "', but " + shortened(list));
+    take(joint);
   }
   for (const Body& body : robot_.bodies) levers_.push_back(levers_of(robot_, body));
 }
@@ -67,19 +62,11 @@ void MovingRobot::take(const Joint& joint) {
     joints_.let_wrap(joint.name);
   if (joint.max_acceleration > 0.0) joints_.let_accelerate(joint.name, joint.max_acceleration);
   const std::map<double, double> readings = joints_.readings(joint.name);
-  std::vector<double> impossible;
-  for (const auto& [time, position] : readings)
-    if (!is_possible(joint, position)) impossible.push_back(time);
-  // A glitch comes alone; what is in other units goes on.
-  const auto follows = [&](double time) {
-    const auto next = std::next(readings.find(time));
-    return next != readings.end() && !is_possible(joint, next->second);
-  };
-  const auto first = std::find_if(impossible.begin(), impossible.end(), follows);
+  const std::vector<double> impossible = impossible_times(joint, readings);
   const auto where = [](double time) {
     return "the recorded joint positions at " + short_text(time, 15) + " s";
   };
-  if (first != impossible.end() || 10 * impossible.size() > readings.size())
+  if (are_in_other_units(impossible, readings))
     require_possible(joint, readings.at(impossible.front()), where(impossible.front()));
   for (const double time : impossible) joints_.leave_out(joint.name, time);
   if (!impossible.empty())
@@ -137,6 +124,14 @@ std::vector<double> MovingRobot::place_errors() const {
     result.push_back(setup_.place_error +
                      setup_.joint_error * std::accumulate(levers.begin(), levers.end(), 0.0));
   return result;
+}
+
+std::vector<double> MovingRobot::times(const std::vector<std::size_t>& bodies) const {
+  std::vector<std::string> names;
+  for (std::size_t j = 0; j < names_.size(); ++j)
+    if (std::any_of(bodies.begin(), bodies.end(), [&](std::size_t body) { return levers_[body][j] > 0.0; }))
+      names.push_back(names_[j]);
+  return joints_.times(names.empty() ? names_ : names);
 }
 
 std::optional<LinkPoses> MovingRobot::poses(double time) const {

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/fusion/joint_readings.hpp"
 #include "datasets/descriptions/setup.hpp"
 #include "datasets/sources/joint_stream.hpp"
 #include "mapping/scans/scan.hpp"
@@ -27,8 +28,9 @@ std::optional<JointStream> recorded_joints(const Setup& setup, const std::filesy
 /// (JointStream::uncertainties), and times joint_error. Nothing farther is taken out.
 class MovingRobot {
  public:
+  /// The joints outside of the planning group move, too, where the stream has them (robot_as_read).
   /// @throws std::invalid_argument naming a joint of the robot that the stream does not have, or where the
-  /// stream has it in other units than radians and metres (is_possible): two readings in a row, or one in ten
+  /// stream has it in other units than radians and metres (are_in_other_units)
   MovingRobot(const RobotSetup& setup, JointStream joints);
 
   struct TakenOut {
@@ -49,8 +51,8 @@ class MovingRobot {
   /// joint its lever times joint_error.
   std::vector<double> place_errors() const;
 
-  /// When all the joints were read, each itself, rising.
-  std::vector<double> times() const { return joints_.times(names_); }
+  /// When the joints that move these bodies were read, each itself, rising; of bodies that stand, all joints.
+  std::vector<double> times(const std::vector<std::size_t>& bodies) const;
 
   /// map_from_link of all links; empty where the joints are not known at that time.
   std::optional<LinkPoses> poses(double time) const;
@@ -62,12 +64,14 @@ class MovingRobot {
 
   const Robot& robot() const { return robot_; }
 
-  /// Clauses: the first reading of each joint that is beyond its limits, and readings that were left out.
+  /// Clauses: joints that are held, the first reading of each joint that is beyond its limits, and readings
+  /// that were left out.
   const std::vector<std::string>& doubts() const { return doubts_; }
 
   static constexpr double most_open = 0.1;  ///< metres
 
  private:
+  MovingRobot(const RobotSetup& setup, RobotAsRead read, JointStream joints);
   void take(const Joint& joint);
   struct Grown;
   /// How far a body may have been from where it is between the readings around that time, metres.

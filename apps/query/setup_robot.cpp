@@ -1,6 +1,5 @@
 #include "apps/query/setup_robot.hpp"
 
-#include <algorithm>
 #include <stdexcept>
 
 #include "apps/console/flag_names.hpp"
@@ -10,8 +9,10 @@
 namespace clearway {
 namespace {
 
-Robot in_place(const RobotSetup& setup, const RobotChoice& choice) try {
-  Robot robot = choose_robot(choice);
+/// Sentences about flags become those about the setup's keys.
+template <class Load>
+Robot in_place(const RobotSetup& setup, const Load& load) try {
+  Robot robot = load();
   robot.map_from_base = setup.map_from_base;
   return robot;
 } catch (const std::invalid_argument& error) {
@@ -34,15 +35,17 @@ RobotChoice choice_of(const RobotSetup& setup) {
   return choice;
 }
 
-Robot planned_robot(const RobotSetup& setup) { return in_place(setup, choice_of(setup)); }
+Robot planned_robot(const RobotSetup& setup) {
+  return in_place(setup, [&] { return choose_robot(choice_of(setup)); });
+}
 
-Robot recorded_robot(const RobotSetup& setup, const std::vector<std::string>& recorded) {
-  RobotSetup whole = setup;
-  whole.terms.group.clear();
-  std::erase_if(whole.terms.fixed, [&](const auto& fixed) {
-    return std::binary_search(recorded.begin(), recorded.end(), fixed.first);
+Robot recorded_robot(const RobotSetup& setup, const std::set<std::string>& moving) {
+  return in_place(setup, [&] {
+    RobotRequest request = robot_request(choice_of(setup));
+    request.moving = moving;
+    const Robot robot = load_robot(request);
+    return setup.scale ? scaled(robot, *setup.scale / robot.scale) : robot;
   });
-  return in_place(setup, choice_of(whole));
 }
 
 }  // namespace clearway

@@ -1,7 +1,7 @@
 #pragma once
 
+#include <set>
 #include <string>
-#include <vector>
 
 #include "apps/console/commands.hpp"
 #include "datasets/descriptions/setup.hpp"
@@ -15,8 +15,7 @@ RobotChoice choice_of(const RobotSetup& setup);
 /// The robot of a setup in its place, with the joints that are planned. @throws as choose_robot
 Robot planned_robot(const RobotSetup& setup);
 
-/// The same with all joints that were recorded, whatever group is planned. @param recorded their names,
-/// sorted
-Robot recorded_robot(const RobotSetup& setup, const std::vector<std::string>& recorded);
+/// The same in which these joints move, too, though planning holds them. Its tip stays where it is.
+Robot recorded_robot(const RobotSetup& setup, const std::set<std::string>& moving);
 
 }  // namespace clearway

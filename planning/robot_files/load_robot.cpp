@@ -160,9 +160,10 @@ std::map<std::string, double> fixed_by_states(const Robot& robot, const RobotReq
   return fixed;
 }
 
-/// Holds what is fixed, and what is outside of the planning group.
+/// Holds what is fixed, and what is outside of the planning group, `moving` aside.
 Robot hold(const Robot& robot, const RobotRequest& request, const RobotSettings& settings,
-           const fs::path& settings_file, const std::optional<Srdf>& srdf) {
+           const fs::path& settings_file, const std::optional<Srdf>& srdf,
+           const std::set<std::string>& moving = {}) {
   if (!robot.group.empty() && !srdf)
     throw std::invalid_argument("group " + quote(robot.group) + " of robot " + quote(robot.name) +
                                 ": expected a SRDF that defines it, by --srdf or beside the URDF");
@@ -180,6 +181,7 @@ Robot hold(const Robot& robot, const RobotRequest& request, const RobotSettings&
       if (!is_fixed && !planned.contains(joint.name)) held.push_back(at_rest(robot, joint));
     }
   }
+  std::erase_if(held, [&](const HeldJoint& joint) { return moving.contains(joint.name); });
   return held.empty() ? robot : with_held_joints(robot, held, settings_file);
 }
 
@@ -351,9 +353,15 @@ Robot load_robot(const RobotRequest& request) {
     robot.states = states_of(*srdf, robot.group);
   }
   robot.exempt = exempt_pairs(robot, settings, settings_file, srdf);  // while every joint may still move
-  robot = hold(robot, request, settings, settings_file, srdf);
+  const Robot free = robot;
+  robot = hold(free, request, settings, settings_file, srdf);
   robot.standing = standing_links(robot, request, settings);
   if (!robot.group.empty() && settings.tip_link.empty()) robot.tip_link = tip_of_group(robot, *srdf);
+  if (!request.moving.empty()) {
+    Robot moved = hold(free, request, settings, settings_file, srdf, request.moving);
+    moved.standing = robot.standing, moved.tip_link = robot.tip_link;
+    robot = std::move(moved);
+  }
   cover_bodies(robot);
   return settings.scale == 1.0 ? robot : scaled(robot, settings.scale);
 }

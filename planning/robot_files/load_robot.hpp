@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,11 +25,14 @@ struct RobotRequest {
       standing{};  ///< links on held joints, as wheels; beside the settings' (`standing:`)
   /// States of the SRDF: what they say of joints outside of the group, and `fixed` does not, stands there.
   std::vector<std::string> fixed_states{};
+  /// Of the joints that would be held (load_robot), those that are not: a recording says where they were.
+  std::set<std::string> moving{};
 };
 
 /// Loads a robot. Joints that `fixed`, `fixed_states` or the settings' `fixed:` name and, when a group is
 /// chosen, all outside of it are no part of configurations (Robot::held): they stand at that value, else
 /// where the SRDF's state "default" puts them, else at 0 clamped into their limits. Their bodies still count.
+/// Those of `moving` are part of configurations all the same, and the tip is where it is without them.
 /// The tip is the settings', else the parent link of the end effector on the group, else the tip of its
 /// chain, else the last link that the group's joints move.
 /// @throws as load_robot(name_or_path); std::invalid_argument for a group without a SRDF or that it does not

@@ -65,7 +65,7 @@ TEST(BodyPainter, PaintsOnlyWhereEachJointWasReadItself) {
   setup.robot->paints = {robot.bodies.back().part};
   setup.volumes = {{.label = "led", .critical_parts = {}}};
   const MovingRobot moving(*setup.robot, joints);
-  EXPECT_EQ(moving.times(), (std::vector<double>{0.0, 0.4}));
+  EXPECT_EQ(moving.times({robot.bodies.size() - 1}), (std::vector<double>{0.0, 0.4}));
   FreeSpaceMap map(MapOptions{});
   map.add_volume("led", {});
   BodyPainter painter(setup, moving, map);

@@ -1,12 +1,18 @@
-// Readings of joints in other units than radians and metres are noticed, turns that encoders count are not.
+// Readings of joints in other units than radians and metres are noticed, turns that encoders count are not; and
+// robots are where their joints were read outside of their planning group, too.
 #include "apps/fusion/joint_readings.hpp"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "apps/fusion/moving_robot.hpp"
+#include "planning/robot/kinematics.hpp"
 #include "tests/datasets/complaint.hpp"
+#include "tests/worlds/temporary_folder.hpp"
+#include "tests/worlds/urdf_robots.hpp"
 
 namespace clearway {
 namespace joint_readings_test {
@@ -56,6 +62,133 @@ TEST(JointReadings, WhatIsBeyondLimitsIsToldWholeTurnsAside) {
   EXPECT_FALSE(beyond_limits(joint_of(JointKind::prismatic, 0.0, 0.04), 0.05));
   constexpr double endless = std::numeric_limits<double>::infinity();
   EXPECT_FALSE(beyond_limits(joint_of(JointKind::revolute, -endless, endless), 500.0));
+}
+
+using worlds::urdf_joint;
+using worlds::urdf_limit;
+using worlds::urdf_link;
+
+/// A lift that carries an arm of two joints with two fingers, the second of which mimics the first, and
+/// beside it a second arm; the planning group is the shoulder alone.
+class RobotsAsRead : public ::testing::Test {
+ protected:
+  RobotsAsRead() {
+    const std::string rod = "<capsule radius='0.03' length='0.3'/>", ball = "<sphere radius='0.02'/>";
+    folder_.write(
+        "duo.urdf",
+        "<robot name='duo'><link name='base'/>" + urdf_link("mast", "0 0 0", ball) +
+            urdf_link("upper", "0.2 0 0", rod) + urdf_link("lower", "0.2 0 0", rod) +
+            urdf_link("left", "0 0 0", ball) + urdf_link("right", "0 0 0", ball) +
+            urdf_link("other", "0.2 0 0", rod) +
+            urdf_joint("lift", "prismatic", "base", "mast", "0 0 0", "0 0 1", urdf_limit(0, 1)) +
+            urdf_joint("shoulder", "revolute", "mast", "upper", "0 0 0", "0 0 1", urdf_limit(-2, 2)) +
+            urdf_joint("elbow", "revolute", "upper", "lower", "0.4 0 0", "0 0 1", urdf_limit(-2, 2)) +
+            urdf_joint("grip", "prismatic", "lower", "left", "0.4 0 0", "0 1 0", urdf_limit(0, 0.1)) +
+            urdf_joint("follow", "prismatic", "lower", "right", "0.4 0 0", "0 -1 0",
+                       urdf_limit(0, 0.1) + "<mimic joint='grip'/>") +
+            urdf_joint("second", "revolute", "base", "other", "0 1 0", "0 0 1", urdf_limit(-2, 2)) +
+            "</robot>");
+    folder_.write("duo.srdf", "<robot name='duo'><group name='one'><joint name='shoulder'/></group></robot>");
+    settings("");
+  }
+
+  void settings(const std::string& more) {
+    setup_.name = folder_.write("group.yaml", "urdf: duo.urdf\nsrdf: duo.srdf\ngroup: one\n" + more);
+    folder_.write("whole.yaml", "urdf: duo.urdf\n" + more);
+  }
+
+  static double position(const std::string& joint, double time) {
+    return (joint == "grip" ? 0.05 : 0.4) + (joint == "grip" ? 0.02 : 0.3) * std::sin(time);
+  }
+
+  JointStream stream(const std::vector<std::string>& names) const {
+    JointStream joints;
+    for (double time = 0.0; time < 4.0; time += 0.02)
+      for (const std::string& name : names) joints.add(time, {name}, {position(name, time)});
+    return joints;
+  }
+
+  static std::size_t body_of(const Robot& robot, const std::string& part) {
+    const auto found = std::find_if(robot.bodies.begin(), robot.bodies.end(),
+                                    [&](const Body& body) { return body.part == part; });
+    return static_cast<std::size_t>(found - robot.bodies.begin());
+  }
+
+  TemporaryFolder folder_;
+  RobotSetup setup_;
+  const std::vector<std::string> all_ = {"lift", "shoulder", "elbow", "grip", "second"};
+};
+
+/// Whatever is held in planning: before the group, beyond it, of the other arm, that which slides or mimics.
+TEST_F(RobotsAsRead, AreWhereTheStreamSaysOutsideOfTheirGroupToo) {
+  const MovingRobot moving(setup_, stream(all_));
+  EXPECT_TRUE(moving.doubts().empty());
+  const Robot whole = load_robot(folder_.file("whole.yaml"));
+  const double time = 1.234;
+  Configuration q(static_cast<Eigen::Index>(whole.dof()));
+  for (std::size_t j = 0; j < whole.dof(); ++j)
+    q[static_cast<Eigen::Index>(j)] = position(whole.joints[j].name, time);
+  const LinkPoses expected = forward_kinematics(whole, q), poses = *moving.poses(time);
+  ASSERT_EQ(poses.size(), expected.size());
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    EXPECT_TRUE(poses[i].isApprox(expected[i], 1e-4)) << whole.links[i].name;
+  Scan scan;
+  scan.time = time;
+  for (std::size_t i = 1; i < poses.size(); ++i)  // of each link its body's middle
+    for (const Body& body : whole.bodies)
+      if (body.link == static_cast<int>(i))
+        scan.points.push_back((expected[i] * body.link_from_shape).translation().cast<float>());
+  const std::size_t points = scan.points.size();
+  EXPECT_EQ(moving.take_out(scan).points, points);
+}
+
+TEST_F(RobotsAsRead, GrowByWhatTheJointsOutsideOfTheirGroupLeaveOpen) {
+  const MovingRobot alone(setup_, stream({"shoulder"})), moving(setup_, stream(all_));
+  const std::size_t lower = body_of(moving.robot(), "lower"), mast = body_of(moving.robot(), "mast");
+  EXPECT_GT(moving.growths(1.0)[lower], alone.growths(1.0)[lower] + 0.4 * setup_.joint_error);
+  EXPECT_NEAR(alone.place_errors()[mast], setup_.place_error, 1e-12);
+  EXPECT_NEAR(moving.place_errors()[mast], setup_.place_error + setup_.joint_error, 1e-12);
+}
+
+TEST_F(RobotsAsRead, KeepTheTipOfTheirGroup) {
+  const auto [robot, doubts] = robot_as_read(setup_, stream(all_));
+  EXPECT_EQ(robot.links[static_cast<std::size_t>(robot.tip_link)].name, "upper");
+  EXPECT_EQ(robot.dof(), all_.size());
+}
+
+TEST_F(RobotsAsRead, TellWhichJointsStayHeldAsTheStreamLacksThem) {
+  const auto [robot, doubts] = robot_as_read(setup_, stream({"shoulder", "elbow"}));
+  EXPECT_EQ(robot.dof(), 2U);
+  ASSERT_EQ(doubts.size(), 1U);
+  EXPECT_NE(doubts[0].find("the recorded positions lack grip, lift, second:"), std::string::npos)
+      << doubts[0];
+  settings("fixed: {grip: 0.01, lift: 0.5, second: 0}\n");  // somebody said where they stand
+  EXPECT_TRUE(robot_as_read(setup_, stream({"shoulder", "elbow"})).doubts.empty());
+  EXPECT_EQ(robot_as_read(setup_, stream({"shoulder", "elbow", "lift"})).robot.dof(), 3U);
+}
+
+TEST_F(RobotsAsRead, HoldWhatIsInOtherUnitsOrReadNowAndThenAndSayWhy) {
+  JointStream joints = stream({"shoulder", "elbow", "lift"});
+  for (int k = 0; k < 50; ++k) joints.add(0.08 * k, {"grip"}, {255.0});  // steps of a driver
+  for (int k = 0; k < 5; ++k) joints.add(1.0 * k, {"second"}, {0.3});
+  const auto [robot, doubts] = robot_as_read(setup_, joints);
+  EXPECT_EQ(robot.dof(), 3U);
+  ASSERT_EQ(doubts.size(), 2U);
+  EXPECT_EQ(doubts[0], "joint 'grip' is held at 0: its recorded positions cannot be (255 at 0 s)");
+  EXPECT_EQ(doubts[1], "joint 'second' is held at 0: it was read too rarely for more than half of the time");
+  const std::string sentence = complaint([&] { robot_as_read(setup_, stream({"elbow"})); });
+  EXPECT_NE(sentence.find("have no joint 'shoulder'"), std::string::npos) << sentence;
+}
+
+/// A gripper that publishes for itself is no reason not to paint with the arm; a part that it moves is
+/// painted where it was read as well.
+TEST_F(RobotsAsRead, HavePartsPaintWhenTheJointsThatMoveThemWereRead) {
+  JointStream joints = stream({"shoulder", "lift", "elbow", "second"});
+  for (int k = 0; k < 40; ++k) joints.add(0.1 * k + 0.005, {"grip"}, {0.05});
+  const MovingRobot moving(setup_, joints);
+  const std::size_t lower = body_of(moving.robot(), "lower"), left = body_of(moving.robot(), "left");
+  EXPECT_EQ(moving.times({lower}), joints.times({"shoulder"}));
+  EXPECT_TRUE(moving.times({lower, left}).empty());
 }
 
 }  // namespace joint_readings_test
