@@ -1,6 +1,7 @@
 #include "datasets/bags/bag_source.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <stdexcept>
 
@@ -233,6 +234,18 @@ std::unique_ptr<FrameSource> open_bag(const std::filesystem::path& file, const S
   return std::make_unique<BagSource>(file, options);
 }
 
+namespace {
+
+/// Adds a message's positions, but for those that are not finite: a driver's sign that it does not know.
+void add_known(double time, const std::vector<std::string>& names, const std::vector<double>& positions,
+               JointStream& stream) {
+  if (names.size() != positions.size()) throw std::invalid_argument("of another number than names");
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (std::isfinite(positions[i])) stream.add(time, {names[i]}, {positions[i]});
+}
+
+}  // namespace
+
 JointStream read_joints(const std::filesystem::path& file, const std::string& topic, double max_gap,
                         const BagTopics& part) {
   require_topic(file, list_bag(file), topic, "robot: joint_topic", {"sensor_msgs/JointState"});
@@ -265,9 +278,9 @@ JointStream read_joints(const std::filesystem::path& file, const std::string& to
       const auto time = in.number<double>();
       std::vector<std::string> names(in.length(4));
       for (std::string& name : names) name = in.text();
-      stream.add(time, names, in.numbers<double>());
+      add_known(time, names, in.numbers<double>(), stream);
       times.push_back(time);
-    } catch (const std::exception&) {  // not finite, or of another number than names
+    } catch (const std::exception&) {  // a time that is not finite, or of another number than names
     }
   }
   if (stream.empty())

@@ -82,8 +82,8 @@ std::optional<std::string> missing_parts(const std::filesystem::path& folder,
 std::unique_ptr<FrameSource> open_bag(const std::filesystem::path& file, const SourceOptions& options);
 
 /// The joint positions of a JointState topic, as the stream takes them: the header's times, where there are
-/// some. Readings that are damaged or not finite are left out. @throws std::invalid_argument as open_bag,
-/// when none is left, and where their clock starts again (find_restart).
+/// some. Messages that are damaged are left out, and of others the joints that are not finite. @throws
+/// std::invalid_argument as open_bag, when none is left, and where their clock starts again (find_restart).
 /// @param part of the bag, by `from` and `to`
 JointStream read_joints(const std::filesystem::path& file, const std::string& topic, double max_gap = 0.5,
                         const BagTopics& part = {});
