@@ -10,8 +10,10 @@
 #include <utility>
 
 #include "apps/query/setup_robot.hpp"
+#include "mapping/system/nearest_name.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "planning/robot/joint_names.hpp"
 
 namespace clearway {
 namespace {
@@ -74,13 +76,33 @@ std::optional<std::string> beyond_limits(const Joint& joint, double value) {
 
 namespace {
 
+/// A joint of the robot that `joint_names` names must be one.
+void require_own_names(const RobotSetup& setup, const Robot& robot) {
+  std::vector<std::string> own = joint_names(robot);
+  for (const HeldJoint& joint : robot.held) own.push_back(joint.name);
+  for (const auto& [joint, name] : setup.joint_names)
+    if (std::find(own.begin(), own.end(), joint) == own.end())
+      throw std::invalid_argument("setup, robot, field 'joint_names': robot " + quote(robot.name) +
+                                  " has no joint " + quote(joint) + ", " + suggestion(joint, own));
+}
+
+/// By which keys a setup says what the recording calls a joint.
+std::string naming_hint(const std::string& joint, const std::vector<std::string>& known) {
+  for (const std::string& name : known)
+    if (name.ends_with(joint))
+      return "`joint_prefix: " + shortened(name.substr(0, name.size() - joint.size())) +
+             "` in `robot` of the setup where " + quote(name) + " is it";
+  return "`joint_names: {" + shortened(joint) + ": NAME}` in `robot` of the setup where one of these is it";
+}
+
 void require_joints(const Robot& robot, const std::vector<std::string>& known) {
   for (const Joint& joint : robot.joints) {
     if (std::binary_search(known.begin(), known.end(), joint.name)) continue;
     std::string list;
     for (const std::string& name : known) list += (list.empty() ? "" : ", ") + quote(name);
     throw std::invalid_argument("the recorded joint positions have no joint " + quote(joint.name) +
-                                " of robot '" + robot.name + "', but " + shortened(list));
+                                " of robot '" + robot.name + "', but " + shortened(list) + ": expected " +
+                                naming_hint(joint.name, known));
   }
 }
 
@@ -133,6 +155,7 @@ std::vector<std::string> doubts_of(const Robot& robot, const std::map<std::strin
 RobotAsRead robot_as_read(const RobotSetup& setup, const JointStream& joints) {
   Robot robot = recorded_robot(setup, {});
   const std::vector<std::string> known = joints.names();
+  require_own_names(setup, robot);
   require_joints(robot, known);
   const std::map<double, double>& others = joints.readings(robot.joints.front().name);
   std::set<std::string> moving;

@@ -42,7 +42,8 @@ struct RobotAsRead {
 /// The robot whose joints are those of its planning group, and of the others those that the stream has: in
 /// their units, and known at half of the times, or more, at which the group's first joint was read. The tip
 /// is that of the group.
-/// @throws std::invalid_argument as load_robot does, or naming a joint of the group that the stream lacks
+/// @throws std::invalid_argument as load_robot does, or naming a joint of the group that the stream lacks, or
+/// one of `joint_names` that the robot lacks
 RobotAsRead robot_as_read(const RobotSetup& setup, const JointStream& joints);
 
 }  // namespace clearway

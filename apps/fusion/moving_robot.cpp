@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "datasets/bags/bag_source.hpp"
+#include "mapping/system/nearest_name.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/robot/kinematics.hpp"
@@ -27,17 +28,41 @@ std::vector<double> levers_of(const Robot& robot, const Body& body) {
   return levers;
 }
 
+/// Calls the recorded joints as the robot does.
+JointStream named_as_robot(const RobotSetup& setup, JointStream joints) {
+  const std::string& prefix = setup.joint_prefix;
+  const std::vector<std::string> known = joints.names();
+  std::map<std::string, std::string> recorded;  // names by the robot's
+  for (const std::string& name : known)
+    if (!prefix.empty() && name.size() > prefix.size() && name.starts_with(prefix))
+      recorded[name.substr(prefix.size())] = name;
+  if (!prefix.empty() && recorded.empty())
+    throw std::invalid_argument(
+        "setup, robot, field 'joint_prefix': no name of a recorded joint begins with " + quote(prefix) +
+        "; these are " + listed(known));
+  for (const auto& [joint, name] : setup.joint_names) {
+    if (!std::binary_search(known.begin(), known.end(), name))
+      throw std::invalid_argument(
+          "setup, robot, field 'joint_names': the recorded joint positions have no joint " + quote(name) +
+          ", " + suggestion(name, known));
+    recorded[joint] = name;
+  }
+  joints.rename(recorded);
+  return joints;
+}
+
 }  // namespace
 
 std::optional<JointStream> recorded_joints(const Setup& setup, const std::filesystem::path& recording) {
   constexpr double max_gap = 0.5;  // s
   if (!setup.robot) return std::nullopt;
-  if (!setup.robot->joint_file.empty()) return load_joint_states(setup.robot->joint_file, max_gap);
-  if (setup.robot->joint_topic.empty()) return std::nullopt;
+  const RobotSetup& robot = *setup.robot;
+  if (!robot.joint_file.empty()) return named_as_robot(robot, load_joint_states(robot.joint_file, max_gap));
+  if (robot.joint_topic.empty()) return std::nullopt;
   if (!is_bag(recording))
     throw std::invalid_argument("setup, robot, field 'joint_topic': expected a bag as recording, got " +
                                 quote_path(recording.string()));
-  return read_joints(recording, setup.robot->joint_topic, max_gap, setup.source.bag);
+  return named_as_robot(robot, read_joints(recording, robot.joint_topic, max_gap, setup.source.bag));
 }
 
 MovingRobot::MovingRobot(const RobotSetup& setup, JointStream joints)

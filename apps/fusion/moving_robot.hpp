@@ -16,8 +16,9 @@
 namespace clearway {
 
 /// Where the robot's joints were while a recording was made: the setup's joint_file, or its joint_topic in
-/// the recording; none when the setup names neither. @throws std::invalid_argument as load_joint_states and
-/// read_joints do, or for a joint_topic where the recording is no bag
+/// the recording, under the names that the robot has for them; none when the setup names neither.
+/// @throws std::invalid_argument as load_joint_states and read_joints do, for a joint_topic where the
+/// recording is no bag, and for a joint_prefix or joint_names of which it has none
 std::optional<JointStream> recorded_joints(const Setup& setup, const std::filesystem::path& recording);
 
 /// A robot that moves while scans are taken: its own bodies are taken out of each scan where it was then.

@@ -276,12 +276,19 @@ RobotSetup read_robot(const YamlFields& fields, const std::filesystem::path& fol
   if (fields.has("joint_topic")) robot.joint_topic = fields.text("joint_topic");
   if (fields.has("joint_file") + fields.has("joint_topic") + !robot.joints.empty() > 1)
     fields.fail("", "expected one of 'joints', 'joint_file' and 'joint_topic'");
+  if (fields.has("joint_names")) {
+    const YamlFields names = fields.map("joint_names");
+    for (const std::string& joint : names.keys()) robot.joint_names[joint] = names.text(joint);
+    names.finish();
+  }
+  robot.joint_prefix = fields.text("joint_prefix", "");
+  for (const char* key : {"joint_names", "joint_prefix", "paints"})
+    if (fields.has(key) && robot.joint_file.empty() && robot.joint_topic.empty())
+      fields.fail(key, "expected joint_file or joint_topic beside it, which say where the joints were");
   robot.latency = fields.number("latency", not_negative, robot.latency);
-  robot.joint_error = fields.number("joint_error", not_negative, robot.joint_error);
+  robot.joint_error = fields.angle("joint_error", robot.joint_error);
   robot.place_error = fields.number("place_error", not_negative, robot.place_error);
   robot.paints = fields.texts("paints");
-  if (!robot.paints.empty() && robot.joint_file.empty() && robot.joint_topic.empty())
-    fields.fail("paints", "expected joint_file or joint_topic beside it, which say where the parts are led");
   fields.finish();
   return robot;
 }

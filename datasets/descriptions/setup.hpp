@@ -174,10 +174,12 @@ struct RobotSetup {
   double self_margin = 0.02;                 ///< m, points this near to its bodies are its own
   std::filesystem::path joint_file;  ///< where it was while it moved: a table (joint_stream.hpp); empty: none
   std::string joint_topic;           ///< the same, JointState of the recording, a bag; empty: none
-  double latency = 0.02;             ///< s, by which times of joints and of scans may differ
-  double joint_error = 0.01;         ///< rad or m, of each joint's position
-  double place_error = 0.005;        ///< m, of the sensor's place against the robot's
-  std::vector<std::string> paints;   ///< parts that paint where they are led, as far as the joints are known
+  std::map<std::string, std::string> joint_names;  ///< what these recordings call a joint of the robot
+  std::string joint_prefix;                        ///< that their names have before the robot's
+  double latency = 0.02;                           ///< s, by which times of joints and of scans may differ
+  double joint_error = 0.01;                       ///< rad or m, of each joint's position
+  double place_error = 0.005;                      ///< m, of the sensor's place against the robot's
+  std::vector<std::string> paints;  ///< parts that paint where they are led, as far as the joints are known
 };
 
 /// A goal of a query that is a pose of the tip, and what of it may differ.

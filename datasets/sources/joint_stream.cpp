@@ -6,6 +6,7 @@
 #include <numbers>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "datasets/sources/finite_number.hpp"
 #include "mapping/system/input_file.hpp"
@@ -183,6 +184,13 @@ std::vector<std::string> JointStream::names() const {
   std::vector<std::string> names;
   for (const auto& [name, readings] : readings_) names.push_back(name);
   return names;
+}
+
+void JointStream::rename(const std::map<std::string, std::string>& own_names) {
+  std::map<std::string, Readings> renamed = readings_;
+  for (const auto& [name, own] : own_names) renamed.erase(own);
+  for (const auto& [name, own] : own_names) renamed[name] = readings_.at(own);
+  readings_ = std::move(renamed);
 }
 
 std::optional<double> JointStream::last_time() const {

@@ -48,6 +48,9 @@ class JointStream {
   std::vector<std::string> names() const;  ///< sorted
   /// A joint's readings: position by time. @pre it is one of names()
   const std::map<double, double>& readings(const std::string& name) const { return readings_.at(name); }
+  /// Calls joints by other names: their own ones, by the new. One that had a new name before is forgotten,
+  /// unless it has another one now. @pre the own names are some of names()
+  void rename(const std::map<std::string, std::string>& own_names);
   /// Takes one of them out. @pre it is there, and not the only one
   void leave_out(const std::string& name, double time) { readings_.at(name).erase(time); }
   /// At which each of these joints was read itself, rising.

@@ -11,6 +11,7 @@
 #include "planning/robot/kinematics.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/datasets/complaint.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace moving_robot_test {
@@ -365,6 +366,56 @@ TEST(MovingRobot, NamesAJointThatTheStreamDoesNotHave) {
   const std::string sentence = complaint([&] { const MovingRobot robot(setup, stream); });
   EXPECT_NE(sentence.find("have no joint 'yaw'"), std::string::npos) << sentence;
   EXPECT_NE(sentence.find("'elbow'"), std::string::npos) << sentence;
+  EXPECT_NE(sentence.find("`joint_names: {yaw: NAME}` in `robot` of the setup"), std::string::npos)
+      << sentence;
+}
+
+/// A recording that calls the joints of planar2 otherwise.
+class RenamedJoints : public ::testing::Test {
+ protected:
+  RenamedJoints() {
+    setup_.robot.emplace();
+    setup_.robot->name = "planar2";
+    setup_.robot->joint_file = folder_.write(
+        "joints.csv", "time, arm_shoulder, arm_elbow, j3\n0, 0.1, 0.2, 0.3\n0.2, 0.1, 0.2, 0.3\n");
+  }
+  std::vector<double> read(const std::map<std::string, std::string>& names, const std::string& prefix) {
+    setup_.robot->joint_names = names;
+    setup_.robot->joint_prefix = prefix;
+    const JointStream joints = *recorded_joints(setup_, "unused.mcap");
+    const MovingRobot moving(*setup_.robot, joints);
+    return *joints.at(names_of(moving.robot()), 0.1);
+  }
+  std::string complaint_of(const std::map<std::string, std::string>& names, const std::string& prefix) {
+    return complaint([&] { read(names, prefix); });
+  }
+
+  TemporaryFolder folder_;
+  clearway::Setup setup_;
+};
+
+TEST_F(RenamedJoints, AreReadUnderTheRobotsNames) {
+  EXPECT_EQ(read({}, "arm_"), (std::vector<double>{0.1, 0.2}));
+  EXPECT_EQ(read({{"elbow", "j3"}}, "arm_"), (std::vector<double>{0.1, 0.3}));
+  EXPECT_EQ(read({{"shoulder", "arm_elbow"}, {"elbow", "arm_shoulder"}}, ""),
+            (std::vector<double>{0.2, 0.1}));
+}
+
+TEST_F(RenamedJoints, OfNoSuchNameAreRefusedWithTheNearest) {
+  EXPECT_EQ(
+      complaint_of({}, ""),
+      "the recorded joint positions have no joint 'shoulder' of robot 'planar2', but 'arm_elbow', "
+      "'arm_shoulder', 'j3': expected `joint_prefix: arm_` in `robot` of the setup where 'arm_shoulder' is "
+      "it");
+  EXPECT_EQ(complaint_of({}, "am_"),
+            "setup, robot, field 'joint_prefix': no name of a recorded joint begins with 'am_'; these are "
+            "arm_elbow, arm_shoulder, j3");
+  EXPECT_EQ(
+      complaint_of({{"elbow", "arm_elbw"}}, ""),
+      "setup, robot, field 'joint_names': the recorded joint positions have no joint 'arm_elbw', did you "
+      "mean 'arm_elbow'?");
+  EXPECT_EQ(complaint_of({{"elbw", "arm_elbow"}}, "arm_"),
+            "setup, robot, field 'joint_names': robot 'planar2' has no joint 'elbw', did you mean 'elbow'?");
 }
 
 }  // namespace moving_robot_test

@@ -71,6 +71,8 @@ TEST(SetupBlocks, robots_and_sensors_read_back_to_what_was_written) {
   robot.gravity = {1.0, 2.0, -9.0};
   robot.self_margin = 0.03;
   robot.joint_file = "joints \"of\" today.csv";
+  robot.joint_names = {{"elbow", "left: elbow"}, {"joint 1", "shoulder"}};
+  robot.joint_prefix = "arm/";
   robot.paints = {"tool", "left hand"};
   robot.terms = {"arm.srdf", "left arm", {{"grip", 0.025}}, {{"arm_description", "up"}}, {{"prefix", "l_"}}};
   robot.latency = 0.015;
@@ -85,6 +87,8 @@ TEST(SetupBlocks, robots_and_sensors_read_back_to_what_was_written) {
   EXPECT_TRUE(again.robot->map_from_base.isApprox(robot.map_from_base, 1e-8));
   EXPECT_EQ(again.robot->gravity, robot.gravity);
   EXPECT_EQ(again.robot->joint_file, robot.joint_file);
+  EXPECT_EQ(again.robot->joint_names, robot.joint_names);
+  EXPECT_EQ(again.robot->joint_prefix, robot.joint_prefix);
   EXPECT_EQ(again.robot->paints, robot.paints);
   EXPECT_EQ(std::tie(again.robot->terms.srdf, again.robot->terms.group, again.robot->terms.fixed,
                      again.robot->terms.packages, again.robot->terms.xacro),

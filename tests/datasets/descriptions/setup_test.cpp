@@ -168,6 +168,23 @@ TEST(Setup, TheRobotsGroupAndStatesStandAsInFlags) {
                std::invalid_argument);
 }
 
+TEST(Setup, ARobotsJointsMayHaveOtherNamesWhereTheyAreRecorded) {
+  const auto robot = [](const std::string& keys) {
+    return parse_setup("robot: {name: puma560, " + keys + "}", "s.yaml").robot;
+  };
+  const auto named =
+      robot("joint_topic: /j, joint_prefix: arm_, joint_names: {j1: left_1}, joint_error_deg: 0.9");
+  EXPECT_EQ(named->joint_prefix, "arm_");
+  EXPECT_EQ(named->joint_names, (std::map<std::string, std::string>{{"j1", "left_1"}}));
+  EXPECT_NEAR(named->joint_error, 0.9 * M_PI / 180.0, 1e-12);
+  EXPECT_EQ(robot("joint_error: 0.02")->joint_error, 0.02);
+  for (const char* key : {"joint_names: {j1: left_1}", "joint_prefix: arm_", "paints: [hand]"}) {
+    const std::string sentence = complaint([&] { robot(key); });
+    EXPECT_NE(sentence.find("expected joint_file or joint_topic beside it"), std::string::npos) << sentence;
+  }
+  EXPECT_NE(complaint([&] { robot("joint_error_deg: -1"); }).find("joint_error_deg"), std::string::npos);
+}
+
 TEST(Setup, SensorsWithMistakesAreRefused) {
   const auto refusal = [](const std::string& from, const std::string& to) -> std::string {
     std::string text = mounted;
