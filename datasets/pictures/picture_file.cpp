@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "datasets/pictures/name_time.hpp"
+#include "datasets/pictures/packed_pixels.hpp"
 #include "mapping/system/input_file.hpp"
 
 namespace clearway {
@@ -113,13 +114,24 @@ bool is_whole(const std::string& bytes) {
   return false;
 }
 
-GrayImage decode_picture(const std::string& bytes) {
-  if (!is_whole(bytes)) throw std::runtime_error("it is cut off");
+namespace {
+
+/// As grey of 8 or 16 bits.
+cv::Mat decoded(const std::string& bytes) {
+  constexpr int as_stored = cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION;
   const cv::Mat_<unsigned char> raw(1, static_cast<int>(bytes.size()),
                                     reinterpret_cast<unsigned char*>(const_cast<char*>(bytes.data())));
+  const cv::Mat grey = cv::imdecode(raw, as_stored | cv::IMREAD_ANYDEPTH);
+  return grey.depth() == CV_8U || grey.depth() == CV_16U ? grey : cv::imdecode(raw, as_stored);
+}
+
+}  // namespace
+
+GrayImage decode_picture(const std::string& bytes) {
+  if (!is_whole(bytes)) throw std::runtime_error("it is cut off");
   cv::Mat grey;
   try {
-    grey = cv::imdecode(raw, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+    grey = decoded(bytes);
   } catch (const cv::Exception& error) {
     throw std::runtime_error(error.code == cv::Error::StsNoMem
                                  ? "it asks for more memory than a picture may take"
@@ -127,6 +139,8 @@ GrayImage decode_picture(const std::string& bytes) {
   }
   if (grey.empty()) throw std::runtime_error("it cannot be decoded");
   require_picture_size(grey.cols, grey.rows);
+  if (grey.depth() == CV_16U)
+    return narrowed(grey.cols, grey.rows, {grey.ptr<std::uint16_t>(), grey.total()});
   GrayImage image{grey.cols, grey.rows, {}};
   image.pixels.reserve(grey.total());
   for (int row = 0; row < grey.rows; ++row)

@@ -4,12 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <map>
 #include <numbers>
-#include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
 #include "datasets/pictures/depth_picture.hpp"
+#include "datasets/pictures/packed_pixels.hpp"
 #include "datasets/pictures/picture_file.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -17,60 +16,8 @@
 namespace clearway {
 namespace {
 
-void require_rows(const RosImage& image, std::size_t pixel_bytes) {
-  if (image.width == 0 || image.height == 0 || image.width > most_image_side ||
-      image.height > most_image_side)
-    throw std::runtime_error("its sides are " + std::to_string(image.width) + " x " +
-                             std::to_string(image.height) + ", expected 1 to 20000 pixels each");
-  if (image.step < image.width * pixel_bytes || image.data.size() / image.step < image.height)
-    throw std::runtime_error("its data is shorter than its size says");
-}
-
-/// How OpenCV sees an encoding: the pixel type, and how to make it grey (-1: it is).
-struct Encoding {
-  int type, to_gray;
-};
-
-const std::map<std::string, Encoding>& encodings() {
-  static const std::map<std::string, Encoding> known{
-      {"mono8", {CV_8UC1, -1}},
-      {"8UC1", {CV_8UC1, -1}},
-      {"rgb8", {CV_8UC3, cv::COLOR_RGB2GRAY}},
-      {"bgr8", {CV_8UC3, cv::COLOR_BGR2GRAY}},
-      {"8UC3", {CV_8UC3, cv::COLOR_BGR2GRAY}},
-      {"rgba8", {CV_8UC4, cv::COLOR_RGBA2GRAY}},
-      {"bgra8", {CV_8UC4, cv::COLOR_BGRA2GRAY}},
-      {"yuv422", {CV_8UC2, cv::COLOR_YUV2GRAY_UYVY}},
-      {"uyvy", {CV_8UC2, cv::COLOR_YUV2GRAY_UYVY}},
-      {"yuv422_yuy2", {CV_8UC2, cv::COLOR_YUV2GRAY_YUY2}},
-      {"yuyv", {CV_8UC2, cv::COLOR_YUV2GRAY_YUY2}},
-      {"YUYV", {CV_8UC2, cv::COLOR_YUV2GRAY_YUY2}},  // librealsense
-      {"8UC4", {CV_8UC4, cv::COLOR_BGRA2GRAY}},
-      {"bayer_rggb8", {CV_8UC1, cv::COLOR_BayerBG2GRAY}},
-      {"bayer_bggr8", {CV_8UC1, cv::COLOR_BayerRG2GRAY}},
-      {"bayer_gbrg8", {CV_8UC1, cv::COLOR_BayerGR2GRAY}},
-      {"bayer_grbg8", {CV_8UC1, cv::COLOR_BayerGB2GRAY}}};
-  return known;
-}
-
-GrayImage copied(const cv::Mat& gray) {
-  GrayImage out{gray.cols, gray.rows, {}};
-  out.pixels.reserve(gray.total());
-  for (int row = 0; row < gray.rows; ++row) {
-    const auto* const first = gray.ptr<std::uint8_t>(row);
-    out.pixels.insert(out.pixels.end(), first, first + gray.cols);
-  }
-  return out;
-}
-
-/// Two bytes a pixel: the upper ones.
-GrayImage upper_bytes(const RosImage& image) {
-  require_rows(image, 2);
-  GrayImage out{static_cast<int>(image.width), static_cast<int>(image.height), {}};
-  for (std::size_t row = 0; row < image.height; ++row)
-    for (std::size_t column = 0; column < image.width; ++column)
-      out.pixels.push_back(image.data[row * image.step + 2 * column + (image.is_bigendian ? 0 : 1)]);
-  return out;
+PackedPixels packed_pixels(const RosImage& image) {
+  return {image.encoding, image.width, image.height, image.step, image.is_bigendian, image.data};
 }
 
 /// A number of the message, whatever its byte order.
@@ -147,23 +94,7 @@ const RosPointField& field_of(const RosPointCloud& cloud, const std::string& nam
 
 }  // namespace
 
-GrayImage gray_image(const RosImage& image) {
-  if (image.encoding == "mono16") return upper_bytes(image);
-  const auto encoding = encodings().find(image.encoding);
-  if (encoding == encodings().end())
-    throw std::runtime_error("its encoding " + quote(image.encoding) + " is not known here");
-  require_rows(image, CV_ELEM_SIZE(encoding->second.type));
-  const cv::Mat pixels(static_cast<int>(image.height), static_cast<int>(image.width), encoding->second.type,
-                       const_cast<std::uint8_t*>(image.data.data()), image.step);
-  if (encoding->second.to_gray < 0) return copied(pixels);
-  cv::Mat gray;
-  try {
-    cv::cvtColor(pixels, gray, encoding->second.to_gray);
-  } catch (const cv::Exception&) {
-    throw std::runtime_error("its size does not fit its encoding " + quote(image.encoding));
-  }
-  return copied(gray);
-}
+GrayImage gray_image(const RosImage& image) { return gray_pixels(packed_pixels(image)); }
 
 GrayImage gray_image(const RosCompressedImage& image) {
   return decode_picture(std::string(reinterpret_cast<const char*>(image.data.data()), image.data.size()));
@@ -182,7 +113,7 @@ CloudFrame depth_cloud(const RosImage& image, const CameraIntrinsics& camera,
     throw std::runtime_error("its encoding " + quote(image.encoding) +
                              " is no depth, expected 16UC1 or 32FC1");
   const std::size_t size = is_float ? 4 : 2;
-  require_rows(image, size);
+  require_rows(packed_pixels(image), size);
   if (static_cast<int>(image.width) != camera.width || static_cast<int>(image.height) != camera.height)
     throw std::runtime_error("it has another size than its camera");
   CloudFrame cloud;

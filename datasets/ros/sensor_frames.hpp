@@ -13,7 +13,7 @@
 
 namespace clearway {
 
-/// mono8, mono16, rgb8, bgr8, rgba8, bgra8, 8UC1, 8UC3, yuv422 (UYVY), yuv422_yuy2, and bayer_*8 as grey.
+/// As gray_pixels.
 GrayImage gray_image(const RosImage& image);
 /// PNG and JPEG.
 GrayImage gray_image(const RosCompressedImage& image);

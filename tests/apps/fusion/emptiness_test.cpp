@@ -79,11 +79,11 @@ TEST(UnpaintedReason, IsGivenOnlyOfBallsThatAreTooSmallForTheVoxels) {
 
 TEST_F(Emptiness, ImagesOfABagThatCannotBeUsedAreReportedWithTheReason) {
   worlds::CameraBag bag(folder_ / "r.mcap");
-  bag.image("/image", 5, "lens", "nv21", 48, std::vector<std::uint8_t>(48 * 36));
+  bag.image("/image", 5, "lens", "mono12", 48, std::vector<std::uint8_t>(48 * 36));
   bag.write();
   const std::string sentence = refusal("r.mcap", small_setup + "source: {bag: {images: /image}}\n");
   EXPECT_NE(sentence.find("no camera image of it can be used: "), std::string::npos) << sentence;
-  EXPECT_NE(sentence.find("its encoding 'nv21' is not known here"), std::string::npos) << sentence;
+  EXPECT_NE(sentence.find("its encoding 'mono12' is not known here"), std::string::npos) << sentence;
 }
 
 TEST_F(Emptiness, PointsThatAllLieBeyondTheRangeAreReported) {

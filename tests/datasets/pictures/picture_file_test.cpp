@@ -31,6 +31,10 @@ TEST(PictureFile, APngGivesItsPixelsAndColoursBecomeTheirLuma) {
               1.0);
   const cv::Mat deep(4, 4, CV_16UC1, cv::Scalar(200 * 256));
   EXPECT_EQ(decode_picture(picture_bytes(deep, ".png")).pixels[5], 200);
+  cv::Mat dim(4, 4, CV_16UC1, cv::Scalar(2048));  // of a camera of 12 bits
+  dim.at<std::uint16_t>(0, 0) = 4095;
+  for (const char* end : {".png", ".tiff"})
+    EXPECT_EQ(decode_picture(picture_bytes(dim, end)).pixels[5], 128) << end;
 }
 
 TEST(PictureFile, NoCutOfAPictureIsTakenForAWholeOne) {
