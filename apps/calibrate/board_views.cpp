@@ -5,9 +5,11 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <set>
 #include <stdexcept>
 
 #include "apps/console/parse.hpp"
+#include "apps/fusion/emptiness.hpp"
 #include "apps/fusion/open_frames.hpp"
 #include "apps/fusion/painter.hpp"
 #include "apps/fusion/tag_search.hpp"
@@ -37,6 +39,13 @@ std::vector<TagDetection> of_board(const std::vector<TagDetection>& tags, const 
                     [&](const TagSetup& one) { return one.id == tag.id; }))
       own.push_back(tag);
   return own;
+}
+
+std::set<int> ids_in(const SearchedImages& images) {
+  std::set<int> ids;
+  for (const SearchedImage& image : images.images)
+    for (const TagDetection& tag : image.tags) ids.insert(tag.id);
+  return ids;
 }
 
 /// Images of the size that most images with tags have stay; of two that are as frequent, that of the first
@@ -127,6 +136,21 @@ std::optional<BodyPose> SurePoses::of(const BoardSetup& board, const SearchedIma
   return is_sure ? pose : std::nullopt;
 }
 
+std::string seen_instead(const Setup& setup, const SearchedImages& images, const BoardSetup& wanted) {
+  std::set<int> unknown = ids_in(images);
+  std::string list;
+  for (const BoardSetup& board : setup.boards) {
+    for (const TagSetup& tag : board.tags) unknown.erase(tag.id);
+    const auto count = std::count_if(images.images.begin(), images.images.end(),
+                                     [&](const auto& image) { return !of_board(image.tags, board).empty(); });
+    if (count > 0 && board.name != wanted.name)
+      list += (list.empty() ? "" : ", ") + ("board " + quote(board.name)) + " in " +
+              counted(static_cast<std::size_t>(count), "image");
+  }
+  if (!unknown.empty()) list += (list.empty() ? "" : ", ") + ("tags of no board, " + list_of_ids(unknown));
+  return list.empty() ? "" : "; seen instead: " + list;
+}
+
 const BoardSetup& seen_board(const Setup& setup, const SearchedImages& images, const std::string& name) {
   if (!name.empty()) {
     if (const BoardSetup* board = setup.board(name)) return *board;
@@ -145,7 +169,8 @@ const BoardSetup& seen_board(const Setup& setup, const SearchedImages& images, c
   if (best != nullptr) return *best;
   throw std::invalid_argument(
       "no tag in the images is on a board of the setup: expected its `boards` to name "
-      "the tags that are seen");
+      "the tags that are seen (ids " +
+      list_of_ids(ids_in(images)) + ")");
 }
 
 std::string ChosenViews::left_out() const {

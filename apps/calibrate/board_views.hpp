@@ -43,6 +43,9 @@ Camera known_camera(const Setup& setup, const SearchedImages& images);
 /// @throws std::invalid_argument when there is none of that name, or none is seen
 const BoardSetup& seen_board(const Setup& setup, const SearchedImages& images, const std::string& name);
 
+/// A clause about the other boards that are seen, and about tags of none; "": there are none.
+std::string seen_instead(const Setup& setup, const SearchedImages& images, const BoardSetup& wanted);
+
 /// Poses of boards in images, as far as nothing else explains them.
 class SurePoses {
  public:

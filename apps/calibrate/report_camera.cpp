@@ -130,6 +130,12 @@ CalibrationReport report_camera(const CalibrateOptions& options, const Setup& se
   report.refusal = found.refusal;
   const bool are_few = chosen.views.size() < how.least_views || chosen.moving > chosen.views.size();
   if (are_few && !report.refusal.empty()) report.refusal += chosen.left_out();
+  if (chosen.seen < how.least_views && !report.refusal.empty())
+    report.refusal += seen_instead(setup, images, board);
+  constexpr double clearly_wrong = 3.0;  // px: corners are found to some tenths of one
+  if (!report.refusal.empty() && found.rms_px > clearly_wrong)
+    report.refusal = "the corners miss the board as the setup has it by " + significant(found.rms_px, 2) +
+                     " px rms: are its tags where the setup says, and as large? If so, " + report.refusal;
   if (found.covariance.size() == 0) return report;
   if (found.camera.errors.distortion) describe_camera(found, report);
   if (!report.refusal.empty()) return report;

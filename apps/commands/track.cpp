@@ -14,6 +14,7 @@
 #include "apps/console/quantile.hpp"
 #include "apps/console/shipped_file.hpp"
 #include "apps/console/table.hpp"
+#include "apps/fusion/emptiness.hpp"
 #include "apps/fusion/open_frames.hpp"
 #include "apps/fusion/painter.hpp"
 #include "apps/fusion/tag_search.hpp"
@@ -113,7 +114,14 @@ class TrackReport {
     const std::string images = "its " + counted(images_, "image");
     if (refused_images_ == images_) return "none of " + images + " is the camera's: " + refusal_;
     if (ids_.empty()) return "no tag is seen in " + images;
-    return "none of the tags in " + images + " is on a board of the setup, or no pose explains them";
+    const std::string tags = "the tags in " + images + " (ids " + list_of_ids(ids_) + ")";
+    const bool is_any_known = std::any_of(ids_.begin(), ids_.end(), [&](int id) {
+      return std::any_of(setup_.boards.begin(), setup_.boards.end(), [&](const BoardSetup& board) {
+        return std::any_of(board.tags.begin(), board.tags.end(),
+                           [&](const TagSetup& tag) { return tag.id == id; });
+      });
+    });
+    return is_any_known ? "no pose explains " + tags : "none of " + tags + " is on a board of the setup";
   }
 
  private:

@@ -47,8 +47,25 @@ void require_tags(const Fusion& fusion, const std::string& name) {
                               fusion.setup.probe->board + "'");
 }
 
+/// Of what the setup says of a scan's points, that which can take some out.
+std::string takers_of(const Setup& setup) {
+  const MapSetup& map = setup.map;
+  std::string takers;
+  const auto add = [&](bool is_there, const char* taker) {
+    if (is_there) takers += (takers.empty() ? "" : " or ") + std::string(taker);
+  };
+  add(map.min_range.value_or(0.0) > 0.0, "by `min_range`");
+  add(map.crop.has_value(), "by `crop`");
+  add(map.outliers.has_value(), "by `outliers`");
+  add(setup.robot && (!setup.robot->joints.empty() || !setup.robot->joint_file.empty() ||
+                      !setup.robot->joint_topic.empty()),
+      "as the robot's own");
+  add(setup.probe || setup.gripper, "as the probe's or the hand's");
+  return takers.empty() ? "by `thin_to`" : takers;  // which leaves some, unlike the others
+}
+
 /// What became of the scans, of which no point is in the map.
-std::string fate_of_scans(const FusionCounts& counts) {
+std::string fate_of_scans(const FusionCounts& counts, const Setup& setup) {
   std::string fate;
   const auto add = [&](std::size_t count, const std::string& one, const std::string& many) {
     if (count > 0) fate += (fate.empty() ? "" : ", ") + counted(count, one, many);
@@ -65,8 +82,7 @@ std::string fate_of_scans(const FusionCounts& counts) {
   add_same(counts.points.dropped_invalid, "point is", "points are",
            " not finite, at the sensor's own origin or outside the map's range");
   add_same(counts.infinite_beams, "beam of laser scans is", "beams of laser scans are", " +inf");
-  add_same(counts.points.dropped_filter, "point was", "points were",
-           " taken out by min_range, crop, thin_to, outliers, or as the robot or the probe");
+  add_same(counts.points.dropped_filter, "point was", "points were", " taken out " + takers_of(setup));
   const std::string scans = "nothing of its " + counted(counts.scans, "scan") + " got into the map: ";
   return scans + (fate.empty() ? "there is no point in it" : fate);
 }
@@ -74,8 +90,10 @@ std::string fate_of_scans(const FusionCounts& counts) {
 std::string reason_for_nothing(const Fusion& fusion) {
   const FusionCounts& counts = fusion.counts;
   std::string no_ball = unpainted_reason(fusion);
-  if (no_ball.empty() && fusion.setup.probe) no_ball = "no ball was painted (" + refusals_of(counts) + ")";
-  if (counts.scans > 0) return fate_of_scans(counts) + (no_ball.empty() ? "" : "; " + no_ball);
+  if (no_ball.empty() && fusion.setup.probe)
+    no_ball = "no ball was painted (" + refusals_of(counts) +
+              (counts.ids_seen.empty() ? "" : "; tags seen are " + list_of_ids(counts.ids_seen)) + ")";
+  if (counts.scans > 0) return fate_of_scans(counts, fusion.setup) + (no_ball.empty() ? "" : "; " + no_ball);
   if (!no_ball.empty()) return no_ball;
   const std::string left_out = left_out_of(fusion);
   if (counts.images > 0)

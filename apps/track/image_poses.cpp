@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <opencv2/core.hpp>
+#include <set>
 
 #include "apps/console/parse.hpp"
+#include "apps/fusion/emptiness.hpp"
 #include "apps/fusion/painter.hpp"
 
 namespace clearway {
@@ -32,6 +34,15 @@ std::vector<TagDetection> single_tags(const std::vector<TagDetection>& tags) {
     if (!as_before && !as_next) single.push_back(tags[i]);
   }
   return single;
+}
+
+/// ", but tags 3, 7 are": which tags there are where those of a body are not seen; "" without any.
+std::string others_of(const std::vector<TagDetection>& seen) {
+  std::set<int> ids;
+  for (const TagDetection& tag : seen) ids.insert(tag.id);
+  if (ids.empty()) return "";
+  return ids.size() == 1 ? ", but tag " + list_of_ids(ids) + " is"
+                         : ", but tags " + list_of_ids(ids) + " are";
 }
 
 bool has(const std::vector<int>& ids, int id) { return std::find(ids.begin(), ids.end(), id) != ids.end(); }
@@ -165,7 +176,7 @@ void ImagePoseFinder::add_bodies(ImagePoses& poses, const std::vector<TagDetecti
     } else if (std::any_of(poses.tags.begin(), poses.tags.end(), has)) {
       poses.poses.push_back(refused(none, "seen_twice", "its tags are seen more than once each"));
     } else {
-      poses.poses.push_back(refused(none, "not_seen", "none of its tags is seen"));
+      poses.poses.push_back(refused(none, "not_seen", "none of its tags is seen" + others_of(poses.tags)));
     }
   }
 }
@@ -199,6 +210,8 @@ void ImagePoseFinder::add_ball(ImagePoses& poses, const std::vector<TagDetection
                                const PaintingSample& sample) const {
   ImagePose ball{"ball", "ball", "map", "", sample.reason, {}, {}, 0.0, {}};
   if (!sample.accepted) ball.refusal = to_string(sample.refusal);
+  if (sample.refusal == Refusal::base_not_seen || sample.refusal == Refusal::probe_not_seen)
+    ball.reason += others_of(poses.tags);
   if (sample.base && sample.probe) {
     Eigen::Isometry3d probe_from_ball = Eigen::Isometry3d::Identity();
     probe_from_ball.translation() = setup_.probe->ball_center;

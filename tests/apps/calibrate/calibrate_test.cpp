@@ -183,6 +183,29 @@ TEST_F(CalibratePictures, ThatEqualPicturesDoNotCountIsSaid) {
       << run.log;
 }
 
+TEST_F(CalibratePictures, ABoardThatIsNotInThePicturesOrNotAsItsSetupHasItIsTold) {
+  render("pictures", 16, 0.7);
+  const auto refusal = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> command{"calibrate", "camera", folder_.file("pictures"), "--threads", "2"};
+    command.insert(command.end(), more.begin(), more.end());
+    return run_command(command).log;
+  };
+  const std::string other = refusal({"--board", setup_, "--body", "base"});
+  EXPECT_NE(other.find("seen instead: board 'calibration' in 16 images"), std::string::npos) << other;
+  std::string text = read_file(setup_);
+  const std::string middle = "- {id: 8, size: 0.0238, pose_deg: [0, ";
+  const std::size_t tag = text.find(middle, text.find("name: calibration"));
+  ASSERT_NE(tag, std::string::npos);
+  folder_.write("moved.yaml", text.substr(0, tag) + "- {id: 8, size: 0.0238, pose_deg: [0.034, " +
+                                  text.substr(tag + middle.size()));
+  const std::string moved = refusal({"--board", folder_.file("moved.yaml")});
+  EXPECT_NE(moved.find("the corners miss the board as the setup has it by "), std::string::npos) << moved;
+  folder_.write("none.yaml",
+                "boards: [{name: b, tags: [{id: 500, size: 0.03, pose: [0, 0, 0, 0, 0, 0]}]}]\n");
+  const std::string none = refusal({"--board", folder_.file("none.yaml")});
+  EXPECT_NE(none.find("the tags that are seen (ids 0, 1, 2, "), std::string::npos) << none;
+}
+
 TEST_F(CalibratePictures, BoardWhoseSetupStatesAWrongSizeIsNamedAndMeasured) {
   render("pictures", 16, 0.7);
   std::string text = read_file(setup_);

@@ -53,7 +53,10 @@ class Emptiness : public testing::Test {
 TEST_F(Emptiness, ACropThatTakesEveryPointIsReported) {
   write_scan("r.rawlog", {{1.0F, 0.0F, 0.0F}, {1.0F, 0.5F, 0.0F}});
   EXPECT_NE(refusal("r.rawlog", "map: {crop: [5, 5, 5, 6, 6, 6]}\n")
-                .find("nothing of its 1 scan got into the map: 2 points were taken out by min_range, crop"),
+                .find("nothing of its 1 scan got into the map: 2 points were taken out by `crop`\n"),
+            std::string::npos);
+  EXPECT_NE(refusal("r.rawlog", "map: {min_range: 3, crop: [5, 5, 5, 6, 6, 6], thin_to: 0.01}\n")
+                .find("2 points were taken out by `min_range` or by `crop`\n"),
             std::string::npos);
   EXPECT_EQ(refusal("r.rawlog", "map: {crop: [0, -1, -1, 2, 2, 2]}\n"), "");
 }

@@ -121,6 +121,29 @@ TEST_F(ImagePosesOfAStroke, ATagAloneHasThePoseThatItsBoardGivesIt) {
   EXPECT_GT(seen, 3);
 }
 
+/// As of the sheet of another setup.
+TEST_F(ImagePosesOfAStroke, WhereABoardIsNotSeenTheTagsThatAreSeenAreNamed) {
+  const auto renamed = [this](std::string text, const std::vector<std::string>& ids) {
+    for (const std::string& id : ids)
+      text.replace(text.find("{id: " + id + ", "), 5 + id.size(),
+                   "{id: 3" + (id.size() == 1 ? "0" + id : id));
+    return folder_.write("other.yaml", text);
+  };
+  const CommandRun one = track({"--json", "--setup", renamed(setup_, {"0", "1"})});
+  ASSERT_EQ(one.status, exit_done) << one.log;
+  const Json image = Json::parse(one.out)["images"][0];
+  EXPECT_EQ((*find(image, "body", "base", "camera"))["reason"].get<std::string>().find(
+                "none of its tags is seen, but tags 0, 1, 1"),
+            0U)
+      << image;
+  EXPECT_EQ((*find(image, "ball", "ball", "map"))["reason"].get<std::string>().find(
+                "base 'base' is not seen, but tags 0, 1, 1"),
+            0U);
+  const CommandRun none = track({"--setup", renamed(setup_, {"0", "1", "10", "11", "12"})});
+  EXPECT_NE(none.log.find("none of the tags in its 6 images (ids 0, 1, 10"), std::string::npos) << none.log;
+  EXPECT_NE(none.log.find(") is on a board of the setup"), std::string::npos) << none.log;
+}
+
 TEST_F(ImagePosesOfAStroke, CsvJsonAndTumHoldTheSamePosesOnAnyThreads) {
   const CommandRun run = track({"--csv", folder_.file("p.csv"), "--json", folder_.file("p.json"),
                                 "--tum-probe", folder_.file("probe.txt"), "--tum-camera",
@@ -226,7 +249,8 @@ TEST_F(ImagePosesOfAStroke, WhatIsRefusedSaysWhy) {
                                     "boards: [{name: far, tags: [{id: 500, size: 0.05}]}]\n");
   const CommandRun strange = track({"--setup", folder_.file("strange.yaml"), "--json"});
   EXPECT_EQ(strange.status, exit_no);
-  EXPECT_NE(strange.log.find("none of the tags in its 6 images is on a board"), std::string::npos)
+  EXPECT_NE(strange.log.find("none of the tags in its 6 images (ids 0, 1, 10, 11) is on a board"),
+            std::string::npos)
       << strange.log;
 }
 
