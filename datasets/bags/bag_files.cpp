@@ -159,6 +159,8 @@ BagFiles::BagFiles(const std::filesystem::path& bag) : files_{bag} {
     inputs_.push_back(std::make_unique<InputFile>(file, "bag"));
     size_ += inputs_.back()->size();
   }
+  if (size_ == 0 && !is_sqlite_bag(files_.front()))  // of one, all may lie in its log
+    throw std::invalid_argument(bag_sentence(bag, "is empty: it has 0 bytes"));
 }
 
 std::string BagFiles::missing(const std::vector<std::string>& parts) const {

@@ -80,6 +80,8 @@ class BagSource final : public FrameSource {
       frames.visit([&](const Frame& frame) {
         report.send(ChildMessage::frame, bag->offset(), frame_to_bytes({frame, true}));
       });
+      if (const std::string none = bag->why_none(); !none.empty())
+        report.send(ChildMessage::skipped, bag->offset(), none);
       for (const std::string& what : frames.left_out())
         report.send(ChildMessage::skipped, bag->offset(), what);
       const std::string cut = frames.damage();
@@ -210,7 +212,10 @@ std::optional<std::string> missing_parts(const std::filesystem::path& folder,
 }
 
 std::vector<BagTopic> list_bag(const std::filesystem::path& file) {
-  return topics_of(ask(file, tell_topics));
+  return topics_of(ask(file, [](MessageBag& bag, const Tell& tell) {
+    if (bag.topics().empty() && !bag.damage().empty()) throw std::runtime_error(bag.damage());
+    tell_topics(bag, tell);
+  }));
 }
 
 BagListing list_contents(const std::filesystem::path& file) {
@@ -262,15 +267,17 @@ JointStream read_joints(const std::filesystem::path& file, const std::string& to
                             out.numbers(state.positions);
                             report.send(ChildMessage::skipped, 0, out.message());
                           });
-                          report.send(ChildMessage::end, 0, "");
+                          report.send(ChildMessage::end, 0, bag->why_none());
                         } catch (const std::exception&) {
                           report.send(ChildMessage::damage, 0, "");
                         }
                       });
   JointStream stream(max_gap);
   std::vector<double> times;
+  std::string why_none;
   for (;;) {
     const ChildMessage message = child.receive();
+    if (message.kind == ChildMessage::end) why_none = message.text;
     if (message.kind != ChildMessage::skipped) break;  // what came before damage is used
     try {
       WireReader in({reinterpret_cast<const std::uint8_t*>(message.text.data()), message.text.size()},
@@ -284,8 +291,9 @@ JointStream read_joints(const std::filesystem::path& file, const std::string& to
     }
   }
   if (stream.empty())
-    throw std::invalid_argument(
-        bag_sentence(file, "has no joint positions that can be used in topic " + quote(topic)));
+    throw std::invalid_argument(bag_sentence(file, "has no joint positions that can be used in topic " +
+                                                       quote(topic) +
+                                                       (why_none.empty() ? "" : ": it " + why_none)));
   if (find_restart(times))
     throw std::invalid_argument(bag_sentence(
         file, "holds more than one run of its clock: the stamps of topic " + quote(topic) +

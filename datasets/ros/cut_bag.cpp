@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "mapping/system/number_text.hpp"
+
 namespace clearway {
 namespace {
 
@@ -23,22 +25,33 @@ class CutBag final : public MessageBag {
       const BagTopic& topic = topics_[message.topic];
       const double since = message.time - first;
       const bool is_in = since >= from_ && (!to_ || since < *to_);
-      if (is_in || topic.name.ends_with("tf_static")) return take(message);
-      message.is_beyond = since >= from_ - margin && (!to_ || since < *to_ + margin);
       const bool is_pose =
           is_transforms(topic) || std::find(poses_.begin(), poses_.end(), topic.name) != poses_.end();
+      if (!is_pose) visited_.add(since);
+      has_some_ = has_some_ || (is_in && !is_pose);
+      if (is_in || topic.name.ends_with("tf_static")) return take(message);
+      message.is_beyond = since >= from_ - margin && (!to_ || since < *to_ + margin);
       return message.is_beyond && is_pose ? take(message) : true;
     });
     damage_ = bag_->damage();
   }
   std::optional<double> first_time() const override { return bag_->first_time(); }
   std::uint64_t offset() const override { return bag_->offset(); }
+  std::string why_none() const override {
+    if (has_some_ || visited_.last < visited_.first) return "";
+    const std::string part =
+        "from " + short_text(from_, 6) + " s" + (to_ ? " to " + short_text(*to_, 6) + " s" : " on");
+    return "has no message of these topics " + part + " (`from` and `to` of the setup); theirs go from " +
+           short_text(visited_.first, 6) + " to " + short_text(visited_.last, 6) + " s";
+  }
 
  private:
   std::unique_ptr<MessageBag> bag_;
   double from_;
   std::optional<double> to_;
   std::vector<std::string> poses_;
+  TopicSpan visited_;  ///< s after the first message, of all but poses
+  bool has_some_ = false;
 };
 
 }  // namespace

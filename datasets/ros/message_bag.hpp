@@ -76,6 +76,9 @@ class MessageBag {
   virtual std::optional<std::vector<TopicSpan>> spans() const { return std::nullopt; }
   /// When the first message was recorded, s since 1970; nothing: there is none.
   virtual std::optional<double> first_time() const = 0;
+  /// Of a part of a bag (cut_bag): a clause that says that no message visited lies in it, and where they lie;
+  /// empty: some do, or there are none.
+  virtual std::string why_none() const { return ""; }
   /// How much of the file `visit` has been through, bytes.
   virtual std::uint64_t offset() const = 0;
 
