@@ -97,7 +97,7 @@ Eigen::Isometry3d BagFrames::pose_of(const std::string& frame, double time, doub
                      time_text(jump->before) + " and " + time_text(jump->after) + " s");
   if (!pose)
     throw std::runtime_error("frame " + quote(frame) + " is not known in " + quote(options_.bag.fixed_frame) +
-                             why_unknown(frame));
+                             why_unknown(frame, time));
   return *pose;
 }
 
@@ -285,7 +285,7 @@ bool BagFrames::takes_sensors_to_stand() const {
   });
 }
 
-std::string BagFrames::why_unknown(const std::string& frame) const {
+std::string BagFrames::why_unknown(const std::string& frame, double time) const {
   const std::vector<std::string> frames = transforms_.frames();
   if (frames.empty() && transforms_.left_out() > 0)
     return ": none of the bag's " + std::to_string(transforms_.left_out()) +
@@ -294,7 +294,19 @@ std::string BagFrames::why_unknown(const std::string& frame) const {
   for (const std::string& name : {options_.bag.fixed_frame, frame})
     if (!holds(frames, name))
       return ": no transform has " + quote(name) + "; frames of the bag: " + list_of_frames(frames);
-  return " at its time";
+  const auto times = transforms_.times_between(options_.bag.fixed_frame, frame);
+  if (!times) return ": no chain of transforms joins the two";
+  constexpr double years = 1e8;  // s
+  std::string why = " at its time, " + time_text(time) +
+                    " s: transforms of all frames between the two go from " + time_text(times->first) +
+                    " to " + time_text(times->second) + " s";
+  if (time < years && times->first - time > years)
+    why +=
+        ", and the message's stamp counts from when its sensor started: expected a driver that stamps by the "
+        "clock of ROS";
+  if (time > times->first && time < times->second)
+    why += ", those of one around it more than " + short_text(TransformTree::max_gap) + " s apart";
+  return why;
 }
 
 std::vector<std::string> BagFrames::left_out() const {

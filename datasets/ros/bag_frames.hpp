@@ -89,7 +89,7 @@ class BagFrames {
   /// Whether neither the setup nor transforms say where some sensor of points is.
   bool takes_sensors_to_stand() const;
   /// The end of the clause that says that a frame has no pose.
-  std::string why_unknown(const std::string& frame) const;
+  std::string why_unknown(const std::string& frame, double time) const;
 
   MessageBag& bag_;
   const SourceOptions& options_;

@@ -153,6 +153,19 @@ std::optional<PoseJump> TransformTree::jump_between(const std::string& root, con
   return std::nullopt;
 }
 
+std::optional<std::pair<double, double>> TransformTree::times_between(const std::string& root,
+                                                                      const std::string& frame) const {
+  std::optional<std::pair<double, double>> times;
+  for (const std::string& link : way_between(root, frame)) {
+    const Edge* const edge = edge_of(link);
+    if (edge == nullptr || edge->is_fixed || edge->poses.empty()) continue;
+    const double first = edge->poses.begin()->first, last = edge->poses.rbegin()->first;
+    if (!times) times = {first, last};
+    times = {std::max(times->first, first), std::min(times->second, last)};
+  }
+  return times;
+}
+
 std::optional<Eigen::Isometry3d> TransformTree::pose_at(const Edge& edge, double time, double recorded) {
   const auto isometry = [](const Pose& pose) {
     return Eigen::Isometry3d(Eigen::Translation3d(pose.translation) * pose.rotation);

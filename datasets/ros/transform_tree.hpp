@@ -5,6 +5,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "datasets/ros/ros_messages.hpp"
@@ -79,6 +80,9 @@ class TransformTree {
   std::vector<FrameParent> parents_of(const std::string& frame, const std::string& root) const;
   /// The frames whose poses join the two: up to their common one, or all above both where there is none.
   std::set<std::string> way_between(const std::string& root, const std::string& frame) const;
+  /// s, the first and the last time of the poses on this way, of all frames that move; nothing: none does.
+  std::optional<std::pair<double, double>> times_between(const std::string& root,
+                                                         const std::string& frame) const;
   /// Of a frame that moves; elsewhere 0.
   PoseConflicts conflicts_of(const std::string& frame) const;
   /// m, the diagonal of the box of its places in its parent; 0 where it is fixed.

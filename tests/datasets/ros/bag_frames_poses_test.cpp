@@ -153,6 +153,38 @@ TEST_F(BagFramesTest, AFrameThatLeadsToNoSensorMayAlternate) {
 }
 
 /// A bag without tf: where the base is by messages of this type, where the sensor is on it by the setup.
+TEST_F(BagFramesTest, WhatHasNoPoseAtItsTimeSaysThatAndWhenThereAreSome) {
+  const auto warnings = [&](double later, double stamp, const std::string& frame) {
+    ScanBag bag(folder_ / "a.mcap");
+    bag.transform(later + 10, "base", "sensor", mount(), true);
+    bag.transform(later + 10, "other", "loose", mount(), true);
+    for (double time = 10; time < 13.001; time += 0.05)
+      bag.transform(later + time, "map", "base", base_at(time));
+    bag.transform(later + 16, "map", "base", base_at(16));
+    bag.cloud("/points", {later + 11.0, stamp}, frame, {{1, 2, 3}});
+    bag.sort();
+    return read(bag, "a.mcap").warnings;
+  };
+  const std::string late = warnings(0, 15.5, "sensor");
+  EXPECT_NE(
+      late.find("'sensor' is not known in 'map' at its time, 15.500 s: transforms of all frames between "
+                "the two go from 10.000 to 16.000 s, those of one around it more than 1 s apart"),
+      std::string::npos)
+      << late;
+  EXPECT_EQ(late.find("from when its sensor started"), std::string::npos) << late;
+  const std::string since_start = warnings(1.7e9, 1234.0, "sensor");
+  EXPECT_NE(
+      since_start.find("at its time, 1234.000 s: transforms of all frames between the two go from "
+                       "1700000010.000 to 1700000016.000 s, and the message's stamp counts from when its "
+                       "sensor started"),
+      std::string::npos)
+      << since_start;
+  const std::string loose = warnings(0, 11.0, "loose");
+  EXPECT_NE(loose.find("'loose' is not known in 'map': no chain of transforms joins the two"),
+            std::string::npos)
+      << loose;
+}
+
 TEST_F(BagFramesTest, PosesOfTheirOwnTopicsCountAsThoseOfTf) {
   for (const char* name : {"a.mcap", "a.bag"}) {
     for (const std::string type : {"nav_msgs/Odometry", "geometry_msgs/TransformStamped",
