@@ -1,5 +1,6 @@
 #include "datasets/bags/mcap_chunk.hpp"
 
+#include <bzlib.h>
 #include <lz4frame.h>
 #include <zlib.h>
 #include <zstd.h>
@@ -28,6 +29,16 @@ void unpack_lz4(std::span<const std::uint8_t> packed, std::vector<std::uint8_t>&
   if (written != out.size()) throw std::runtime_error("a chunk's LZ4 data is damaged");
 }
 
+void unpack_bz2(std::span<const std::uint8_t> packed, std::vector<std::uint8_t>& out) {
+  if (packed.size() > most_chunk_bytes) throw std::runtime_error("a chunk is larger than 1 GiB");
+  auto size = static_cast<unsigned>(out.size());
+  auto* const from = const_cast<char*>(reinterpret_cast<const char*>(packed.data()));
+  const int result = BZ2_bzBuffToBuffDecompress(reinterpret_cast<char*>(out.data()), &size, from,
+                                                static_cast<unsigned>(packed.size()), 0, 0);
+  if (result == BZ_MEM_ERROR) throw std::bad_alloc();
+  if (result != BZ_OK || size != out.size()) throw std::runtime_error("a chunk's bzip2 data is damaged");
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> unpack_chunk(std::span<const std::uint8_t> packed, const std::string& compression,
@@ -44,8 +55,11 @@ std::vector<std::uint8_t> unpack_chunk(std::span<const std::uint8_t> packed, con
   } else if (compression == "lz4") {
     out.resize(unpacked_size);
     unpack_lz4(packed, out);
+  } else if (compression == "bz2") {
+    out.resize(unpacked_size);
+    unpack_bz2(packed, out);
   } else {
-    throw std::runtime_error("a chunk is compressed in another way than lz4 and zstd");
+    throw std::runtime_error("a chunk is compressed in another way than lz4, zstd and bz2");
   }
   if (crc != 0 && crc32_z(0, out.data(), out.size()) != crc)
     throw std::runtime_error("a chunk does not pass its checksum");

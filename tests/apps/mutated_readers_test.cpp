@@ -152,7 +152,7 @@ TEST_F(MutatedReaders, bags) {
   expect_read_or_refused("a.db3", read_file(folder_ / "whole.db3"), read);
   worlds::write_ros1_bag(
       folder_ / "a.bag",
-      std::filesystem::path(CLEARWAY_SOURCE_DIR) / "tests/datasets/ros/bags/ros1_none.mcap", false);
+      std::filesystem::path(CLEARWAY_SOURCE_DIR) / "tests/datasets/ros/bags/ros1_none.mcap", "none");
   expect_read_or_refused("a.bag", read_file(folder_ / "a.bag"), read);
 }
 

@@ -50,11 +50,13 @@ struct Serializer<RawMessage> {
 
 namespace clearway::worlds {
 
-void write_ros1_bag(const std::filesystem::path& bag, const std::filesystem::path& mcap, bool packed) {
+void write_ros1_bag(const std::filesystem::path& bag, const std::filesystem::path& mcap,
+                    const std::string& compression) {
   const int file = ::open(mcap.c_str(), O_RDONLY | O_CLOEXEC);
   const auto source = open_mcap(file, std::filesystem::file_size(mcap));
   rosbag::Bag out(bag.string(), rosbag::bagmode::Write);
-  if (packed) out.setCompression(rosbag::compression::LZ4);
+  if (compression == "lz4") out.setCompression(rosbag::compression::LZ4);
+  if (compression == "bz2") out.setCompression(rosbag::compression::BZ2);
   source->visit(std::vector<bool>(source->topics().size(), true), [&](const BagMessage& message) {
     const BagTopic& topic = source->topics()[message.topic];
     out.write(topic.name, ros::Time(message.time), RawMessage{topic.type, message.bytes});

@@ -7,7 +7,9 @@
 namespace clearway::worlds {
 
 /// Writes the messages of an MCAP file in ROS 1's encoding as a ROS 1 bag, by rosbag_storage.
-void write_ros1_bag(const std::filesystem::path& bag, const std::filesystem::path& mcap, bool packed);
+/// @param compression none, lz4 or bz2
+void write_ros1_bag(const std::filesystem::path& bag, const std::filesystem::path& mcap,
+                    const std::string& compression);
 
 /// A message, encoded.
 struct BagRecord {
