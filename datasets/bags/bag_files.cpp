@@ -148,6 +148,8 @@ class JoinedBag final : public MessageBag {
 }  // namespace
 
 BagFiles::BagFiles(const std::filesystem::path& bag) : files_{bag} {
+  if (is_packed_mcap(bag))
+    throw std::invalid_argument(bag_sentence(bag, "is packed as a whole: expected it unpacked (`zstd -d`)"));
   const bool is_folder = is_bag_folder(bag);
   if (is_folder) files_ = files_with(bag, ".mcap");
   if (is_folder && files_.empty()) files_ = files_with(bag, ".db3");

@@ -64,7 +64,7 @@ void require_unpacked(const std::filesystem::path& folder) {
     const bool are_files = mode == "FILE";
     std::error_code error;
     for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-      if (are_files && entry.path().extension() == ".mcap") return;
+      if (entry.path().extension() == ".mcap" && (are_files || is_zstd(format))) return;
       if (is_sqlite_bag(entry.path()) && (are_files || is_zstd(format))) return;
     }
     throw std::invalid_argument("bag " + quote_path(folder.string()) + " has compressed " +

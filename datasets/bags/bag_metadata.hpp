@@ -12,8 +12,8 @@ namespace clearway {
 std::vector<std::string> listed_parts(const std::filesystem::path& folder);
 
 /// @throws std::invalid_argument naming the folder where metadata.yaml says that its files, or its messages,
-/// are compressed, and saying how they are unpacked; files that lie there
-/// unpacked do, and those of SQLite, which are read as they are (Zstandard).
+/// are compressed, and saying how they are unpacked; files that lie there unpacked do, those of SQLite, which
+/// are read as they are (Zstandard), and messages packed by Zstandard.
 void require_unpacked(const std::filesystem::path& folder);
 
 }  // namespace clearway

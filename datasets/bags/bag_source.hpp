@@ -28,9 +28,15 @@ inline bool is_ros1_bag(const std::filesystem::path& file) {
   return kind == ".bag" || (kind == ".active" && extension_of(file.stem()) == ".bag");
 }
 
+/// True for names of MCAP files that are packed as a whole, .mcap.zstd and .mcap.zst, which are refused.
+inline bool is_packed_mcap(const std::filesystem::path& file) {
+  const std::string kind = extension_of(file);
+  return (kind == ".zstd" || kind == ".zst") && extension_of(file.stem()) == ".mcap";
+}
+
 /// True for names that end in .mcap, in small or capital letters, and for those of SQLite's and ROS 1 bags.
 inline bool is_bag_file(const std::filesystem::path& file) {
-  return extension_of(file) == ".mcap" || is_sqlite_bag(file) || is_ros1_bag(file);
+  return extension_of(file) == ".mcap" || is_packed_mcap(file) || is_sqlite_bag(file) || is_ros1_bag(file);
 }
 
 /// True for the folder that `ros2 bag record` makes: metadata.yaml beside files .mcap or .db3 (of which what

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstring>
 #include <map>
+#include <optional>
 #include <queue>
 #include <stdexcept>
 
@@ -12,8 +13,10 @@
 #include "datasets/bags/mcap_format.hpp"
 #include "datasets/bags/mcap_index.hpp"
 #include "datasets/bags/mcap_records.hpp"
+#include "datasets/bags/packed_message.hpp"
 #include "datasets/ros/message_bag.hpp"
 #include "datasets/ros/ros_messages.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
@@ -111,7 +114,8 @@ class McapBag final : public MessageBag {
       Open& place = open.at(at);
       const Message& message = place.messages[place.next];
       const double time = 1e-9 * static_cast<double>(message.time);
-      if (!take({message.topic, time, message.bytes, message.place})) return;
+      const auto bytes = unpacked(message);
+      if (bytes && !take({message.topic, time, *bytes, message.place})) return;
       if (++place.next < place.messages.size()) {
         queue.emplace(place.messages[place.next].time, at);
       } else {
@@ -119,6 +123,20 @@ class McapBag final : public MessageBag {
       }
     }
     offset_ = file_.size();
+  }
+
+  /// Nothing: it is packed, and damaged.
+  std::optional<Bytes> unpacked(const Message& message) {
+    if (topics_[message.topic].wire != RosWire::cdr || !is_packed_message(message.bytes))
+      return message.bytes;
+    try {
+      unpack_message(message.bytes, unpacked_);
+      return unpacked_;
+    } catch (const std::runtime_error& error) {
+      report_damage("a message in topic " + quote(topics_[message.topic].name) +
+                    " is damaged: " + error.what());
+      return std::nullopt;
+    }
   }
 
   /// The opcode and size of the record at a place.
@@ -333,6 +351,7 @@ class McapBag final : public MessageBag {
   std::map<std::uint16_t, std::string> schemas_;
   std::map<std::uint16_t, std::size_t> topic_of_;
   std::map<std::uint16_t, std::uint64_t> counts_;
+  std::vector<std::uint8_t> unpacked_;  ///< a message
   std::uint64_t offset_ = 0;
   bool has_statistics_ = false, has_loose_messages_ = false, is_indexed_ = false;
 };

@@ -1,8 +1,6 @@
 // ROS 2 bags in SQLite (.db3), as rosbag2's plugin sqlite3 writes them: a table of topics and one of
 // messages.
 
-#include <zstd.h>
-
 #include <algorithm>
 #include <map>
 #include <new>
@@ -10,6 +8,7 @@
 #include <utility>
 
 #include "datasets/bags/database_bytes.hpp"
+#include "datasets/bags/packed_message.hpp"
 #include "datasets/bags/still_database.hpp"
 #include "datasets/ros/message_bag.hpp"
 #include "datasets/ros/ros_messages.hpp"
@@ -182,26 +181,15 @@ class SqliteBag final : public MessageBag {
     try {
       query.ask(entry.id);
       const auto bytes = query.next() ? query.blob(0) : std::nullopt;
-      if (bytes && bytes->size() == entry.size) return is_packed(*bytes) ? unpacked(*bytes) : *bytes;
+      if (bytes && bytes->size() == entry.size) {
+        if (!is_packed_message(*bytes)) return bytes;
+        unpack_message(*bytes, unpacked_);
+        return unpacked_;
+      }
     } catch (const std::runtime_error&) {
     }
     report_damage("message " + std::to_string(entry.id) + " is damaged");
     return std::nullopt;
-  }
-
-  /// As of recorders that pack each message: a Zstandard frame, whose magic number begins no CDR.
-  static bool is_packed(std::span<const std::uint8_t> bytes) {
-    constexpr std::uint8_t magic[] = {0x28, 0xB5, 0x2F, 0xFD};
-    return bytes.size() > sizeof magic && std::equal(std::begin(magic), std::end(magic), bytes.begin());
-  }
-  std::optional<std::span<const std::uint8_t>> unpacked(std::span<const std::uint8_t> bytes) {
-    const unsigned long long size = ZSTD_getFrameContentSize(bytes.data(), bytes.size());
-    if (size > static_cast<unsigned long long>(most_message_bytes))
-      throw std::runtime_error("it does not say its size, or is too large");
-    unpacked_.resize(size);
-    if (ZSTD_decompress(unpacked_.data(), size, bytes.data(), bytes.size()) != size)
-      throw std::runtime_error("its Zstandard data is damaged");
-    return unpacked_;
   }
 
   void report_damage(const std::string& what) {

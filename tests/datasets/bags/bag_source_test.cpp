@@ -1,6 +1,7 @@
 #include "datasets/bags/bag_source.hpp"
 
 #include <gtest/gtest.h>
+#include <zstd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +14,16 @@
 
 namespace clearway {
 namespace bag_source_test {
+
+/// A frame that states its size, or not.
+std::string zstd(const std::string& bytes, bool is_size_stated = true) {
+  ZSTD_CCtx* const context = ZSTD_createCCtx();
+  ZSTD_CCtx_setParameter(context, ZSTD_c_contentSizeFlag, is_size_stated ? 1 : 0);
+  std::string packed(ZSTD_compressBound(bytes.size()), '\0');
+  packed.resize(ZSTD_compress2(context, packed.data(), packed.size(), bytes.data(), bytes.size()));
+  ZSTD_freeCCtx(context);
+  return packed;
+}
 
 /// A driver says NaN of what it does not know: that is no reading of this joint, and all the others are.
 TEST(BagSource, AJointThatIsNotFiniteIsNotReadThenAndTheOthersAre) {
@@ -37,7 +48,27 @@ TEST(BagSource, AJointThatIsNotFiniteIsNotReadThenAndTheOthersAre) {
   EXPECT_NEAR(between->back(), 0.5, 1e-9);
 }
 
-TEST(BagSource, WhatIsEmptyOrCutBeforeItsFirstTopicIsRefusedAsSuch) {
+/// As `ros2 bag record --compression-mode message` makes it: each message is a Zstandard frame.
+TEST(BagSource, MessagesThatArePackedEachAreReadAndDamagedOnesTold) {
+  const TemporaryFolder folder;
+  const RosType& type = joint_state_type();
+  McapWriter bag(folder / "arm.mcap");
+  const auto topic = bag.add_topic("/joint_states", type.name, type.definition);
+  for (int k = 0; k < 4; ++k) {
+    const double time = 1.0 + 0.1 * k;
+    std::string packed = zstd(encode_joints(time, {"elbow"}, Eigen::VectorXd::Constant(1, 0.1 * k)), k != 1);
+    if (k == 3) packed = packed.substr(0, packed.size() / 2);
+    bag.write(topic, time, packed);
+  }
+  bag.finish();
+  const JointStream joints = read_joints(folder / "arm.mcap", "/joint_states");
+  EXPECT_EQ(joints.times({"elbow"}).size(), 3U);
+  EXPECT_NEAR(joints.at({"elbow"}, 1.15)->front(), 0.15, 1e-9);
+  const BagListing listing = list_contents(folder / "arm.mcap");
+  EXPECT_EQ(listing.topics.at(0).count, 4U);
+}
+
+TEST(BagSource, WhatIsEmptyPackedOrCutBeforeItsFirstTopicIsRefusedAsSuch) {
   const TemporaryFolder folder;
   const auto refusal = [&](const std::string& name, const std::string& bytes) {
     folder.write(name, bytes);
@@ -46,6 +77,7 @@ TEST(BagSource, WhatIsEmptyOrCutBeforeItsFirstTopicIsRefusedAsSuch) {
   };
   EXPECT_EQ(refusal("a.mcap", ""), "is empty: it has 0 bytes");
   EXPECT_EQ(refusal("a.bag", ""), "is empty: it has 0 bytes");
+  EXPECT_EQ(refusal("a.mcap.zstd", zstd("any")), "is packed as a whole: expected it unpacked (`zstd -d`)");
   McapWriter(folder / "whole.mcap").finish();
   const std::string whole = read_file(folder / "whole.mcap");
   EXPECT_NE(refusal("cut.mcap", whole.substr(0, 20)).find("cannot be read: the file ends early"),
