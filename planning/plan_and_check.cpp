@@ -25,10 +25,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
-
 // What plan files may say, too (files/plan_file_load.cpp).
 constexpr double most_payload = 1e6;  ///< kg
 constexpr double most_gravity = 1e3;  ///< m/s^2

@@ -138,9 +138,7 @@ class PickPlanner {
 
   std::string limit_text() const { return short_text(query_.time_limit) + " s (--time-limit gives more)"; }
 
-  bool is_out_of_time() const {
-    return std::chrono::duration<double>(Clock::now() - begin_).count() > query_.time_limit;
-  }
+  bool is_out_of_time() const { return seconds_since(begin_) > query_.time_limit; }
 
   /// Configurations that hold the object where it is, nearest to `near` first.
   std::vector<Hold> holds(const Eigen::Isometry3d& map_from_object, const Configuration& near) const {
@@ -290,7 +288,7 @@ void check_legs_of(const ConfigurationSpace& space, const Pick& pick, Plan& plan
   const ThreadStopwatch cpu(plan.check_cpu_s);
   plan.validation = check_pick(pick_of(plan, pick, space.robot(), space.map()), plan.policies, plan.padding,
                                plan.seen_within);
-  plan.check_s = std::chrono::duration<double>(Clock::now() - begin).count();
+  plan.check_s = seconds_since(begin);
 }
 
 void report_ends(const PlanQuery& query, Plan& plan) {
@@ -345,7 +343,7 @@ Plan plan_pick(const PlanQuery& query, const Pick& pick) {
   plan.pick = pick;
   plan.tip = tip_name(space.robot());
   report_ends(query, plan);
-  plan.time_s = std::chrono::duration<double>(Clock::now() - begin).count();
+  plan.time_s = seconds_since(begin);
   if (plan.status() == PlanStatus::solved) check_legs_of(space, pick, plan);
   if (query.survey) {
     plan.survey = survey_legs(legs_of(plan, space.robot(), space.map()), plan.policies);

@@ -11,6 +11,7 @@
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "mapping/system/random_unit.hpp"
+#include "mapping/system/thread_time.hpp"
 #include "mapping/voxels/rigid_pose.hpp"
 #include "planning/files/query_record.hpp"
 #include "planning/robot/kinematics.hpp"
@@ -188,8 +189,7 @@ void tell_of_others(std::vector<PlanResult>& legs, int others, bool has_untried,
 }
 
 Plan plan_to_choices(PlanQuery query, PoseGoals& goals) {
-  using Clock = std::chrono::steady_clock;
-  const auto begin = Clock::now();
+  const auto begin = std::chrono::steady_clock::now();
   query.goals = goals.goals();
   Plan first = plan_and_check(query);
   Plan plan = first;
@@ -202,8 +202,7 @@ Plan plan_to_choices(PlanQuery query, PoseGoals& goals) {
   query.advice_time = 0.0;
   int others = 0;
   while (plan.status() != PlanStatus::solved) {
-    const bool is_out_of_time =
-        std::chrono::duration<double>(Clock::now() - begin).count() > query.time_limit;
+    const bool is_out_of_time = seconds_since(begin) > query.time_limit;
     const bool has_next = !plan.legs.empty() && goals.has_next(plan.legs.size() - 1);
     if (is_out_of_time || !has_next) {
       tell_of_others(first.legs, others, has_next, query.time_limit);

@@ -19,6 +19,7 @@
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "mapping/system/thread_time.hpp"
 #include "planning/planned_motion.hpp"
 #include "planning/planner_table.hpp"
 
@@ -27,10 +28,6 @@ namespace clearway {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 /// The map, the robot and the plans behind what the fusion saw.
 void finish_record(const ReplayReport& report, ReplayRecord& record) {

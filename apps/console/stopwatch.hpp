@@ -2,13 +2,15 @@
 
 #include <chrono>
 
+#include "mapping/system/thread_time.hpp"
+
 namespace clearway {
 
 /// Adds the wall time of its scope to a total, seconds.
 class Stopwatch {
  public:
   explicit Stopwatch(double& total) : total_(total) {}
-  ~Stopwatch() { total_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count(); }
+  ~Stopwatch() { total_ += seconds_since(begin_); }
   Stopwatch(const Stopwatch&) = delete;
   Stopwatch& operator=(const Stopwatch&) = delete;
 
@@ -21,9 +23,7 @@ class Stopwatch {
 class Deadline {
  public:
   explicit Deadline(double seconds) : seconds_(seconds) {}
-  bool is_over() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count() > seconds_;
-  }
+  bool is_over() const { return seconds_since(begin_) > seconds_; }
 
  private:
   double seconds_;

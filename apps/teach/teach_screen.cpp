@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "apps/teach/teach_window.hpp"
+#include "mapping/system/thread_time.hpp"
 
 namespace clearway {
 
@@ -78,9 +79,7 @@ void TeachScreen::run(const std::function<TeachDisplay()>& open) {
     if (view) display.show(painter.draw(*view));
     const int key = display.key();
     lock.lock();
-    if (view)
-      times_.latencies.push_back(
-          std::chrono::duration<double>(std::chrono::steady_clock::now() - view->taken).count());
+    if (view) times_.latencies.push_back(seconds_since(view->taken));
     if (key >= 0) keys_.push_back(key);
   }
 }

@@ -1,8 +1,14 @@
 #pragma once
 
+#include <chrono>
 #include <ctime>
 
 namespace clearway {
+
+/// Wall time, s.
+inline double seconds_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
 
 /// CPU time that the calling thread has used so far, s; threads that it started count for themselves.
 inline double thread_cpu_seconds() {
