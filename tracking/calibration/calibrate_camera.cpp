@@ -10,6 +10,7 @@
 #include "tracking/calibration/camera_judgement.hpp"
 #include "tracking/calibration/held_out.hpp"
 #include "tracking/calibration/initial_camera.hpp"
+#include "tracking/calibration/upper_median.hpp"
 #include "tracking/calibration/view_spread.hpp"
 #include "tracking/calibration/words.hpp"
 #include "tracking/dense.hpp"
@@ -74,10 +75,7 @@ bool leave_out(Bundle& bundle, const BundleFit& fit, std::size_t& may, std::vect
     for (const double squares : fit.tag_squares[v]) sum += squares / 8.0;
     shares.push_back(sum / static_cast<double>(fit.tag_squares[v].size()));
   }
-  std::vector<double> sorted = shares;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
-                   sorted.end());
-  const double usual = sorted[sorted.size() / 2];
+  const double usual = upper_median(shares);
   constexpr double times = 6.0;  // squares of a view's corners over the usual ones
   const double limit = 4.0 * usual * std::max(times, chi_square_limit(8) / 8.0);
   bool found = false;

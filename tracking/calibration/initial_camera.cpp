@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "tracking/calibration/upper_median.hpp"
 #include "tracking/dense.hpp"
 #include "tracking/pose_refinement.hpp"
 #include "tracking/tag_pose.hpp"
@@ -100,9 +101,7 @@ PlacedViews place_all(const Camera& camera, const Bundle& bundle, const BoardPla
       all.views.push_back(placed->view);
       errors[v] = placed->squared_error;
     }
-  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-  std::nth_element(errors.begin(), middle, errors.end());
-  all.error = *middle;
+  all.error = upper_median(std::move(errors));
   return all;
 }
 

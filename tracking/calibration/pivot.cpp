@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tracking/calibration/upper_median.hpp"
 #include "tracking/calibration/words.hpp"
 #include "tracking/dense.hpp"
 
@@ -79,10 +80,7 @@ PivotFit fit_pivot(const std::vector<PivotLook>& looks, Eigen::Vector3d ball) {
 
 /// Takes out looks whose squares are far above the usual ones. True when it found any.
 bool leave_out_looks(std::vector<PivotLook>& looks, const PivotFit& fit, std::size_t& may) {
-  std::vector<double> sorted = fit.squares;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
-                   sorted.end());
-  const double limit = 20.0 * sorted[sorted.size() / 2] / 2.37;  // 2.37: the median of chi-square(3)
+  const double limit = 20.0 * upper_median(fit.squares) / 2.37;  // 2.37: the median of chi-square(3)
   bool found = false;
   for (std::size_t i = looks.size(); i-- > 0 && may > 0;) {
     if (fit.squares[i] <= limit) continue;

@@ -6,6 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "tracking/calibration/upper_median.hpp"
+
 namespace clearway {
 namespace {
 
@@ -130,10 +132,8 @@ double scatter_of(const std::vector<TagPlace>& tags, const Similarity& similarit
   }
   std::vector<double> off;
   for (const TagPlace& tag : tags) off.push_back(similarity.off(tag));
-  const auto middle = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
-  std::nth_element(off.begin(), middle, off.end());
   const double count = static_cast<double>(tags.size()), freedom = std::max(1.0, count - 2.0);
-  return *middle / std::sqrt(2.0 * std::log(2.0)) * std::sqrt(count / freedom);
+  return upper_median(off) / std::sqrt(2.0 * std::log(2.0)) * std::sqrt(count / freedom);
 }
 
 }  // namespace

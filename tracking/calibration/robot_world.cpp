@@ -6,6 +6,7 @@
 #include <opencv2/core/eigen.hpp>
 #include <tuple>
 
+#include "tracking/calibration/upper_median.hpp"
 #include "tracking/calibration/words.hpp"
 #include "tracking/dense.hpp"
 
@@ -64,12 +65,6 @@ struct Equations {
     return rest;
   }
 };
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 class Fit {
  public:
@@ -130,7 +125,7 @@ class Fit {
       const std::vector<Equations> parts = each(answer);
       std::vector<double> squares;
       for (const Equations& one : parts) squares.push_back(one.squares.front());
-      const double usual = std::max(kUsualSquares, median_of(squares));
+      const double usual = std::max(kUsualSquares, upper_median(squares));
       Equations sum(joints_);
       for (const Equations& one : parts) sum.add(one, 1.0 / (1.0 + one.squares.front() / usual));
       const auto step = solved(sum);
@@ -211,7 +206,7 @@ std::optional<Answer> first_answer(const std::vector<RobotLook>& looks) {
 
 /// Takes out looks whose squares are far above the usual ones. True when it found any.
 bool leave_out_looks(std::vector<RobotLook>& looks, const std::vector<double>& squares, std::size_t& may) {
-  const double limit = 10.0 * std::max(kUsualSquares, median_of(squares));
+  const double limit = 10.0 * std::max(kUsualSquares, upper_median(squares));
   bool found = false;
   for (std::size_t i = looks.size(); i-- > 0 && may > 0;) {
     if (squares[i] <= limit) continue;
