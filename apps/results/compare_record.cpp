@@ -223,21 +223,20 @@ CompareExperiment experiment_of_record(const Json& record) {
   return experiment;
 }
 
+Json head_of(const CompareResults& results) {
+  return {{"suite", results.suite},   {"title", results.title}, {"file", results.file},
+          {"seed", results.seed},     {"jobs", results.jobs},   {"version", results.version},
+          {"commit", results.commit}, {"host", results.host},   {"processor", results.processor},
+          {"date", results.date}};
+}
+
 Json record_of(const CompareResults& results) {
-  return {{"suite", results.suite},
-          {"title", results.title},
-          {"file", results.file},
-          {"seed", results.seed},
-          {"jobs", results.jobs},
-          {"version", results.version},
-          {"commit", results.commit},
-          {"host", results.host},
-          {"processor", results.processor},
-          {"date", results.date},
-          {"map_sha256", results.map_sha256},
-          {"notes", results.notes},
-          {"flags", results.flags},
-          {"part", results.part}};
+  Json record = head_of(results);
+  record["map_sha256"] = results.map_sha256;
+  record["notes"] = results.notes;
+  record["flags"] = results.flags;
+  record["part"] = results.part;
+  return record;
 }
 
 CompareResults results_of_record(const Json& record) {

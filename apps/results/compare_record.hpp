@@ -22,7 +22,10 @@ CompareProblem problem_of_record(const nlohmann::ordered_json& record);
 nlohmann::ordered_json record_of(const CompareExperiment& experiment);
 CompareExperiment experiment_of_record(const nlohmann::ordered_json& record);
 
-/// Suite, machine and date, without experiments.
+/// Suite, machine and date, with which every JSON of results begins.
+nlohmann::ordered_json head_of(const CompareResults& results);
+
+/// The same and what the maps are like, without experiments.
 nlohmann::ordered_json record_of(const CompareResults& results);
 CompareResults results_of_record(const nlohmann::ordered_json& record);
 

@@ -8,6 +8,7 @@
 #include "apps/console/parse.hpp"
 #include "apps/results/compare_columns.hpp"
 #include "apps/results/compare_overview.hpp"
+#include "apps/results/compare_record.hpp"
 #include "apps/results/compare_resolutions.hpp"
 #include "apps/results/compare_statistics.hpp"
 #include "apps/results/compare_summary.hpp"
@@ -149,22 +150,13 @@ std::string to_csv(const CompareResults& results) {
 }
 
 std::string to_json(const CompareResults& results) {
-  Json json = {{"suite", results.suite},
-               {"title", results.title},
-               {"file", results.file},
-               {"seed", results.seed},
-               {"jobs", results.jobs},
-               {"version", results.version},
-               {"commit", results.commit},
-               {"host", results.host},
-               {"processor", results.processor},
-               {"date", results.date},
-               {"notes", results.notes},
-               {"time_s", results.time},
-               {"experiments", Json::array()},
-               {"overview", overview_json(overview(results))},
-               {"resolutions", sweeps_json(results)},
-               {"broken_promises", broken_promises(results)}};
+  Json json = head_of(results);
+  json["notes"] = results.notes;
+  json["time_s"] = results.time;
+  json["experiments"] = Json::array();
+  json["overview"] = overview_json(overview(results));
+  json["resolutions"] = sweeps_json(results);
+  json["broken_promises"] = broken_promises(results);
   for (const CompareExperiment& experiment : results.experiments) {
     Json planners = Json::array();
     for (std::size_t i = 0; i < experiment.planners.size(); ++i) {
