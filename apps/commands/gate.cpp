@@ -69,8 +69,7 @@ void print_terms(const ConfigurationSpace& space, Console& console) {
     console.warn("warning: " + note);
   for (const Load& load : robot.loads) console.log("load: " + load.name + " on " + load.link);
   const PathSurvey survey = survey_path(robot, space.map(), space.policies(), {});
-  for (const std::string& note : {unknown_sentence(survey), integration_caveat(space.map())})
-    if (!note.empty()) console.warn("note: " + note);
+  console.note({unknown_sentence(survey), integration_caveat(space.map())});
 }
 
 /// No chunk that begins there can pass.
@@ -89,6 +88,33 @@ GateVerdict too_long(std::size_t most) {
           .sentence = "the line is longer than " + std::to_string(most) + " bytes"};
 }
 
+/// What robot and map leave in doubt.
+void report_inputs(const GateCommandOptions& options, const Robot& robot, const Snapshot& map,
+                   Console& console) {
+  console.note(robot_notes(robot, robot_request(options.robot).packages));
+  console.note(painted_csv_remark(options.map, map));
+  console.note(cloud_remark(options.map, map, options.cloud_resolution.has_value()));
+  if (const std::string caveat = damage_caveat(map); !caveat.empty()) console.warn("warning: " + caveat);
+  console.note(contradiction_caveat(map));
+  console.note(hand_edit_caveat(map));
+}
+
+/// A verdict for each line, until there are no more, or nobody reads them.
+int judge_lines(Gate& gate, std::size_t max_line, Console& console) {
+  LineReader lines(console.in(), max_line);
+  std::size_t number = 0, passed = 0;
+  while (const std::optional<InputLine> text = lines.next()) {
+    const ChunkLine line = text->is_too_long ? ChunkLine{} : parse_chunk_line(text->text);
+    const GateVerdict verdict = text->is_too_long ? too_long(max_line) : judge(gate, line);
+    passed += verdict.is_passed();
+    console.out() << verdict_line(++number, line.id, verdict) << '\n';
+    if (!console.out().flush()) return exit_bad_input;  // nobody reads them any more; main reports it
+  }
+  console.log(grouped(number) + " chunks: " + grouped(passed) + " passed, " + grouped(number - passed) +
+              " refused");
+  return passed == number ? exit_done : exit_no;
+}
+
 }  // namespace
 
 int run_gate(const GateCommandOptions& options, Console& console) {
@@ -100,15 +126,7 @@ int run_gate(const GateCommandOptions& options, Console& console) {
   joint_limits(robot, gate_terms.limits);  // throws before the map is read
   Gate gate(gate_terms);
   const Snapshot map = load_map(options.map, options.cloud_resolution);
-  for (const std::string& note : robot_notes(robot, robot_request(options.robot).packages))
-    console.warn("note: " + note);
-  if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
-    console.warn("note: " + remark);
-  const std::string cloud = cloud_remark(options.map, map, options.cloud_resolution.has_value());
-  if (!cloud.empty()) console.warn("note: " + cloud);
-  if (const std::string caveat = damage_caveat(map); !caveat.empty()) console.warn("warning: " + caveat);
-  if (const std::string caveat = contradiction_caveat(map); !caveat.empty()) console.warn("note: " + caveat);
-  if (const std::string caveat = hand_edit_caveat(map); !caveat.empty()) console.warn("note: " + caveat);
+  report_inputs(options, robot, map, console);
   std::shared_ptr<const Provenance> history;
   if (auto found = load_provenance(options.map))
     history = std::make_shared<const Provenance>(std::move(*found));
@@ -118,19 +136,7 @@ int run_gate(const GateCommandOptions& options, Console& console) {
   print_terms(space, console);
   report_start(space, gate_terms, console);
   gate.publish(std::move(space), newest_look(options, map), history);
-
-  LineReader lines(console.in(), options.max_line);
-  std::size_t number = 0, passed = 0;
-  while (const std::optional<InputLine> text = lines.next()) {
-    const ChunkLine line = text->is_too_long ? ChunkLine{} : parse_chunk_line(text->text);
-    const GateVerdict verdict = text->is_too_long ? too_long(options.max_line) : judge(gate, line);
-    passed += verdict.is_passed();
-    console.out() << verdict_line(++number, line.id, verdict) << '\n';
-    if (!console.out().flush()) return exit_bad_input;  // nobody reads them any more; main reports it
-  }
-  console.log(grouped(number) + " chunks: " + grouped(passed) + " passed, " + grouped(number - passed) +
-              " refused");
-  return passed == number ? exit_done : exit_no;
+  return judge_lines(gate, options.max_line, console);
 }
 
 }  // namespace clearway

@@ -126,7 +126,7 @@ class Description {
     print_section(joint_table());
     print_section(held_table());
     print_section(body_table());
-    for (const std::string& note : notes_) console_.warn("note: " + note);
+    console_.note(notes_);
   }
 
   Json json() const {

@@ -21,6 +21,14 @@ void Console::warn(std::string_view line) {
   *log_ << plain_lines(line) << '\n' << std::flush;
 }
 
+void Console::note(const std::string& sentence) {
+  if (!sentence.empty()) warn("note: " + sentence);
+}
+
+void Console::note(const std::vector<std::string>& sentences) {
+  for (const std::string& sentence : sentences) note(sentence);
+}
+
 void Console::progress(std::string_view stage, double fraction) {
   if (quiet || !is_terminal_) return;
   const int permille = static_cast<int>(std::clamp(fraction, 0.0, 1.0) * 1000.0);

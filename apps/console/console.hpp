@@ -4,6 +4,7 @@
 #include <istream>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace clearway {
 
@@ -25,6 +26,9 @@ class Console {
   void log(std::string_view line);
   /// One line that is shown even when quiet.
   void warn(std::string_view line);
+  /// warn() of "note: …"; an empty sentence is none.
+  void note(const std::string& sentence);
+  void note(const std::vector<std::string>& sentences);
   /// Redraws the bar of `stage` at `fraction` (0..1); at 1 it goes away.
   void progress(std::string_view stage, double fraction);
   /// `progress` bound to a stage, for functions that report a fraction.
