@@ -16,8 +16,6 @@
 #include "apps/overlay/replay_pictures.hpp"
 #include "apps/pages/report.hpp"
 #include "apps/teach/session_folder.hpp"
-#include "mapping/files/map_file.hpp"
-#include "mapping/system/atomic_file.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "mapping/system/thread_time.hpp"
 #include "planning/planned_motion.hpp"
@@ -29,6 +27,50 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+/// Does a recorded session again.
+int replay_session(const ReplayOptions& options, Console& console) {
+  if (!options.planners.empty() || options.seen_within || !options.plan || !options.record.empty())
+    throw std::invalid_argument(quote_path(options.recording.string()) +
+                                " is a recorded session, which is done again as it was: expected no "
+                                "--planner, --seen-within, --no-plan and --record");
+  TeachCommand session;
+  session.source = options.recording;
+  session.setup = options.setup;
+  session.resolution = options.resolution;
+  session.integration = options.integration;
+  session.seed = options.seed;
+  session.time_limit = options.time_limit;
+  session.overlay = options.overlay;
+  session.video = options.video;
+  session.out = options.out;
+  session.threads = options.threads;
+  return run_teach(session, console);
+}
+
+/// Each once: it writes a file of its name.
+void require_planners(const std::vector<std::string>& names) {
+  std::set<std::string> planners;
+  for (const std::string& name : names) {
+    make_planner(name);
+    if (!planners.insert(name).second)
+      throw std::invalid_argument("--planner: " + quote(name) + " is given twice, expected it once");
+  }
+}
+
+/// Refuses, before the work, what cannot be written or is read.
+void require_outputs(const ReplayOptions& options, const std::filesystem::path& setup) {
+  require_apart({{"--out", options.out},
+                 {"--record", options.record},
+                 {"--overlay", options.overlay},
+                 {"--video-out", options.video}},
+                {{"RECORDING", options.recording}, {"--setup", setup}});
+  require_not_in({{"--record", options.record}, {"--video-out", options.video}},
+                 {"RECORDING", options.recording});
+  require_pictures({options.overlay, options.video}, options.recording, options.out);
+  require_no_session(options.out);
+  require_no_foreign_map("--out", options.out);
+}
+
 /// The map, the robot and the plans behind what the fusion saw.
 void finish_record(const ReplayReport& report, ReplayRecord& record) {
   record.add_map(report.map);
@@ -38,6 +80,20 @@ void finish_record(const ReplayReport& report, ReplayRecord& record) {
     record.add_plan(entry.query + "-" + entry.plan.planner, robot, trajectory_of(robot, entry.plan));
   }
   record.finish();
+}
+
+/// Why plans have no smooth motion, and why others are none.
+void print_shortcomings(const std::vector<ReplayPlan>& plans, std::ostream& out) {
+  for (const ReplayPlan& entry : plans) {
+    const std::string what = "  " + entry.query + ", " + entry.plan.planner + ": ";
+    if (!entry.plan.motion_caveat.empty())
+      out << what << "no smooth motion: " << entry.plan.motion_caveat << '\n';
+    if (entry.plan.is_proved()) continue;
+    out << what
+        << (entry.plan.status() == PlanStatus::solved ? entry.plan.validation.first_contact
+                                                      : entry.plan.explanation())
+        << '\n';
+  }
 }
 
 void print_report(const ReplayOptions& options, const ReplayReport& report, const std::string& json,
@@ -52,16 +108,7 @@ void print_report(const ReplayOptions& options, const ReplayReport& report, cons
   if (!report.plans.empty()) {
     console.out() << '\n';
     print_table(console.out(), plan_table(report));
-    for (const ReplayPlan& entry : report.plans) {
-      if (!entry.plan.motion_caveat.empty())
-        console.out() << "  " << entry.query << ", " << entry.plan.planner
-                      << ": no smooth motion: " << entry.plan.motion_caveat << '\n';
-      if (entry.plan.is_proved()) continue;
-      console.out() << "  " << entry.query << ", " << entry.plan.planner << ": "
-                    << (entry.plan.status() == PlanStatus::solved ? entry.plan.validation.first_contact
-                                                                  : entry.plan.explanation())
-                    << '\n';
-    }
+    print_shortcomings(report.plans, console.out());
   }
   console.out() << "\n  report: " << (options.out / "report.html").string() << '\n';
 }
@@ -69,47 +116,13 @@ void print_report(const ReplayOptions& options, const ReplayReport& report, cons
 }  // namespace
 
 int run_replay(const ReplayOptions& options, Console& console) {
-  if (is_session_folder(options.recording)) {
-    if (!options.planners.empty() || options.seen_within || !options.plan || !options.record.empty())
-      throw std::invalid_argument(quote_path(options.recording.string()) +
-                                  " is a recorded session, which is done again as it was: expected no "
-                                  "--planner, --seen-within, --no-plan and --record");
-    TeachCommand session;
-    session.source = options.recording;
-    session.setup = options.setup;
-    session.resolution = options.resolution;
-    session.integration = options.integration;
-    session.seed = options.seed;
-    session.time_limit = options.time_limit;
-    session.overlay = options.overlay;
-    session.video = options.video;
-    session.out = options.out;
-    session.threads = options.threads;
-    return run_teach(session, console);
-  }
-  std::set<std::string> planners;  // each writes a file of its name
-  for (const std::string& planner : options.planners) {
-    make_planner(planner);
-    if (!planners.insert(planner).second)
-      throw std::invalid_argument("--planner: " + quote(planner) + " is given twice, expected it once");
-  }
+  if (is_session_folder(options.recording)) return replay_session(options, console);
+  require_planners(options.planners);
   const std::filesystem::path setup =
       options.setup.empty() ? options.setup : shipped_file("setups", options.setup);
-  require_apart({{"--out", options.out},
-                 {"--record", options.record},
-                 {"--overlay", options.overlay},
-                 {"--video-out", options.video}},
-                {{"RECORDING", options.recording}, {"--setup", setup}});
-  require_not_in({{"--record", options.record}, {"--video-out", options.video}},
-                 {"RECORDING", options.recording});
-  const PictureOptions pictures{options.overlay, options.video};
-  require_pictures(pictures, options.recording, options.out);
-  require_no_session(options.out);
-  require_no_foreign_map("--out", options.out);
+  require_outputs(options, setup);
   AtomicFolder folder(options.out, is_in_map_folder);  // refuses before the work what cannot be written
   std::filesystem::create_directory(folder.path() / "plans");
-  ReplayReport report;
-  report.recording = options.recording;
   std::optional<ReplayRecord> record;
   if (!options.record.empty()) record.emplace(options.record);
 
@@ -118,13 +131,8 @@ int run_replay(const ReplayOptions& options, Console& console) {
                        {setup, options.resolution, options.integration, options.threads,
                         record ? &*record : nullptr, options.camera_seconds},
                        console.bar("fusing"));
-  report.fusion = &fusion;
-  report.timings = {{"read", fusion.counts.read_s},
-                    {"track", fusion.counts.track_s},
-                    {"paint", fusion.counts.paint_s},
-                    {"insert", fusion.counts.insert_s},
-                    {"fuse (all of it)", seconds_since(begin)}};
-
+  ReplayReport report = report_of(fusion, options.recording);
+  report.timings.emplace_back("fuse (all of it)", seconds_since(begin));
   if (fusion.setup_source == "none")
     console.log("note: no setup, neither by --setup nor in the recording: no painting and no plans");
 
@@ -133,9 +141,7 @@ int run_replay(const ReplayOptions& options, Console& console) {
   std::unique_ptr<QueryRunner> runner;  // reports mistakes of the setup before anything is written
   if (options.plan && fusion.setup.robot && !fusion.setup.queries.empty())
     runner = std::make_unique<QueryRunner>(options, folder.path(), fusion, report.map);
-  save_map(report.map, folder.path());
-  report.provenance = fusion.map.provenance();
-  save_provenance(report.provenance, folder.path());
+  save_fused_map(report, folder.path());
   report.timings.emplace_back("save map", seconds_since(begin));
 
   begin = Clock::now();
@@ -144,13 +150,11 @@ int run_replay(const ReplayOptions& options, Console& console) {
   report.timings.emplace_back("plan and check", seconds_since(begin) - motion_s);
   report.timings.emplace_back("motion", motion_s);
 
-  const std::string json = report_json(report);
-  save_file(folder.path() / "report.json", json);
-  save_file(folder.path() / "report.html", report_html(report, json));
+  const std::string json = save_report(report, folder.path());
   if (record) finish_record(report, *record);
   publish_map_folder(folder, report.map);
   print_report(options, report, json, console);
-  if (pictures.are_asked())
+  if (const PictureOptions pictures{options.overlay, options.video}; pictures.are_asked())
     draw_replay(options.recording, fusion, report.map, report.plans, pictures, console.bar("drawing"));
 
   if (fusion.damage) return exit_damaged;

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cctype>
-#include <chrono>
 #include <stdexcept>
 
 #include "apps/console/flag_names.hpp"
+#include "apps/console/stopwatch.hpp"
 #include "apps/query/query.hpp"
 #include "apps/query/setup_robot.hpp"
 #include "mapping/files/map_file.hpp"
@@ -22,8 +22,6 @@
 
 namespace clearway {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 Configuration configuration(const std::vector<double>& values) {
   return Eigen::Map<const Configuration>(values.data(), static_cast<Eigen::Index>(values.size()));
@@ -104,62 +102,21 @@ QueryRunner::QueryRunner(const ReplayOptions& options, const std::filesystem::pa
 }
 
 std::vector<ReplayPlan> QueryRunner::run(Console& console) {
-  for (const std::string& note : notes_) console.warn("note: " + note);
+  for (const std::string& note : notes_) console.note(note);
   for (const QuerySetup& query : queries_)
     if (const std::string field = field_of_degrees(query, robot_); !field.empty())
-      console.warn("note: setup, query '" + query.name + "', field '" + field +
+      console.note("setup, query '" + query.name + "', field '" + field +
                    "' is far outside of the joint limits in radians and within them in degrees: '" + field +
                    "_deg' reads it so");
-  const std::string digest = map_sha256(folder_);
-  std::vector<ReplayPlan> plans;
-  QueryRecord record{digest, {}};
-  for (std::size_t i = 0; i < queries_.size(); ++i) {
-    const QuerySetup& query = queries_[i];
-    const auto [own, of_loads] = policies_of(query, riding_of(i));
-    spaces_.push_back(std::make_unique<ConfigurationSpace>(
-        robot_, map_, own,
-        SpaceOptions{.padding = query.padding.value_or(robot_.position_accuracy),
-                     .seen_within = seen_within(query)}));
-    poses_.push_back(poses_of(query, *spaces_.back()));
-    goals_.push_back(poses_.back() ? poses_.back()->goals() : configurations(query.goals));
-    record.queries.push_back(terms_of(query, *spaces_.back(), goals_.back()));
-    record.queries.back().loads = loads_[i];
-    record.queries.back().pick = picks_[i];
-    record.queries.back().policies = loaded_policies(*spaces_.back(), riding_of(i), of_loads);
-  }
+  QueryRecord record{map_sha256(folder_), {}};
+  for (std::size_t i = 0; i < queries_.size(); ++i) record.queries.push_back(prepare(i));
   save_file(folder_ / "queries.json", to_json(record));
-  for (std::size_t i = 0; i < queries_.size(); ++i) {
-    const QuerySetup& query = queries_[i];
-    const Configuration start = configuration(query.start);
-    for (const std::string& planner : planners(query)) {
-      console.log("planning '" + query.name + "' with " + planner);
-      const PlanQuery asked{.space = *spaces_[i],
-                            .start = start,
-                            .goals = goals_[i],
-                            .planner = make_planner(planner, planner_options(query, planner)),
-                            .seed = options_.seed,
-                            .time_limit = options_.time_limit,
-                            .loads = loads_[i],
-                            .load_policies = policies_of(query, riding_of(i)).second,
-                            .payload = setup_.robot->payload,
-                            .gravity = setup_.robot->gravity,
-                            .survey = SurveyDemands{.allow_outside = query.allow_outside},
-                            .robot_name = setup_.robot->name,
-                            .map_file = "map.ot",
-                            .map_digest = digest,
-                            .name = query.name};
-      Plan plan = picks_[i]   ? plan_pick(asked, *picks_[i])
-                  : poses_[i] ? plan_to_poses(asked, *poses_[i])
-                              : plan_and_check(asked);
-      const auto begin = Clock::now();
-      give_motion(*spaces_[i], plan);
-      motion_s_ += std::chrono::duration<double>(Clock::now() - begin).count();
-      const std::filesystem::path file =
-          std::filesystem::path("plans") / (query.name + "-" + planner + ".json");
-      save_file(folder_ / file, to_json(plan));
-      plans.push_back({query.name, std::move(plan), start, file, spaces_[i].get()});
+  std::vector<ReplayPlan> plans;
+  for (std::size_t i = 0; i < queries_.size(); ++i)
+    for (const std::string& planner : planners(queries_[i])) {
+      console.log("planning '" + queries_[i].name + "' with " + planner);
+      plans.push_back(plan(i, planner, record.map_sha256));
     }
-  }
   return plans;
 }
 
@@ -191,6 +148,52 @@ QuerySetup QueryRunner::in_numbers(QuerySetup query) {
       query.goals[i] = place_of(query, "goals[" + std::to_string(i) + "]", query.goal_states[i],
                                 i == 0 ? query.start : query.goals[i - 1]);
   return query;
+}
+
+QueryTerms QueryRunner::prepare(std::size_t index) {
+  const QuerySetup& query = queries_[index];
+  const auto [own, of_loads] = policies_of(query, riding_of(index));
+  spaces_.push_back(std::make_unique<ConfigurationSpace>(
+      robot_, map_, own,
+      SpaceOptions{.padding = query.padding.value_or(robot_.position_accuracy),
+                   .seen_within = seen_within(query)}));
+  poses_.push_back(poses_of(query, *spaces_.back()));
+  goals_.push_back(poses_.back() ? poses_.back()->goals() : configurations(query.goals));
+  QueryTerms terms = terms_of(query, *spaces_.back(), goals_.back());
+  terms.loads = loads_[index];
+  terms.pick = picks_[index];
+  terms.policies = loaded_policies(*spaces_.back(), riding_of(index), of_loads);
+  return terms;
+}
+
+ReplayPlan QueryRunner::plan(std::size_t index, const std::string& planner, const std::string& map_digest) {
+  const QuerySetup& query = queries_[index];
+  const Configuration start = configuration(query.start);
+  const PlanQuery asked{.space = *spaces_[index],
+                        .start = start,
+                        .goals = goals_[index],
+                        .planner = make_planner(planner, planner_options(query, planner)),
+                        .seed = options_.seed,
+                        .time_limit = options_.time_limit,
+                        .loads = loads_[index],
+                        .load_policies = policies_of(query, riding_of(index)).second,
+                        .payload = setup_.robot->payload,
+                        .gravity = setup_.robot->gravity,
+                        .survey = SurveyDemands{.allow_outside = query.allow_outside},
+                        .robot_name = setup_.robot->name,
+                        .map_file = "map.ot",
+                        .map_digest = map_digest,
+                        .name = query.name};
+  Plan plan = picks_[index]   ? plan_pick(asked, *picks_[index])
+              : poses_[index] ? plan_to_poses(asked, *poses_[index])
+                              : plan_and_check(asked);
+  {
+    const Stopwatch watch(motion_s_);
+    give_motion(*spaces_[index], plan);
+  }
+  const std::filesystem::path file = std::filesystem::path("plans") / (query.name + "-" + planner + ".json");
+  save_file(folder_ / file, to_json(plan));
+  return {query.name, std::move(plan), start, file, spaces_[index].get()};
 }
 
 std::vector<LegLoad> QueryRunner::loads_of(const QuerySetup& query) try {

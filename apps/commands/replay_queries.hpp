@@ -39,6 +39,12 @@ class QueryRunner {
   std::vector<double> place_of(const QuerySetup& query, const std::string& field, const std::string& state,
                                const std::vector<double>& before);
 
+  /// The query's space and goals. Returns what is recorded of it.
+  QueryTerms prepare(std::size_t index);
+
+  /// The plan of a query by one of its planners, with its motion, saved. @pre the query is prepared
+  ReplayPlan plan(std::size_t index, const std::string& planner, const std::string& map_digest);
+
   static std::vector<LegLoad> loads_of(const QuerySetup& query);
 
   std::optional<Pick> pick_of(const QuerySetup& query) const;

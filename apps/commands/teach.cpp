@@ -1,38 +1,29 @@
-#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <ostream>
 #include <stdexcept>
 
 #include "apps/console/commands.hpp"
-#include "apps/console/flag_names.hpp"
 #include "apps/console/named_places.hpp"
-#include "apps/console/parse.hpp"
 #include "apps/console/quantile.hpp"
-#include "apps/console/shipped_file.hpp"
 #include "apps/console/table.hpp"
 #include "apps/fusion/fusion.hpp"
 #include "apps/inspect/map_folder.hpp"
 #include "apps/overlay/replay_pictures.hpp"
 #include "apps/pages/report.hpp"
-#include "apps/query/query.hpp"
-#include "apps/teach/session_folder.hpp"
 #include "apps/teach/shown_session.hpp"
 #include "apps/teach/taught_folder.hpp"
+#include "apps/teach/teach_input.hpp"
 #include "apps/teach/teach_keys.hpp"
 #include "apps/teach/teach_screen.hpp"
 #include "apps/teach/teach_session.hpp"
 #include "apps/teach/teach_window.hpp"
 #include "datasets/pictures/video.hpp"
-#include "datasets/yaml/yaml_gate.hpp"
 #include "mapping/files/map_digest.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
-#include "mapping/system/input_file.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
-#include "planning/planner_table.hpp"
 
 namespace clearway {
 namespace {
@@ -57,35 +48,6 @@ IsOurs written_into(const fs::path& folder) {
     const bool is_of_session = part == "session" || part == "approved" || part == "maps";
     return is_in_map_folder(relative) || (has_list && is_of_session);
   };
-}
-
-/// Settings of a session that is done again, else of a new one.
-RecordedSession session_of(const TeachCommand& command) {
-  if (is_session_folder(command.source)) {
-    const TeachCommand plain;
-    if (!command.setup.empty() || !command.events.empty() || command.resolution != plain.resolution ||
-        !command.integration.empty() || command.seed != plain.seed || command.time_limit != plain.time_limit)
-      throw std::invalid_argument(
-          quote_path(command.source.string()) +
-          " is a recorded session, which is done again as it was: expected no --setup, --events, "
-          "--resolution, --integration, --seed and --time-limit; with them, give the recording in its "
-          "folder 'source'");
-    return load_session(command.source);
-  }
-  RecordedSession session;
-  session.source = command.source;
-  session.resolution = command.resolution;
-  session.integration = command.integration;
-  session.seed = command.seed;
-  session.time_limit = command.time_limit;
-  if (command.setup.empty()) return session;
-  session.setup_file = fs::absolute(shipped_file("setups", command.setup));  // as a replay names it
-  session.setup_text = read_text(session.setup_file, "setup");
-  return session;
-}
-
-fs::path events_file(const TeachCommand& command) {
-  return is_session_folder(command.source) ? command.source / "events.jsonl" : command.events;
 }
 
 /// What keys mean, at the frame before which they are asked for.
@@ -131,31 +93,6 @@ void report_times(const ScreenTimes& times, Console& console) {
               " ms (median), " + significant(1e3 * quantile(times.latencies, 0.95), 3) + " ms (95 %)");
 }
 
-/// What would leave another planner, robot or load at work than the events say, before the session begins.
-/// @param where the event is: "events file 'e.jsonl', at 3 s"
-void require_possible(const TeachEvent& event, const Setup& setup, const std::string& where) try {
-  if (event.action == TeachAction::plan) make_planner(event.planner, event.options);
-  if (event.action == TeachAction::robot) VirtualRobot(event.robot, event.near);
-  if (event.action == TeachAction::attach) load_of(event, setup);
-} catch (const std::invalid_argument& error) {
-  throw std::invalid_argument(where + ", " + std::string(to_string(event.action)) + ": " +
-                              with_keys(error.what()));
-}
-
-/// Keys are for the window, and for what is done there.
-std::vector<TeachKey> keys_of_file(const TeachCommand& command, const Setup& setup) {
-  if (command.keys.empty()) return {};
-  if (!events_file(command).empty())
-    throw std::invalid_argument(
-        "--keys: expected no --events, and no recorded session: its actions are known");
-  std::vector<TeachKey> keys = load_teach_keys(command.keys);
-  for (const TeachKey& key : keys)
-    require_possible(
-        key.event, setup,
-        "keys file " + quote_path(command.keys.string()) + ", key " + quote(std::string(1, key.key)));
-  return keys;
-}
-
 /// The recording goes into the session's folder as it was: nothing may be written over it or into it.
 void require_apart_from(const RecordedSession& recorded, const TeachCommand& command) {
   const fs::path& source = recorded.source;
@@ -174,35 +111,163 @@ void require_apart_from(const RecordedSession& recorded, const TeachCommand& com
                                 ", expected a place outside of it");
 }
 
+/// Refuses, before the work, what cannot be written beside --out.
+void require_pictures_of(const RecordedSession& recorded, const TeachCommand& command) {
+  require_pictures({command.overlay, {}}, recorded.source, command.out);
+  if (!command.video.empty()) require_writable(command.video);
+  require_apart_from(recorded, command);
+}
+
+/// A session that is led by its events, or by keys of its window, with its film.
+class LedSession {
+ public:
+  /// @param screen null: no window @param folder that its maps and frames go to
+  LedSession(const TeachCommand& command, TeachInput& input, TeachScreen* screen, const fs::path& folder,
+             Console& console)
+      : command_(command),
+        input_(input),
+        screen_(screen),
+        folder_(folder),
+        console_(console),
+        session_(events(), options()),
+        shown_(session_, screen, command.video, words_of(input.keys)) {}
+
+  /// Fuses the source, led by the session.
+  Fusion fuse();
+  /// Keeps what it takes to do the session again. Returns the recording that this is done with.
+  fs::path save() const;
+
+  const TeachSession& session() const { return session_; }
+  const std::vector<PagePicture>& pictures() const { return shown_.pictures(); }
+
+ private:
+  TeachSession::EventSource events();
+  TeachOptions options();
+  /// The frames of a camera, or of what is shown at its own pace, some of which are left out.
+  fs::path frames_file() const;
+
+  const TeachCommand& command_;
+  TeachInput& input_;
+  TeachScreen* screen_;
+  const fs::path folder_;
+  Console& console_;
+  TeachSession session_;
+  ShownSession shown_;
+};
+
+TeachSession::EventSource LedSession::events() {
+  if (!input_.events_file.empty()) return script(std::move(input_.events));
+  return [this](double until) {
+    return std::isfinite(until) ? events_of_keys(screen_->keys(), input_.keys, session_, until)
+                                : std::vector<TeachEvent>{};
+  };
+}
+
+TeachOptions LedSession::options() {
+  return {.seed = input_.recorded.seed,
+          .time_limit = input_.recorded.time_limit,
+          .waits_for_plans = !input_.events_file.empty(),
+          .save = [this](const std::string& name,
+                         const Snapshot& map) { save_map(map, folder_ / "maps" / name); },
+          .report = [this](const TaughtEvent& reported) { console_.log(line_of(reported)); }};
+}
+
+fs::path LedSession::frames_file() const {
+  const bool is_live = screen_ != nullptr || is_camera_name(input_.recorded.source);
+  return is_live ? folder_ / "session" / "source" / "frames.rawlog" : fs::path();
+}
+
+Fusion LedSession::fuse() {
+  const FusionOptions options{.setup_file = input_.setup.source,
+                              .resolution = input_.recorded.resolution,
+                              .integration = input_.recorded.integration,
+                              .threads = command_.threads,
+                              .camera_seconds = command_.camera_seconds,
+                              .guide = &shown_,
+                              .setup = input_.setup.setup,
+                              .is_paced = screen_ != nullptr,
+                              .frames_file = frames_file()};
+  Fusion fusion = clearway::fuse(input_.recorded.source, options, console_.bar("teaching"));
+  shown_.finish_film();
+  if (screen_) report_times(screen_->times(), console_);
+  return fusion;
+}
+
+fs::path LedSession::save() const {
+  RecordedSession recorded = input_.recorded;
+  if (const fs::path frames = frames_file(); !frames.empty()) recorded.source = frames;
+  save_session(recorded, input_.keeper.kept(), folder_ / "session");
+  save_session_events(session_.events(), folder_ / "session");
+  return recorded.source;
+}
+
+/// What became of a session's events and plans.
+struct TeachOutcome {
+  std::size_t refused = 0;  ///< events
+  bool asks_for_plans = false;
+  std::size_t approved = 0, voided = 0;  ///< plans
+};
+
+TeachOutcome outcome_of(const TeachSession& session, const std::vector<TaughtPlan>& plans,
+                        const std::vector<std::string>& broken) {
+  TeachOutcome outcome;
+  outcome.voided = broken.size();
+  for (const TaughtEvent& reported : session.events()) {
+    const TeachAction action = reported.event.action;
+    outcome.refused += !reported.refusal.empty();
+    outcome.asks_for_plans |= action == TeachAction::plan || action == TeachAction::approve;
+  }
+  for (const TaughtPlan& plan : plans) outcome.approved += plan.is_approved && plan.void_reason.empty();
+  return outcome;
+}
+
 /// How far a search came when its clock ended it depends on the machine.
 void note_timed_plans(const std::vector<TaughtPlan>& plans, double time_limit, Console& console) {
   for (const TaughtPlan& taught : plans)
     if (taught.plan.status() == PlanStatus::timed_out || taught.plan.time_s >= time_limit)
-      console.warn("note: plan " + quote(taught.name) + " took all of its time limit of " +
-                   short_text(time_limit) +
+      console.note("plan " + quote(taught.name) + " took all of its time limit of " + short_text(time_limit) +
                    " s: done again, it may report other counts or find another path");
+}
+
+/// What the map and the plans leave in doubt.
+void warn(const Fusion& fusion, const TeachSession& session, const std::vector<TaughtPlan>& plans,
+          double time_limit, Console& console) {
+  for (const std::string& warning : fusion.warnings) console.warn("warning: " + warning);
+  if (const auto& late = session.late_events(); !late.empty())
+    console.note(counted(late.size(), "event") + " (the first at " + significant(late.front(), 6) +
+                 " s) came after the last image: no image shows what the probes did then");
+  note_timed_plans(plans, time_limit, console);
+  if (fusion.damage) console.warn("clearway: " + *fusion.damage);
+}
+
+void print_session(const ReplayReport& report, const std::vector<TaughtEvent>& events,
+                   const TeachOutcome& outcome, const fs::path& page, std::ostream& out) {
+  auto rows = report_figures(report);
+  rows.emplace_back("events", std::to_string(events.size()) + ", refused " + std::to_string(outcome.refused));
+  rows.emplace_back("plans",
+                    std::to_string(report.plans.size()) + ", approved " + std::to_string(outcome.approved) +
+                        (outcome.voided > 0 ? ", approved but void " + std::to_string(outcome.voided) : ""));
+  print_rows(out, rows);
+  for (const TaughtEvent& reported : events)
+    if (!reported.refusal.empty()) out << "  " << line_of(reported) << '\n';
+  out << "\n  report: " << page.string() << '\n';
+}
+
+int exit_of(const Fusion& fusion, const TeachOutcome& outcome, Console& console) {
+  if (fusion.damage) return exit_damaged;
+  if (outcome.voided > 0) return exit_no;
+  if (outcome.approved > 0 || !outcome.asks_for_plans) return exit_done;
+  console.note("no plan is approved, which the session asked for: exit status 1");
+  return exit_no;
 }
 
 }  // namespace
 
 int run_teach(const TeachCommand& command, Console& console) {
-  RecordedSession recorded = session_of(command);
-  const fs::path file = events_file(command);
-  const InputKeeper keeper(recorded.inputs, {recorded.source, command.source, file}, recorded.folder);
-  std::vector<TeachEvent> events = file.empty() ? std::vector<TeachEvent>{} : load_teach_events(file);
-  ChosenSetup setup = setup_of(recorded);
-  for (const TeachEvent& event : events)
-    require_possible(
-        event, setup.setup,
-        "events file " + quote_path(file.string()) + ", at " + significant(event.time, 6) + " s");
-  const std::vector<TeachKey> own_keys = keys_of_file(command, setup.setup);
-  const PictureOptions stills{command.overlay, {}};
-  const bool is_camera = is_camera_name(recorded.source);
-  require_pictures(stills, recorded.source, command.out);
-  if (!command.video.empty()) require_writable(command.video);
-  require_apart_from(recorded, command);
+  TeachInput input(command);
+  require_pictures_of(input.recorded, command);
   const std::unique_ptr<TeachScreen> screen = open_screen(command, console);
-  if (!screen && file.empty())
+  if (!screen && input.events_file.empty())
     throw std::invalid_argument(
         "teach: without a window nobody acts; expected --events FILE (see datasets/FORMATS.md)");
   require_no_session(command.out);
@@ -211,95 +276,32 @@ int run_teach(const TeachCommand& command, Console& console) {
                       written_into(command.out));  // refuses before the work what cannot be written
   for (const char* part : {"plans", "session/source"}) fs::create_directories(folder.path() / part);
 
-  TeachSession* keyed = nullptr;
-  const TeachSession::EventSource keys = [&](double until) {
-    return std::isfinite(until) ? events_of_keys(screen->keys(), own_keys, *keyed, until)
-                                : std::vector<TeachEvent>{};
-  };
-  TeachSession session(file.empty() ? keys : script(std::move(events)),
-                       {.seed = recorded.seed,
-                        .time_limit = recorded.time_limit,
-                        .waits_for_plans = !file.empty(),
-                        .save = [&](const std::string& name,
-                                    const Snapshot& map) { save_map(map, folder.path() / "maps" / name); },
-                        .report = [&](const TaughtEvent& reported) { console.log(line_of(reported)); }});
-  keyed = &session;
-  ShownSession shown(session, screen.get(), command.video, words_of(own_keys));
-  FusionOptions options{.setup_file = setup.source,
-                        .resolution = recorded.resolution,
-                        .integration = recorded.integration,
-                        .threads = command.threads,
-                        .camera_seconds = command.camera_seconds,
-                        .guide = &shown,
-                        .setup = setup.setup,
-                        .is_paced = screen != nullptr};
-  const bool is_live = is_camera || screen != nullptr;
-  if (is_live) options.frames_file = folder.path() / "session" / "source" / "frames.rawlog";
-  Fusion fusion = fuse(recorded.source, options, console.bar("teaching"));
-  shown.finish_film();
-  if (screen) report_times(screen->times(), console);
-  const fs::path source = recorded.source;
-  if (is_live) recorded.source = options.frames_file;
-  save_session(recorded, keeper.kept(), folder.path() / "session");
-  save_session_events(session.events(), folder.path() / "session");
+  LedSession led(command, input, screen.get(), folder.path(), console);
+  Fusion fusion = led.fuse();
+  const fs::path recording = fs::weakly_canonical(led.save()).filename();
 
-  ReplayReport report;
-  report.recording = fs::path("session") / "source" / fs::weakly_canonical(recorded.source).filename();
-  report.fusion = &fusion;
-  report.timings = {{"read", fusion.counts.read_s},
-                    {"track", fusion.counts.track_s},
-                    {"paint", fusion.counts.paint_s},
-                    {"insert", fusion.counts.insert_s}};
+  ReplayReport report = report_of(fusion, fs::path("session") / "source" / recording);
   report.map = fusion.map.snapshot();
-  save_map(report.map, folder.path());
-  report.provenance = fusion.map.provenance();
-  save_provenance(report.provenance, folder.path());
-  report.pictures = shown.pictures();
-  std::vector<TaughtPlan> plans(session.plans().begin(), session.plans().end());
+  save_fused_map(report, folder.path());
+  report.pictures = led.pictures();
+  std::vector<TaughtPlan> plans(led.session().plans().begin(), led.session().plans().end());
   TaughtFolder taught(folder.path(), report.map, plans);
   report.plans = taught.save();
   fusion.warnings.insert(fusion.warnings.end(), taught.broken().begin(), taught.broken().end());
-  report.teaching = teaching_json(session, plans, map_sha256(report.map));
-  const std::string json = report_json(report);
-  save_file(folder.path() / "report.json", json);
-  save_file(folder.path() / "report.html", report_html(report, json));
+  report.teaching = teaching_json(led.session(), plans, map_sha256(report.map));
+  const std::string json = save_report(report, folder.path());
   publish_map_folder(folder, report.map);
-  if (stills.are_asked())
-    draw_replay(source, fusion, report.map, report.plans, stills, console.bar("drawing"));
+  if (!command.overlay.empty())
+    draw_replay(input.recorded.source, fusion, report.map, report.plans, {command.overlay, {}},
+                console.bar("drawing"));
 
-  const auto approved = std::count_if(
-      plans.begin(), plans.end(), [](const TaughtPlan& p) { return p.is_approved && p.void_reason.empty(); });
-  const std::size_t voided = taught.broken().size();
-  const auto refused = std::count_if(session.events().begin(), session.events().end(),
-                                     [](const TaughtEvent& reported) { return !reported.refusal.empty(); });
-  for (const std::string& warning : fusion.warnings) console.warn("warning: " + warning);
-  if (const auto& late = session.late_events(); !late.empty())
-    console.warn("note: " + counted(late.size(), "event") + " (the first at " + significant(late.front(), 6) +
-                 " s) came after the last image: no image shows what the probes did then");
-  note_timed_plans(plans, recorded.time_limit, console);
-  if (fusion.damage) console.warn("clearway: " + *fusion.damage);
-  if (console.json) {
+  warn(fusion, led.session(), plans, input.recorded.time_limit, console);
+  const TeachOutcome outcome = outcome_of(led.session(), plans, taught.broken());
+  if (console.json)
     console.out() << json;
-  } else {
-    auto rows = report_figures(report);
-    rows.emplace_back("events",
-                      std::to_string(session.events().size()) + ", refused " + std::to_string(refused));
-    rows.emplace_back("plans", std::to_string(plans.size()) + ", approved " + std::to_string(approved) +
-                                   (voided > 0 ? ", approved but void " + std::to_string(voided) : ""));
-    print_rows(console.out(), rows);
-    for (const TaughtEvent& reported : session.events())
-      if (!reported.refusal.empty()) console.out() << "  " << line_of(reported) << '\n';
-    console.out() << "\n  report: " << (command.out / "report.html").string() << '\n';
-  }
-  if (fusion.damage) return exit_damaged;
-  const bool is_wanted =
-      std::any_of(session.events().begin(), session.events().end(), [](const TaughtEvent& reported) {
-        return reported.event.action == TeachAction::plan || reported.event.action == TeachAction::approve;
-      });
-  if (!taught.broken().empty()) return exit_no;
-  if (approved > 0 || !is_wanted) return exit_done;
-  console.warn("note: no plan is approved, which the session asked for: exit status 1");
-  return exit_no;
+  else
+    print_session(report, led.session().events(), outcome, command.out / "report.html", console.out());
+  return exit_of(fusion, outcome, console);
 }
 
 }  // namespace clearway

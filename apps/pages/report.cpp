@@ -7,7 +7,9 @@
 #include "apps/inspect/inspect_parts.hpp"
 #include "apps/pages/map_page.hpp"
 #include "apps/query/loads.hpp"
+#include "mapping/files/map_file.hpp"
 #include "mapping/maps/map_integration.hpp"
+#include "mapping/system/atomic_file.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 
 namespace clearway {
@@ -103,6 +105,58 @@ Json plan_json(const ReplayPlan& entry) {
   return json;
 }
 
+Json cameras_json(const std::vector<TakenCamera>& cameras) {
+  Json json = Json::array();
+  for (const TakenCamera& camera : cameras)
+    json.push_back({{"sensor", camera.sensor},
+                    {"taken_as", camera.is_rectified ? "rectified" : "raw"},
+                    {"known_by", camera.known_by}});
+  return json;
+}
+
+Json scans_json(const FusionCounts& counts) {
+  Json json{{"count", counts.scans},
+            {"refused", counts.scans_refused},
+            {"without_pose", counts.scans_without_pose},
+            {"without_probe", counts.scans_without_probe},
+            {"probe_hidden", counts.scans_probe_hidden},
+            {"points_inserted", counts.points.inserted},
+            {"points_beyond_range", counts.points.beyond_range},
+            {"points_invalid", counts.points.dropped_invalid},
+            {"points_filtered", counts.points.dropped_filter}};
+  if (counts.infinite_beams > 0) {
+    json["beams_infinite"] = counts.infinite_beams;
+    json["beams_cleared"] = counts.points.cleared;
+  }
+  return json;
+}
+
+Json map_json(const ReplayReport& report) {
+  const MapOptions& options = report.fusion->map.options();
+  const bool safe = options.integration == Integration::safe;
+  Json json{{"file", "map.ot"},
+            {"resolution", report.map.resolution()},
+            {"integration", safe ? "safe" : "compatible"}};
+  if (safe) json["safe_band"] = options.margins.band;
+  if (const ScanAgreement& agreement = report.map.tree().agreement(); agreement.looked_up > 0) {
+    json["hits_called_free"] = {{"share", agreement.share_called_free()},
+                                {"called_free", agreement.called_free},
+                                {"looked_up", agreement.looked_up},
+                                {"amid_free", agreement.amid_free},
+                                {"compared", agreement.compared}};
+  }
+  return json;
+}
+
+Json volumes_json(const Snapshot& map) {
+  Json json = Json::array();
+  for (const PaintedVolume& volume : map.volumes())
+    json.push_back({{"label", volume.label},
+                    {"critical_parts", volume.critical_parts},
+                    {"balls", volume.spheres.size()}});
+  return json;
+}
+
 /// Each event, what came of it, and the state after it.
 PageTable teaching_table(const Json& teaching) {
   PageTable table{"teaching", {"s", "action", "what came of it", "state"}, {}};
@@ -122,6 +176,30 @@ PageTable teaching_table(const Json& teaching) {
 
 }  // namespace
 
+ReplayReport report_of(const Fusion& fusion, const std::filesystem::path& recording) {
+  ReplayReport report;
+  report.recording = recording;
+  report.fusion = &fusion;
+  report.timings = {{"read", fusion.counts.read_s},
+                    {"track", fusion.counts.track_s},
+                    {"paint", fusion.counts.paint_s},
+                    {"insert", fusion.counts.insert_s}};
+  return report;
+}
+
+void save_fused_map(ReplayReport& report, const std::filesystem::path& folder) {
+  save_map(report.map, folder);
+  report.provenance = report.fusion->map.provenance();
+  save_provenance(report.provenance, folder);
+}
+
+std::string save_report(const ReplayReport& report, const std::filesystem::path& folder) {
+  const std::string json = report_json(report);
+  save_file(folder / "report.json", json);
+  save_file(folder / "report.html", report_html(report, json));
+  return json;
+}
+
 std::string report_json(const ReplayReport& report) {
   const FusionCounts& counts = report.fusion->counts;
   const VoxelCounts voxels = report.map.counts();
@@ -131,53 +209,20 @@ std::string report_json(const ReplayReport& report) {
                     {"images", counts.images},
                     {"scans", counts.scans},
                     {"odometry", counts.odometry}};
-  json["cameras"] = Json::array();
-  for (const TakenCamera& camera : report.fusion->cameras)
-    json["cameras"].push_back({{"sensor", camera.sensor},
-                               {"taken_as", camera.is_rectified ? "rectified" : "raw"},
-                               {"known_by", camera.known_by}});
+  json["cameras"] = cameras_json(report.fusion->cameras);
   json["tracking"] = tracking_json(counts, report.fusion->setup);
   json["balls"] = kept_balls(report);
   if (kept_balls(report) < counts.spheres) json["balls_taken_back"] = counts.spheres - kept_balls(report);
   if (counts.body_spheres > 0) json["balls_of_the_robot"] = counts.body_spheres;
-  json["scans"] = {{"count", counts.scans},
-                   {"refused", counts.scans_refused},
-                   {"without_pose", counts.scans_without_pose},
-                   {"without_probe", counts.scans_without_probe},
-                   {"probe_hidden", counts.scans_probe_hidden},
-                   {"points_inserted", counts.points.inserted},
-                   {"points_beyond_range", counts.points.beyond_range},
-                   {"points_invalid", counts.points.dropped_invalid},
-                   {"points_filtered", counts.points.dropped_filter}};
-  if (counts.infinite_beams > 0) {
-    json["scans"]["beams_infinite"] = counts.infinite_beams;
-    json["scans"]["beams_cleared"] = counts.points.cleared;
-  }
-  const MapOptions& options = report.fusion->map.options();
-  const bool safe = options.integration == Integration::safe;
-  json["map"] = {{"file", "map.ot"},
-                 {"resolution", report.map.resolution()},
-                 {"integration", safe ? "safe" : "compatible"}};
-  if (safe) json["map"]["safe_band"] = options.margins.band;
-  if (const ScanAgreement& agreement = report.map.tree().agreement(); agreement.looked_up > 0) {
-    json["map"]["hits_called_free"] = {{"share", agreement.share_called_free()},
-                                       {"called_free", agreement.called_free},
-                                       {"looked_up", agreement.looked_up},
-                                       {"amid_free", agreement.amid_free},
-                                       {"compared", agreement.compared}};
-  }
+  json["scans"] = scans_json(counts);
+  json["map"] = map_json(report);
   json["voxels"] = {{"painted", voxels.painted},
                     {"seen_free", voxels.seen_free},
                     {"occupied", voxels.occupied},
                     {"conflict", voxels.conflict}};
   json["conflicts"] = voxels.conflict;
   json["conflict_records"] = describe_conflicts(report.provenance);
-  json["volumes"] = Json::array();
-  for (const PaintedVolume& volume : report.map.volumes()) {
-    json["volumes"].push_back({{"label", volume.label},
-                               {"critical_parts", volume.critical_parts},
-                               {"balls", volume.spheres.size()}});
-  }
+  json["volumes"] = volumes_json(report.map);
   json["painted_volumes"] = describe_volumes(report.map);
   json["plans"] = Json::array();
   for (const ReplayPlan& plan : report.plans) json["plans"].push_back(plan_json(plan));

@@ -37,6 +37,16 @@ struct ReplayReport {
   std::vector<std::pair<std::string, double>> timings;  ///< stage, seconds
 };
 
+/// The report of a fusion, which has to live on: its timings by stage, but for what follows the fusion.
+ReplayReport report_of(const Fusion& fusion, const std::filesystem::path& recording);
+
+/// Saves the report's map in the folder and, beside it, what the fusion knows of each voxel's history, which
+/// the report then has, too.
+void save_fused_map(ReplayReport& report, const std::filesystem::path& folder);
+
+/// Writes report.json, which it returns, and report.html.
+std::string save_report(const ReplayReport& report, const std::filesystem::path& folder);
+
 /// report.json (keys fixed by the design page).
 std::string report_json(const ReplayReport& report);
 

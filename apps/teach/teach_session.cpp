@@ -84,6 +84,10 @@ void TeachSession::end() {
     if (event.time > last_image + 1.0) late_events_.push_back(event.time);
     apply(event);
   }
+  finish();
+}
+
+void TeachSession::finish() {
   take_plan(true);
   if (doing_ == Doing::painting || doing_ == Doing::erasing) end_stroke();
   doing_ = Doing::ended;
@@ -247,19 +251,20 @@ void TeachSession::act(const TeachEvent& event, std::string& remark) {
       undo(remark);
       break;
     case TeachAction::save:
-      if (!options_.save) refuse("this session saves nothing before its end");
-      if (event.name.empty()) refuse("expected a name");
-      if (is_taken(event.name))
-        refuse("there is a plan or a map " + quote(event.name) + " already, expected another name");
-      options_.save(event.name, present_map());
-      saved_.insert(event.name);
+      save_map(event.name);
       break;
     case TeachAction::quit:
-      take_plan(true);
-      if (doing_ == Doing::painting || doing_ == Doing::erasing) end_stroke();
-      doing_ = Doing::ended;
+      finish();
       break;
   }
+}
+
+void TeachSession::save_map(const std::string& name) {
+  if (!options_.save) refuse("this session saves nothing before its end");
+  if (name.empty()) refuse("expected a name");
+  if (is_taken(name)) refuse("there is a plan or a map " + quote(name) + " already, expected another name");
+  options_.save(name, present_map());
+  saved_.insert(name);
 }
 
 void TeachSession::forget_places() {

@@ -186,6 +186,8 @@ class TeachSession final : public FusionGuide {
   void apply(const TeachEvent& event);
   std::string refusal_of_state(TeachAction action) const;
   void act(const TeachEvent& event, std::string& remark);
+  void save_map(const std::string& name);
+  void finish();
   void begin_stroke(const TeachEvent& event);
   void end_stroke();
   void choose_volume(const TeachEvent& event, std::string& remark);
