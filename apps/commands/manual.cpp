@@ -120,7 +120,7 @@ Offer offer_of(const CLI::Option& option) {
   return found == known.end() ? Offer() : found->second;
 }
 
-std::string joined(const std::vector<std::string>& words) {
+std::string joined_words(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
   return text;
@@ -137,7 +137,7 @@ const CLI::Option* first_positional(const CLI::App& command) {
 std::string bash_branch(const std::string& pattern, const CLI::Option& option) {
   const Offer offer = offer_of(option);
   if (offer.values.empty()) return {};
-  return "        " + pattern + ") values='" + joined(offer.values) + "'" +
+  return "        " + pattern + ") values='" + joined_words(offer.values) + "'" +
          (offer.has_files ? "" : " closed=yes") + " ;;\n";
 }
 
@@ -189,7 +189,7 @@ std::string bash_completion(const CLI::App& app) {
 std::string zsh_action(const CLI::Option& option) {
   const Offer offer = offer_of(option);
   if (offer.values.empty()) return "_files";
-  const std::string values = joined(offer.values);
+  const std::string values = joined_words(offer.values);
   return offer.has_files ? "{compadd " + values + "; _files}" : "(" + values + ")";
 }
 

@@ -1,17 +1,15 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <memory>
 #include <numbers>
+#include <optional>
 #include <ostream>
-#include <stdexcept>
 
+#include "apps/commands/plan_query.hpp"
 #include "apps/console/commands.hpp"
-#include "apps/console/named_places.hpp"
 #include "apps/console/parse.hpp"
 #include "apps/console/table.hpp"
 #include "apps/pages/map_page.hpp"
-#include "apps/query/goal_poses.hpp"
 #include "apps/query/loads.hpp"
 #include "apps/query/option_meanings.hpp"
 #include "apps/query/query.hpp"
@@ -27,7 +25,6 @@
 #include "planning/planner_table.hpp"
 #include "planning/pose_goals.hpp"
 #include "planning/robot/reach.hpp"
-#include "planning/robot_files/srdf_file.hpp"
 #include "planning/robot_files/tip_choice.hpp"
 
 namespace clearway {
@@ -94,7 +91,7 @@ void note_unsaid_terms(const PlanOptions& options, const Plan& plan, Console& co
                                                    : "what the robot carries";
   for (const auto& [format, file] : options.trajectories)
     if (!flags.empty() && (format == "ros-json" || format == "csv"))
-      return console.warn("note: a trajectory as " + format + " does not say " + unsaid +
+      return console.note("a trajectory as " + format + " does not say " + unsaid +
                           ": clearway check needs " + listed(flags) + " for it");
 }
 
@@ -103,35 +100,6 @@ void save_trajectories(const PlanOptions& options, const Robot& robot, const Pla
   const Trajectory trajectory = trajectory_of(robot, plan);
   for (const auto& [format, file] : options.trajectories) {
     save_file(file, trajectory_format(format, robot).write(robot, plan, trajectory));
-  }
-}
-
-std::vector<NamedPlace> places_read(const PlanOptions& options) {
-  std::vector<NamedPlace> inputs = {
-      {"--map", options.map}, {"--srdf", options.robot.srdf}, {"--pick", options.pick}};
-  const std::filesystem::path robot = options.robot.robot;
-  if (robot.has_extension()) inputs.push_back({"--robot", robot});
-  for (const auto& file : options.attach) inputs.push_back({"--attach", file});
-  return inputs;
-}
-
-/// Where the plan is written to: every file once, and over nothing that is read.
-void require_files(const PlanOptions& options) {
-  std::vector<NamedPlace> files = {{"--out", options.out}, {"--csv", options.csv}, {"--view", options.view}};
-  for (const auto& [format, file] : options.trajectories) files.push_back({"--trajectory", file});
-  require_apart(files, places_read(options));
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    const auto& [flag, file] = files[i];
-    if (file.empty()) continue;
-    require_writable(file);
-    for (std::size_t j = 0; j < i; ++j) {
-      const auto same = [](const std::filesystem::path& path) {
-        return std::filesystem::weakly_canonical(path);
-      };
-      if (same(files[j].path) != same(file)) continue;
-      throw std::invalid_argument(flag + ": '" + file.string() + "' is the file of " + files[j].flag +
-                                  ", too");
-    }
   }
 }
 
@@ -161,7 +129,7 @@ void report_turns(const Robot& robot, const Configuration& start, const std::vec
       const double goal = goals[leg][at], from = (leg == 0 ? start : goals[leg - 1])[at];
       const double nearest = from + std::remainder(goal - from, 2.0 * std::numbers::pi);
       if (std::abs(goal - nearest) < 1e-6) continue;
-      console.warn("note: joint " + shortened(joint.name) + " turns without limits and is led from " +
+      console.note("joint " + shortened(joint.name) + " turns without limits and is led from " +
                    significant(from) + " to " + significant(goal) + " rad, as the goal says; " +
                    significant(nearest) + " rad is the same place");
     }
@@ -177,8 +145,8 @@ void report_other_way(const Robot& robot, const Plan& plan, const Configuration&
     const double from = (leg == 0 ? start : plan.goals[leg - 1])[at], goal = plan.goals[leg][at];
     if (!repeats_after_turns(robot, j) || goal == from) continue;
     const double other = goal + 2.0 * std::numbers::pi * (goal > from ? -1.0 : 1.0);
-    console.warn("note: joint " + shortened(robot.joints[j].name) + " turns without limits; " +
-                 significant(other) + " rad is the same place, the other way round");
+    console.note("joint " + shortened(robot.joints[j].name) + " turns without limits; " + significant(other) +
+                 " rad is the same place, the other way round");
   }
 }
 
@@ -222,22 +190,7 @@ void report_standing(const Plan& plan, const ConfigurationSpace& space, const Co
 /// Who asks for poses or a grasp is told where the tip is by default.
 void report_tip(const PlanOptions& options, const Robot& robot, Console& console) {
   if (!options.goal_poses.tip.empty()) return;
-  if (const std::string doubt = tip_doubt(robot); !doubt.empty()) console.warn("note: " + doubt);
-}
-
-/// What --pick asks for. Other flags that do not go with it are refused.
-std::optional<Pick> pick_of(const PlanOptions& options, const Robot& robot) {
-  if (options.pick.empty()) {
-    if (options.place.empty()) return std::nullopt;
-    throw std::invalid_argument("--place: expected --pick with it");
-  }
-  if (!options.attach.empty())
-    throw std::invalid_argument("--attach: expected either --attach or --pick, got both");
-  if (options.goals.size() + options.goal_poses.poses.size() > 1)
-    throw std::invalid_argument("--goal: expected at most one with --pick");
-  Pick pick = choose_pick(options.pick, options.place, robot);
-  require_rigid_hold(robot, pick);
-  return pick;
+  console.note(tip_doubt(robot));
 }
 
 std::string plan_page(const PlanOptions& options, const Plan& plan, const ConfigurationSpace& space,
@@ -251,110 +204,86 @@ std::string plan_page(const PlanOptions& options, const Plan& plan, const Config
   return render_report_page(page);
 }
 
-/// A controller of Universal Robots takes no new position between two of its steps.
-void require_steps_of_controller(const PlanOptions& options) {
-  constexpr double step = 0.002;
-  const double steps = options.period / step;
+/// What query, robot and map leave in doubt.
+void report_query(const PlanOptions& options, const AskedPlan& asked, const Snapshot& map, Console& console) {
+  report_degrees(options, asked.robot, asked.stops.start, asked.stops.goals, console);
+  report_turns(asked.robot, asked.stops.start, asked.stops.goals, console);
+  console.note(hold_notes(asked.robot, asked.loads));
+  console.note(asked.stops.notes);
+  console.note(robot_notes(asked.loaded, robot_request(options.robot).packages));
+  console.note(volume_notes(asked.robot, asked.riding, map));
+  console.note(painted_csv_remark(options.map, map));
+  if (const std::string caveat = damage_caveat(map); !caveat.empty()) console.warn("warning: " + caveat);
+}
+
+/// To the goals, to poses or for the pick, where a goal may be a pose, too.
+Plan make_plan(PlanQuery query, const AskedPlan& asked, const std::string& tip) {
+  std::optional<PoseGoals> at_poses;
+  try {
+    if (!asked.goal_poses.empty()) at_poses.emplace(query.space, tip, asked.goal_poses, query.start);
+    if (at_poses) query.goals = at_poses->goals();
+  } catch (const UnreachablePose& error) {
+    if (!asked.pick) return plan_out_of_reach(query, asked.goal_poses.size(), error);
+  }
+  if (asked.pick) return plan_pick(query, *asked.pick);
+  return at_poses ? plan_to_poses(query, *at_poses) : plan_and_check(query);
+}
+
+/// What of the map a reader of the plan should know beside its own caveat.
+void add_caveats(const PlanOptions& options, const AskedPlan& asked, const ConfigurationSpace& space,
+                 Plan& plan) {
+  const Snapshot& map = space.map();
+  plan.map_caveat =
+      joined(plan.map_caveat, cloud_remark(options.map, map, options.cloud_resolution.has_value()));
+  if (!asked.pick) return;
+  const PickToCheck picked = pick_of(plan, *asked.pick, asked.robot, map);
+  for (const std::string& note : pick_notes(picked, space.options().padding))
+    plan.map_caveat = joined(plan.map_caveat, note);
+}
+
+/// Why there is no path, where the answer is a flag.
+void report_remedies(const PlanOptions& options, const AskedPlan& asked, const ConfigurationSpace& space,
+                     const Plan& plan, Console& console) {
+  report_default_policy(options, plan, space, console);
+  if (!asked.pick) report_other_way(asked.robot, plan, asked.stops.start, console);
+  report_standing(plan, space, asked.stops.start, console);
+}
+
+void print_plan(const PlanOptions& options, const Plan& plan, std::ostream& out) {
+  print_rows(out, plan_figures(plan));
+  if (!options.out.empty()) out << "  plan: " << options.out.string() << '\n';
+  if (!options.view.empty()) out << "  page: " << options.view.string() << '\n';
   for (const auto& [format, file] : options.trajectories)
-    if (format == "urscript" && std::abs(steps - std::round(steps)) > 1e-6)
-      throw std::invalid_argument(
-          "--period: urscript needs a multiple of 0.002 s, the controller's step, got " +
-          significant(options.period));
+    if (plan.motion) out << "  trajectory: " << file << '\n';
 }
 
 }  // namespace
 
 int run_plan(const PlanOptions& options, Console& console) {
   if (options.print_options) return print_planner_options(options, console);
-  // The cheap mistakes are reported before the map is read.
-  const std::shared_ptr<const Planner> planner =
-      make_planner(options.planner, choose_planner_options(options.settings));
-  const Robot own_tip = choose_robot(options.robot);
-  const Robot robot = options.pick.empty() ? own_tip : with_tip_of(own_tip, options.goal_poses.tip);
-  for (const auto& [format, file] : options.trajectories) trajectory_format(format, robot);
-  require_steps_of_controller(options);
-  rate_limits(robot, options.scales);
-  const ChosenStops chosen = choose_stops(options.start, options.goals, robot, options.degrees);
-  const Configuration& start = chosen.start;
-  const std::vector<NamedGoalPose> goal_poses =
-      choose_goal_poses(options.goal_poses, !options.goals.empty(), !options.pick.empty(), robot);
-  std::vector<Configuration> goals = chosen.goals;
-  const std::vector<LegLoad> loads = choose_loads(options.attach, robot);
-  const std::optional<Pick> pick = pick_of(options, robot);
-  const std::vector<LegLoad> riding = pick ? std::vector<LegLoad>{{pick->object, {}}} : loads;
-  const Robot loaded = with_all_loads(robot, riding);
-  const auto [policies, load_policies] =
-      parted_policies(choose_policies(options.robot.policies, loaded), riding);
-  require_parts(options.survey.allow_outside, loaded, "--allow-outside");
-  require_files(options);
+  const AskedPlan asked = read_query(options);
   const Snapshot map = load_map(
       options.map, options.cloud_resolution);  // what is said before may be said again by the whole program
-  report_degrees(options, robot, start, goals, console);
-  report_turns(robot, start, goals, console);
-  for (const auto& notes : {hold_notes(robot, loads), chosen.notes})
-    for (const std::string& note : notes) console.warn("note: " + note);
-  for (const std::string& note : robot_notes(loaded, robot_request(options.robot).packages))
-    console.warn("note: " + note);
-  for (const std::string& note : volume_notes(robot, riding, map)) console.warn("note: " + note);
-  if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
-    console.warn("note: " + remark);
-  const std::string cloud = cloud_remark(options.map, map, options.cloud_resolution.has_value());
-  if (const std::string caveat = damage_caveat(map); !caveat.empty()) console.warn("warning: " + caveat);
-
-  const double padding = choose_padding(options.robot, robot);
+  report_query(options, asked, map, console);
   const ConfigurationSpace space =
-      padded_space(robot, map, policies, padding, options.robot.seen_within.value_or(0.0));
-  if (pick || !goal_poses.empty()) report_tip(options, robot, console);
-  std::optional<PoseGoals> at_poses;
-  std::optional<UnreachablePose> unreachable;
-  try {
-    if (!goal_poses.empty()) at_poses.emplace(space, options.goal_poses.tip, goal_poses, start);
-    if (at_poses) goals = at_poses->goals();
-  } catch (const UnreachablePose& error) {
-    unreachable = error;
-  }
-  PlanQuery query{.space = space,
-                  .start = start,
-                  .goals = goals,
-                  .planner = planner,
-                  .seed = options.seed,
-                  .time_limit = options.time_limit,
-                  .loads = loads,
-                  .load_policies = load_policies,
-                  .payload = options.dynamics.payload.value_or(0.0),
-                  .survey = options.survey,
-                  .robot_name = options.robot.robot,
-                  .map_file = options.map,
-                  .map_digest = map_sha256(options.map)};
-  if (!options.dynamics.gravity.empty()) query.gravity = Eigen::Vector3d(options.dynamics.gravity.data());
-  Plan plan = pick          ? plan_pick(query, *pick)
-              : unreachable ? plan_out_of_reach(query, goal_poses.size(), *unreachable)
-              : at_poses    ? plan_to_poses(query, *at_poses)
-                            : plan_and_check(query);
-  plan.map_caveat = joined(plan.map_caveat, cloud);
-  if (pick)
-    for (const std::string& note : pick_notes(pick_of(plan, *pick, robot, map), padding))
-      plan.map_caveat = joined(plan.map_caveat, note);
+      padded_space(asked.robot, map, asked.policies, choose_padding(options.robot, asked.robot),
+                   options.robot.seen_within.value_or(0.0));
+  if (asked.pick || !asked.goal_poses.empty()) report_tip(options, asked.robot, console);
+  Plan plan = make_plan(query_of(options, asked, space), asked, options.goal_poses.tip);
+  add_caveats(options, asked, space, plan);
   add_motion(options, space, plan, console);
-  report_default_policy(options, plan, space, console);
-  if (!pick) report_other_way(robot, plan, start, console);
-  report_standing(plan, space, start, console);
+  report_remedies(options, asked, space, plan, console);
+
   const std::string text = to_json(plan_to_file(options, plan));
   if (!options.out.empty()) save_file(options.out, text);
   if (!options.csv.empty()) save_file(options.csv, to_csv(plan));
-  if (!options.view.empty()) save_file(options.view, plan_page(options, plan, space, start));
-  save_trajectories(options, robot, plan);
+  if (!options.view.empty()) save_file(options.view, plan_page(options, plan, space, asked.stops.start));
+  save_trajectories(options, asked.robot, plan);
   if (plan.motion) note_unsaid_terms(options, plan, console);
-  if (console.json) {
+  if (console.json)
     console.out() << text << '\n';
-  } else {
-    print_rows(console.out(), plan_figures(plan));
-    if (!options.out.empty()) console.out() << "  plan: " << options.out.string() << '\n';
-    if (!options.view.empty()) console.out() << "  page: " << options.view.string() << '\n';
-    for (const auto& [format, file] : options.trajectories) {
-      if (plan.motion) console.out() << "  trajectory: " << file << '\n';
-    }
-  }
+  else
+    print_plan(options, plan, console.out());
   return plan.is_proved() && !lacks_trajectory(options, plan) ? exit_done : exit_no;
 }
 
