@@ -36,6 +36,21 @@ Eigen::Isometry3d pose_of_load(const Plan& plan, const std::string& name) {
   return Eigen::Isometry3d::Identity();
 }
 
+/// What is judged: a plan of ours, or trajectories of another program as one.
+struct Candidate {
+  Plan plan;
+  Robot robot;                             ///< robot_to_check()
+  std::vector<ForeignTrajectory> entries;  ///< none: a plan of ours
+  std::optional<StatedTerms> stated;       ///< by the first of them
+  std::vector<std::string> unnamed;        ///< joints that it does not name
+
+  bool is_trajectory() const { return !entries.empty(); }
+};
+
+void add_notes(const std::vector<std::string>& notes, Contract& contract) {
+  contract.notes.insert(contract.notes.end(), notes.begin(), notes.end());
+}
+
 /// The plan with the loads and the pick of the contract.
 Plan plan_under(const Contract& contract, Plan plan) {
   std::vector<LegLoad> loads = carried_under(contract);
@@ -83,9 +98,7 @@ void note_tip_and_place(const Robot& robot, const Snapshot& map, const Plan& pla
   if (!contract.pick.value) return;
   const Robot placed = tipped_robot_of(contract, robot);
   require_grip(placed, *contract.pick.value);
-  for (const std::string& note :
-       pick_notes(pick_of(plan, *contract.pick.value, placed, map), contract.padding.value))
-    contract.notes.push_back(note);
+  add_notes(pick_notes(pick_of(plan, *contract.pick.value, placed, map), contract.padding.value), contract);
 }
 
 void note_missing_masses(const Robot& robot, CheckReport& report) {
@@ -109,7 +122,7 @@ void check_timed_of(const std::vector<TimedTrajectory>& entries, const Snapshot&
     note_missing_masses(robot, report);
   }
   report.unjudged = unjudged_rates(*report.splines, robot);
-  for (std::string& note : notes_of(entries, *report.splines)) contract.notes.push_back(std::move(note));
+  add_notes(notes_of(entries, *report.splines), contract);
 }
 
 /// Its motion, under the same terms and the limits of the robot's own files.
@@ -179,97 +192,135 @@ bool has_group(const CheckOptions& options, const std::string& group) {
   return group.empty() || (!whole.srdf.empty() && read_srdf(whole.srdf).groups.contains(group));
 }
 
-}  // namespace
+Candidate candidate_of_plan(const CheckOptions& options) {
+  Candidate read;
+  read.plan = load_plan(options.plan);
+  read.robot = robot_to_check(options, read.plan);
+  read.plan = in_order_of(read.robot, std::move(read.plan));
+  return read;
+}
 
-int run_check(const CheckOptions& options, Console& console) {
-  std::vector<ForeignTrajectory> entries = read_trajectories(options.plan);
-  const bool is_trajectory = !entries.empty();
-  Plan plan = is_trajectory ? Plan{} : load_plan(options.plan);
-  const std::optional<StatedTerms> stated = is_trajectory ? entries.front().stated : std::nullopt;
-  if (stated) {  // for the robot's group and held joints
-    state_terms(*stated, plan);
-    if (!has_group(options, plan.group)) plan.group.clear();
+Candidate candidate_of_trajectories(const CheckOptions& options, std::vector<ForeignTrajectory> entries) {
+  Candidate read;
+  read.entries = std::move(entries);
+  ForeignTrajectory& first = read.entries.front();
+  read.stated = first.stated;
+  if (read.stated) {  // for the robot's group and held joints
+    state_terms(*read.stated, read.plan);
+    if (!has_group(options, read.plan.group)) read.plan.group.clear();
   }
-  const Robot robot = robot_to_check(options, plan);
-  if (is_trajectory && !options.pick.empty())
+  read.robot = robot_to_check(options, read.plan);
+  if (!options.pick.empty())
     throw std::invalid_argument("--pick: " + quote_path(options.plan.string()) +
                                 " is a trajectory, which does not say where its legs end; expected the "
                                 "plan's JSON, which holds the motion, too (plan --out --motion)");
-  std::vector<std::string> unnamed;
-  for (ForeignTrajectory& entry : entries) {
-    const std::vector<std::string> held = hold_unnamed_joints(entry, robot);
-    if (&entry == &entries.front()) unnamed = held;
+  for (ForeignTrajectory& entry : read.entries) {
+    const std::vector<std::string> held = hold_unnamed_joints(entry, read.robot);
+    if (&entry == &first) read.unnamed = held;
   }
-  if (is_trajectory) take_start(options, robot, entries.front());
-  for (ForeignTrajectory& entry : entries) draw_to_limits(entry, robot);
-  plan = is_trajectory ? plan_of_trajectories(entries, robot, options.plan)
-                       : in_order_of(robot, std::move(plan));
-  if (stated) state_terms(*stated, plan);
-  if (const std::string note = is_trajectory ? degrees_note(plan, robot) : ""; !note.empty())
-    console.warn("note: " + note);
-  const Snapshot map = load_map(options.map, options.cloud_resolution);
-  for (const std::string& note : robot_notes(robot, robot_request(options.robot).packages))
-    console.warn("note: " + note);
-  const std::vector<LegLoad> riding = plan.pick ? std::vector<LegLoad>{{plan.pick->object, {}}} : plan.loads;
-  for (const LegLoad& load : riding)
-    if (const std::string note = size_note(load.load); !note.empty()) console.warn("note: " + note);
-  for (const std::string& note : volume_notes(robot, riding, map)) console.warn("note: " + note);
-  if (const std::string remark = painted_csv_remark(options.map, map); !remark.empty())
-    console.warn("note: " + remark);
-  const std::string cloud = cloud_remark(options.map, map, options.cloud_resolution.has_value());
+  take_start(options, read.robot, first);
+  for (ForeignTrajectory& entry : read.entries) draw_to_limits(entry, read.robot);
+  read.plan = plan_of_trajectories(read.entries, read.robot, options.plan);
+  if (read.stated) state_terms(*read.stated, read.plan);
+  return read;
+}
+
+Candidate read_candidate(const CheckOptions& options) {
+  std::vector<ForeignTrajectory> entries = read_trajectories(options.plan);
+  return entries.empty() ? candidate_of_plan(options)
+                         : candidate_of_trajectories(options, std::move(entries));
+}
+
+/// What the robot, what rides on it and the map leave in doubt.
+void report_inputs(const CheckOptions& options, const Candidate& read, const Snapshot& map,
+                   Console& console) {
+  console.note(robot_notes(read.robot, robot_request(options.robot).packages));
+  const std::vector<LegLoad> riding =
+      read.plan.pick ? std::vector<LegLoad>{{read.plan.pick->object, {}}} : read.plan.loads;
+  for (const LegLoad& load : riding) console.note(size_note(load.load));
+  console.note(volume_notes(read.robot, riding, map));
+  console.note(painted_csv_remark(options.map, map));
   if (const std::string caveat = damage_caveat(map); !caveat.empty()) console.warn("warning: " + caveat);
-  CheckReport report;
-  const std::vector<TimedTrajectory> timed = timed_trajectories(entries, robot, options.plan);
-  report.contract = state_contract(options, plan, robot, map, map_sha256(options.map),
-                                   load_query_record(options.map), plan.motion || !timed.empty());
-  if (is_trajectory) {
-    cut_at_goals(report.contract, plan);
-    adopt_terms(stated, !timed.empty(), report.contract, plan);
-    require_base(entries.front(), report.contract.map_from_base.value, options.plan);
-    pad_by_slack(slack_of(entries, with_all_loads(robot, report.contract.loads.value),
-                          report.contract.map_from_base.value),
-                 report.contract, plan);
-    for (const std::string& note : drawn_notes(entries)) report.contract.notes.push_back(note);
-    if (const std::string note = model_note(entries.front(), robot); !note.empty())
-      report.contract.notes.push_back(note);
-    if (!unnamed.empty())
-      report.contract.notes.push_back(
-          "the trajectory does not name " + listed(unnamed) + ": judged where trajectory_start" +
-          (entries.size() > 1 ? ", or a later one," : "") + " has " + (unnamed.size() == 1 ? "it" : "them"));
-  }
-  if (const std::string hint = hint_of_degrees(options, report.contract, robot); !hint.empty())
-    console.warn(hint);
-  report.deviations = deviations(report.contract, plan, robot, options.accepted);
-  if (const auto group = group_deviation(stated, report.contract, options.accepted))
+}
+
+/// What a trajectory leaves open is the contract's, which says so.
+void complete_trajectory(const CheckOptions& options, bool is_timed, Candidate& read, Contract& contract) {
+  cut_at_goals(contract, read.plan);
+  adopt_terms(read.stated, is_timed, contract, read.plan);
+  const ForeignTrajectory& first = read.entries.front();
+  const Eigen::Isometry3d& map_from_base = contract.map_from_base.value;
+  require_base(first, map_from_base, options.plan);
+  pad_by_slack(slack_of(read.entries, with_all_loads(read.robot, contract.loads.value), map_from_base),
+               contract, read.plan);
+  add_notes(drawn_notes(read.entries), contract);
+  if (const std::string note = model_note(first, read.robot); !note.empty()) contract.notes.push_back(note);
+  if (!read.unnamed.empty())
+    contract.notes.push_back("the trajectory does not name " + listed(read.unnamed) +
+                             ": judged where trajectory_start" +
+                             (read.entries.size() > 1 ? ", or a later one," : "") + " has " +
+                             (read.unnamed.size() == 1 ? "it" : "them"));
+}
+
+/// What the plan loosens, of which the contract takes over what the user accepts.
+void judge_terms(const CheckOptions& options, const Candidate& read,
+                 const std::vector<TimedTrajectory>& timed, CheckReport& report) {
+  const auto& accepted = options.accepted;
+  report.deviations = deviations(report.contract, read.plan, read.robot, accepted);
+  if (const auto group = group_deviation(read.stated, report.contract, accepted))
     report.deviations.push_back(*group);
   if (!timed.empty() && !timed.back().moving_end.empty())
-    report.deviations.push_back({AcceptedTerm::moving_end, timed.back().moving_end,
-                                 options.accepted.contains(AcceptedTerm::moving_end)});
-  adopt_accepted(report.deviations, plan, robot, report.contract);
-  note_tip_and_place(robot, map, plan, report.contract);
-  if (!report.contract.pick.value)
-    for (const std::string& note : hold_notes(robot, carried_under(report.contract)))
-      report.contract.notes.push_back(note);
-  std::vector<LegsToCheck> legs = legs_under(report.contract, robot, map, plan);
-  if (!timed.empty() && !report.contract.pick.value)
+    report.deviations.push_back(
+        {AcceptedTerm::moving_end, timed.back().moving_end, accepted.contains(AcceptedTerm::moving_end)});
+  adopt_accepted(report.deviations, read.plan, read.robot, report.contract);
+}
+
+/// The path, its motion, and what the map knows of where they lead.
+void judge_path(const Candidate& read, const std::vector<TimedTrajectory>& timed, const Snapshot& map,
+                CheckReport& report) {
+  const Contract& contract = report.contract;
+  std::vector<LegsToCheck> legs = legs_under(contract, read.robot, map, read.plan);
+  if (!timed.empty() && !contract.pick.value)
     check_timed_of(timed, map, legs, report);
   else
-    report.path = check_waypoints(report.contract, robot, map, plan);
-  check_motion_of(plan, robot, map, report);
+    report.path = check_waypoints(contract, read.robot, map, read.plan);
+  check_motion_of(read.plan, read.robot, map, report);
   // What a refused path sweeps is not worth the wait, and one that is malformed leads nowhere.
   if (!report.is_valid())
     for (LegsToCheck& part : legs) part.waypoints.clear();
-  report.survey = survey_legs(legs, policies_of(report.contract));
-  refuse_surveyed(report.survey, report.contract.demands, report.path);
+  report.survey = survey_legs(legs, policies_of(contract));
+  refuse_surveyed(report.survey, contract.demands, report.path);
+}
+
+}  // namespace
+
+int run_check(const CheckOptions& options, Console& console) {
+  Candidate read = read_candidate(options);
+  if (read.is_trajectory()) console.note(degrees_note(read.plan, read.robot));
+  const Snapshot map = load_map(options.map, options.cloud_resolution);
+  report_inputs(options, read, map, console);
+  const std::vector<TimedTrajectory> timed = timed_trajectories(read.entries, read.robot, options.plan);
+
+  CheckReport report;
+  Contract& contract = report.contract;
+  contract = state_contract(options, read.plan, read.robot, map, map_sha256(options.map),
+                            load_query_record(options.map), read.plan.motion || !timed.empty());
+  if (read.is_trajectory()) complete_trajectory(options, !timed.empty(), read, contract);
+  if (const std::string hint = hint_of_degrees(options, contract, read.robot); !hint.empty())
+    console.warn(hint);
+  judge_terms(options, read, timed, report);
+  note_tip_and_place(read.robot, map, read.plan, contract);
+  if (!contract.pick.value) add_notes(hold_notes(read.robot, carried_under(contract)), contract);
+  judge_path(read, timed, map, report);
+
   report.map_integration = to_string(integration_of(map));
-  report.map_caveat = joined(map_caveat(map), cloud);
-  report.plan_status = plan.status();
-  report.waypoints = plan.waypoints().size();
-  if (console.json) {
+  report.map_caveat =
+      joined(map_caveat(map), cloud_remark(options.map, map, options.cloud_resolution.has_value()));
+  report.plan_status = read.plan.status();
+  report.waypoints = read.plan.waypoints().size();
+  if (console.json)
     console.out() << check_json(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
-  } else {
+  else
     print_rows(console.out(), check_rows(report));
-  }
   return report.is_valid() ? exit_done : exit_no;
 }
 
