@@ -135,80 +135,123 @@ bool is_folder_without_map(const std::filesystem::path& folder) {
   return std::filesystem::is_directory(folder, error) && !std::filesystem::exists(folder / "map.ot", error);
 }
 
+/// What the flags ask for, but for the places that they name by themselves.
+struct Questions {
+  std::vector<std::pair<SlicePlane, std::filesystem::path>> slices;
+  std::vector<SlicePlane> terms;
+  std::optional<Policy> clearance;  ///< of the lines in the slices
+  std::vector<Eigen::Vector3d> points;
+};
+
+/// @throws std::invalid_argument for flags that are none, or do not go together
+Questions read_questions(const InspectOptions& options, bool is_json) {
+  Questions asked;
+  for (const auto& [plane, file] : options.slices) asked.slices.emplace_back(parse_slice(plane), file);
+  if (!options.clearance.empty()) asked.clearance = parse_policy(options.clearance);
+  for (const std::string& plane : options.terms) asked.terms.push_back(parse_plane(plane, "--term"));
+  if (!asked.terms.empty() && is_json)
+    throw std::invalid_argument("--term: expected no --json beside it, which prints nothing but JSON");
+  if (!options.diff.empty() && (asked.clearance || options.age))
+    throw std::invalid_argument("--diff: expected neither --clearance nor --age beside it");
+  if (asked.clearance && asked.slices.empty())
+    throw std::invalid_argument("--clearance: expected --slice beside it, in which to draw the lines");
+  if (options.age && asked.slices.empty())
+    throw std::invalid_argument("--age: expected --slice beside it, which it colours");
+  asked.points = points_of(options.at);
+  return asked;
+}
+
+/// The map that is asked and the one that it is compared with. All is read before anything is said; see
+/// hand_over.cpp.
+struct InspectedMaps {
+  explicit InspectedMaps(const InspectOptions& options);
+
+  std::optional<Snapshot> loaded;  ///< as it was, where places in it are asked for
+  HandEditTally tally;
+  MapLeaves leaves;  ///< as it is now
+  KeptRecord kept;
+  std::optional<Snapshot> other;
+
+  const Snapshot& map() const { return leaves.about(); }
+};
+
+InspectedMaps::InspectedMaps(const InspectOptions& options)
+    : loaded(needs_memory(options) ? std::optional<Snapshot>(load_map(options.map, options.cloud_resolution))
+                                   : std::nullopt),
+      leaves(loaded ? MapLeaves(edited(options, *loaded, tally))
+                    : MapLeaves::in_file(options.map, options.cloud_resolution)),
+      kept(record_to_keep(options)) {
+  if (!options.diff.empty()) other = load_map(options.diff, options.cloud_resolution);
+}
+
+/// What file and flags leave in doubt.
+void report_maps(const InspectOptions& options, const InspectedMaps& maps, Console& console) {
+  const MapLeaves& leaves = maps.leaves;
+  const Snapshot& as_read = maps.loaded ? *maps.loaded : maps.map();
+  console.note(maps.kept.remark);
+  console.note(painted_csv_remark(options.map, as_read));
+  console.note(cloud_remark(options.map, as_read, options.cloud_resolution.has_value()));
+  if (!options.crop.empty() && leaves.bounds().isEmpty())
+    console.note("the map holds nothing inside of --crop");
+  if (!options.paint.empty() && leaves.counts().painted + leaves.counts().conflict == 0)
+    console.note("no ball of --paint holds a whole voxel of " + significant(1000.0 * leaves.resolution(), 3) +
+                 " mm, so that nothing is painted");
+  console.note(hand_edit_remark(options, maps.tally));
+}
+
+Json answers(const InspectOptions& options, const Questions& asked, const InspectedMaps& maps,
+             const Provenance* provenance) {
+  const Snapshot& map = maps.map();
+  Json json = describe_map(options, maps.leaves);
+  if (!options.occupy.empty() || !options.clear.empty()) json["edited"] = describe_hand_edit(maps.tally);
+  for (const Eigen::Vector3d& point : asked.points)
+    json["at"].push_back(describe_point(map, provenance, point));
+  for (const std::string& ray : options.rays) json["rays"].push_back(describe_ray(map, ray));
+  if (options.conflicts && provenance != nullptr) json["conflicts"] = describe_conflicts(*provenance);
+  if (maps.other) json["diff"] = describe_difference(map, *maps.other, options.diff);
+  if (options.holes) json["painted_volumes"] = describe_volumes(map);
+  return json;
+}
+
+/// Draws and writes the map, or its difference to the other one. Returns the pictures for the terminal.
+std::string draw(const InspectOptions& options, const Questions& asked, const InspectedMaps& maps) {
+  const bool is_difference = maps.other.has_value();
+  const bool draws = !asked.slices.empty() || !asked.terms.empty() || !options.view.empty();
+  const MapLeaves drawn =
+      is_difference && draws ? MapLeaves::difference(maps.map(), *maps.other) : maps.leaves;
+  const std::string name = is_difference
+                               ? "from " + name_of_map(options.map) + " to " + name_of_map(options.diff)
+                               : name_of_map(options.map);
+  for (const auto& [plane, file] : asked.slices)
+    write_slice_image(drawn, plane, file, {name, asked.clearance, is_difference, options.age});
+  std::string text;
+  for (const SlicePlane& plane : asked.terms) text += '\n' + draw_in_terminal(drawn, plane, is_difference);
+  for (const auto& file : options.exports) export_map(maps.map(), file);
+  const auto place = is_edited(options) ? std::nullopt : std::optional(options.map.string());
+  if (!options.view.empty())
+    save_file(options.view,
+              is_difference ? difference_page(drawn, name) : map_page(maps.leaves, name, place));
+  return text;
+}
+
 }  // namespace
 
 int run_inspect(const InspectOptions& options, Console& console) {
   if (is_recording_name(options.map) || is_folder_without_map(options.map))
     return inspect_recording(options, console);
-  std::vector<std::pair<SlicePlane, std::filesystem::path>> slices;
-  for (const auto& [plane, file] : options.slices) slices.emplace_back(parse_slice(plane), file);
-  std::optional<Policy> lines;
-  if (!options.clearance.empty()) lines = parse_policy(options.clearance);
-  std::vector<SlicePlane> terms;
-  for (const std::string& plane : options.terms) terms.push_back(parse_plane(plane, "--term"));
-  if (!terms.empty() && console.json)
-    throw std::invalid_argument("--term: expected no --json beside it, which prints nothing but JSON");
-  if (!options.diff.empty() && (lines || options.age))
-    throw std::invalid_argument("--diff: expected neither --clearance nor --age beside it");
-  if (lines && slices.empty())
-    throw std::invalid_argument("--clearance: expected --slice beside it, in which to draw the lines");
-  if (options.age && slices.empty())
-    throw std::invalid_argument("--age: expected --slice beside it, which it colours");
-  const std::vector<Eigen::Vector3d> points = points_of(options.at);
+  const Questions asked = read_questions(options, console.json);
   require_outputs(options);
-  // Everything is read before anything is said; see hand_over.cpp.
-  const std::optional<Snapshot> loaded =
-      needs_memory(options) ? std::optional<Snapshot>(load_map(options.map, options.cloud_resolution))
-                            : std::nullopt;
-  HandEditTally tally;
-  const MapLeaves leaves = loaded ? MapLeaves(edited(options, *loaded, tally))
-                                  : MapLeaves::in_file(options.map, options.cloud_resolution);
-  const Snapshot& map = leaves.about();
-  const KeptRecord kept = record_to_keep(options);
-  std::optional<Snapshot> other;
-  if (!options.diff.empty()) other = load_map(options.diff, options.cloud_resolution);
-  if (!kept.remark.empty()) console.warn("note: " + kept.remark);
-  if (const std::string remark = painted_csv_remark(options.map, loaded ? *loaded : map); !remark.empty())
-    console.warn("note: " + remark);
-  if (const std::string remark =
-          cloud_remark(options.map, loaded ? *loaded : map, options.cloud_resolution.has_value());
-      !remark.empty())
-    console.warn("note: " + remark);
-  if (!options.crop.empty() && leaves.bounds().isEmpty())
-    console.warn("note: the map holds nothing inside of --crop");
-  if (!options.paint.empty() && leaves.counts().painted + leaves.counts().conflict == 0)
-    console.warn("note: no ball of --paint holds a whole voxel of " +
-                 significant(1000.0 * leaves.resolution(), 3) + " mm, so that nothing is painted");
-  if (const std::string remark = hand_edit_remark(options, tally); !remark.empty())
-    console.warn("note: " + remark);
-  require_in_reach(points, map);
+  const InspectedMaps maps(options);
+  report_maps(options, maps, console);
+  require_in_reach(asked.points, maps.map());
   const std::optional<Provenance> provenance = provenance_of(options, console);
 
-  Json json = describe_map(options, leaves);
-  if (!options.occupy.empty() || !options.clear.empty()) json["edited"] = describe_hand_edit(tally);
-  for (const Eigen::Vector3d& point : points)
-    json["at"].push_back(describe_point(map, provenance ? &*provenance : nullptr, point));
-  for (const std::string& ray : options.rays) json["rays"].push_back(describe_ray(map, ray));
-  if (options.conflicts && provenance) json["conflicts"] = describe_conflicts(*provenance);
-  if (other) json["diff"] = describe_difference(map, *other, options.diff);
-  if (options.holes) json["painted_volumes"] = describe_volumes(map);
-  const bool draws = !slices.empty() || !terms.empty() || !options.view.empty();
-  const MapLeaves drawn = other && draws ? MapLeaves::difference(map, *other) : leaves;
-  const std::string name = (other ? "from " : "") + name_of_map(options.map) +
-                           (other ? " to " + name_of_map(options.diff) : std::string());
-  for (const auto& [plane, file] : slices)
-    write_slice_image(drawn, plane, file, {name, lines, other.has_value(), options.age});
-  std::string text;
-  for (const SlicePlane& plane : terms) text += '\n' + draw_in_terminal(drawn, plane, other.has_value());
-  for (const auto& file : options.exports) export_map(map, file);
-  const auto place = is_edited(options) ? std::nullopt : std::optional(options.map.string());
-  if (!options.view.empty())
-    save_file(options.view, other ? difference_page(drawn, name) : map_page(leaves, name, place));
+  Json json = answers(options, asked, maps, provenance ? &*provenance : nullptr);
+  const std::string text = draw(options, asked, maps);
   if (!options.save.empty()) {
-    save_edited(options, kept.record, map);
+    save_edited(options, maps.kept.record, maps.map());
     json["saved"] = options.save.string();
   }
-
   if (console.json) {
     console.out() << json.dump(2) << '\n';
   } else {
