@@ -5,6 +5,30 @@
 #include "apps/console/flags.hpp"
 
 namespace clearway {
+namespace {
+
+/// What a plan may loosen.
+void add_accept_flags(CLI::App& command, std::set<AcceptedTerm>& accepted) {
+  const auto accept = [&](const std::string& name, AcceptedTerm term, const std::string& what) {
+    command.add_flag_callback(
+        "--accept-" + name, [&accepted, term] { accepted.insert(term); }, what);
+  };
+  accept("robot", AcceptedTerm::robot, "accept a plan for a robot of another name");
+  accept("held", AcceptedTerm::held, "accept fixed joints at other values, and another group");
+  accept("scale", AcceptedTerm::scale, "accept the plan's scale if it differs");
+  accept("base", AcceptedTerm::base, "accept the plan's base pose if it differs");
+  accept("policy", AcceptedTerm::policy, "accept the plan's policies if they are looser");
+  accept("padding", AcceptedTerm::padding, "accept the plan's padding if it is smaller");
+  accept("load", AcceptedTerm::load, "accept the plan's loads and pick if it omits or changes one");
+  accept("payload", AcceptedTerm::payload,
+         "accept the plan's payload if it is smaller, and its gravity if it differs");
+  accept("map", AcceptedTerm::map, "accept a plan made on another map (another SHA-256)");
+  accept("goals", AcceptedTerm::goals, "accept a path that starts elsewhere or omits goals");
+  accept("moving-end", AcceptedTerm::moving_end,
+         "accept a timed trajectory that ends in motion: how the robot stops after it is not judged");
+}
+
+}  // namespace
 
 Command add_check(CLI::App& app, Console& console) {
   auto options = std::make_shared<CheckOptions>();
@@ -38,36 +62,10 @@ Command add_check(CLI::App& app, Console& console) {
                    "required rest where a load is grasped or released, seconds; default: the plan's")
       ->check(number("seconds from 0 to 60", 0.0, 60.0))
       ->type_name("S");
-  command
-      ->add_option("--start", options->start,
-                   "start configuration: comma-separated joint values, rad or m, or a state of the SRDF" +
-                       otherwise + "the plan's")
-      ->type_name("Q");
-  command
-      ->add_option("--goal", options->goals,
-                   "goal configuration, in the same form; each goal must be reached by a leg, in this order")
-      ->type_name("Q")
-      ->allow_extra_args(false)
-      ->take_all();
-  add_goal_poses(*command, options->goal_poses, "; each must be reached by a leg, in this order");
-  command->add_flag("--degrees", options->degrees, "--start and --goal in degrees (revolute joints)");
-  const auto accept = [&](const std::string& name, AcceptedTerm term, const std::string& what) {
-    command->add_flag_callback(
-        "--accept-" + name, [options, term] { options->accepted.insert(term); }, what);
-  };
-  accept("robot", AcceptedTerm::robot, "accept a plan for a robot of another name");
-  accept("held", AcceptedTerm::held, "accept fixed joints at other values, and another group");
-  accept("scale", AcceptedTerm::scale, "accept the plan's scale if it differs");
-  accept("base", AcceptedTerm::base, "accept the plan's base pose if it differs");
-  accept("policy", AcceptedTerm::policy, "accept the plan's policies if they are looser");
-  accept("padding", AcceptedTerm::padding, "accept the plan's padding if it is smaller");
-  accept("load", AcceptedTerm::load, "accept the plan's loads and pick if it omits or changes one");
-  accept("payload", AcceptedTerm::payload,
-         "accept the plan's payload if it is smaller, and its gravity if it differs");
-  accept("map", AcceptedTerm::map, "accept a plan made on another map (another SHA-256)");
-  accept("goals", AcceptedTerm::goals, "accept a path that starts elsewhere or omits goals");
-  accept("moving-end", AcceptedTerm::moving_end,
-         "accept a timed trajectory that ends in motion: how the robot stops after it is not judged");
+  add_stops(*command, *options, otherwise + "the plan's",
+            "; each goal must be reached by a leg, in this order",
+            "; each must be reached by a leg, in this order");
+  add_accept_flags(*command, options->accepted);
   return [options](Console& c) { return run_check(*options, c); };
 }
 

@@ -32,21 +32,19 @@ Command add_gate(CLI::App& app, Console& console) {
           "--start", options->start,
           "configuration before the first chunk, comma-separated, rad or m; default: where that chunk starts")
       ->type_name("Q");
-  command
-      ->add_option(
-          "--max-velocity", options->max_velocity,
-          "velocity limit of all joints, or one per joint, rad/s or m/s; default: the robot's own, else 1")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->check(positive())
-      ->type_name("V");
-  command
-      ->add_option("--deceleration", options->deceleration,
-                   "braking deceleration of all joints, or one per joint, rad/s^2 or m/s^2; default: 5")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->check(positive())
-      ->type_name("A");
+  const auto add_limit = [&](const char* flag, std::vector<double>& values, const char* text,
+                             const char* type) {
+    command->add_option(flag, values, text)
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->check(positive())
+        ->type_name(type);
+  };
+  add_limit("--max-velocity", options->max_velocity,
+            "velocity limit of all joints, or one per joint, rad/s or m/s; default: the robot's own, else 1",
+            "V");
+  add_limit("--deceleration", options->deceleration,
+            "braking deceleration of all joints, or one per joint, rad/s^2 or m/s^2; default: 5", "A");
   command
       ->add_option("--reaction", options->reaction,
                    "reaction time at the last velocity before the robot brakes, seconds; default: 0")

@@ -40,29 +40,22 @@ Command add_replay(CLI::App& app, Console& console) {
       ->add_option("--setup", options->setup,
                    "tag boards, probe, robot and queries, by file or name; default: the recording's own")
       ->type_name("SETUP.yaml");
-  command
-      ->add_option("--out", options->out, "folder for map.ot, painted.csv, report.json, report.html, plans/")
-      ->required()
-      ->check(file_name)
-      ->type_name("DIR");
+  add_file(*command, "--out", options->out,
+           "folder for map.ot, painted.csv, report.json, report.html, plans/", "DIR")
+      ->required();
   add_map_flags(*command, options->resolution, options->integration, options->threads);
-  command
-      ->add_option("--planner", options->planners, "use this planner instead of the queries' own; repeatable")
-      ->type_name("NAME")
-      ->allow_extra_args(false)
-      ->take_all();
+  add_repeatable(*command, "--planner", options->planners,
+                 "use this planner instead of the queries' own; repeatable", "NAME");
   command
       ->add_option(
           "--record", options->record,
           "write poses, scans, spheres, voxels and plans as ROS 2 messages, for Foxglove and rosbag2")
       ->check(file_of_kind(".mcap"))
       ->type_name("FILE.mcap");
-  command
-      ->add_option("--overlay", options->overlay,
-                   "folder for stills of each plan in the camera image: the robot at start, goal and minimum "
-                   "clearance, or where to paint more")
-      ->check(file_name)
-      ->type_name("DIR");
+  add_file(*command, "--overlay", options->overlay,
+           "folder for stills of each plan in the camera image: the robot at start, goal and minimum "
+           "clearance, or where to paint more",
+           "DIR");
   command
       ->add_option(
           "--video-out", options->video,
@@ -98,20 +91,14 @@ Command add_teach(CLI::App& app, Console& console) {
                    "instead of 'time'")
       ->type_name("FILE.jsonl");
   command->add_flag("--headless", options->headless, "run without a window");
-  command
-      ->add_option("--overlay", options->overlay,
-                   "folder for stills of each plan in the camera image: start, goal, minimum clearance")
-      ->type_name("DIR")
-      ->check(file_name);
+  add_file(*command, "--overlay", options->overlay,
+           "folder for stills of each plan in the camera image: start, goal, minimum clearance", "DIR");
   command->add_option("--video-out", options->video, "write the session's images as a video")
       ->type_name("FILE.mp4")
       ->check(file_of_kind(".mp4"));
-  command
-      ->add_option("--out", options->out,
-                   "folder for what replay writes, approved/, and session/ for repeating it")
-      ->required()
-      ->check(file_name)
-      ->type_name("DIR");
+  add_file(*command, "--out", options->out,
+           "folder for what replay writes, approved/, and session/ for repeating it", "DIR")
+      ->required();
   add_map_flags(*command, options->resolution, options->integration, options->threads);
   add_planning_flags(*command, options->seed, options->time_limit);
   return [options](Console& c) { return run_teach(*options, c); };

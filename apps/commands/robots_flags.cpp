@@ -27,9 +27,8 @@ Command add_robots(CLI::App& app, Console& console) {
                    "joints at 0, or at the limit nearest to it")
       ->type_name("Q");
   command->add_flag("--degrees", options->degrees, "--at in degrees (revolute joints)");
-  command->add_option("--view", options->view, "write an HTML page with the robot in 3D and these tables")
-      ->type_name("FILE.html")
-      ->check(file_name);
+  add_file(*command, "--view", options->view, "write an HTML page with the robot in 3D and these tables",
+           "FILE.html");
   for (CLI::Option* option : command->get_options())
     if (option != robot && std::find(of_all.begin(), of_all.end(), option) == of_all.end())
       option->needs(robot);

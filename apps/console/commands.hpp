@@ -115,19 +115,28 @@ struct GoalPoseChoice {
   std::string free_axis;            ///< x, y or z of the tip, about which it may turn; empty: none
 };
 
-struct PlanOptions {
+/// Flags that `plan`, `check` and `gate` share: a robot, with what rides on it, in a map.
+struct PlacedRobotChoice {
   std::filesystem::path map;
   std::optional<double> cloud_resolution = {};  ///< metres, of a map that is a cloud; none: its own
   RobotChoice robot;
-  std::string start;
-  std::vector<std::string> goals;
-  GoalPoseChoice goal_poses;                       ///< instead of goals
   std::vector<std::filesystem::path> attach = {};  ///< files of loads
-  std::filesystem::path pick = {};                 ///< file of an object that is taken; empty: none
-  std::string place = {};                          ///< "x,y,z[,roll,pitch,yaw]" of it; empty: the file's
-  bool degrees = false;
+  std::string start;                               ///< of `gate` may be empty: where the first chunk starts
+};
+
+/// Flags that `plan` and `check` share; what is left out of it `check` takes from the map's record or the
+/// plan.
+struct QueryChoice : PlacedRobotChoice {
+  std::vector<std::string> goals;
+  GoalPoseChoice goal_poses;        ///< instead of goals
+  std::filesystem::path pick = {};  ///< file of an object that is taken; empty: none
+  std::string place = {};           ///< "x,y,z[,roll,pitch,yaw]" of it; empty: the file's
+  bool degrees = false;             ///< start and goals
   DynamicsChoice dynamics;
   SurveyDemands survey;
+};
+
+struct PlanOptions : QueryChoice {
   std::string planner = "auto";
   std::vector<std::string> settings;  ///< "key=value", planner options
   std::uint64_t seed = 1;
@@ -147,38 +156,21 @@ int run_plan(const PlanOptions& options, Console& console);
 /// What a plan may loosen when the user names it (--accept-…).
 enum class AcceptedTerm { robot, held, scale, base, policy, padding, load, payload, map, goals, moving_end };
 
-struct CheckOptions {
-  std::filesystem::path map;
-  std::optional<double> cloud_resolution = {};  ///< metres, of a map that is a cloud; none: its own
-  RobotChoice robot;
-  std::string start;
-  std::vector<std::string> goals;
-  GoalPoseChoice goal_poses;                       ///< instead of goals
-  std::vector<std::filesystem::path> attach = {};  ///< files of loads; none: the map's or the plan's
-  std::filesystem::path pick = {};                 ///< file of an object that is taken; empty: the map's
-  std::string place = {};                          ///< where it goes; empty: the file's
-  DynamicsChoice dynamics;
+struct CheckOptions : QueryChoice {
   std::optional<double> grip_time = {};  ///< seconds at rest where loads are taken or left; none: the plan's
-  bool degrees = false;
   std::set<AcceptedTerm> accepted;
-  SurveyDemands survey;
   std::filesystem::path plan;
 };
 int run_check(const CheckOptions& options, Console& console);
 
-struct GateCommandOptions {
-  std::filesystem::path map;
-  std::optional<double> cloud_resolution = {};  ///< metres, of a map that is a cloud; none: its own
-  RobotChoice robot;
-  std::vector<std::filesystem::path> attach = {};  ///< files of loads, all in the hand
-  std::string start;                               ///< empty: where the first chunk starts
-  std::vector<double> max_velocity;                ///< of all joints or each; empty: the robot's own
-  std::vector<double> deceleration;                ///< of all joints or each; empty: 5 rad/s^2 or m/s^2
-  double reaction = 0.0;                           ///< seconds
-  double tolerance = 1e-3;                         ///< of where a chunk starts, rad or m
-  std::optional<double> max_age;                   ///< seconds; none: unlimited
-  std::vector<std::string> allow_outside = {};     ///< parts that may leave the map's bounds, or "all"
-  std::size_t max_line = 262144;                   ///< bytes
+struct GateCommandOptions : PlacedRobotChoice {
+  std::vector<double> max_velocity;             ///< of all joints or each; empty: the robot's own
+  std::vector<double> deceleration;             ///< of all joints or each; empty: 5 rad/s^2 or m/s^2
+  double reaction = 0.0;                        ///< seconds
+  double tolerance = 1e-3;                      ///< of where a chunk starts, rad or m
+  std::optional<double> max_age;                ///< seconds; none: unlimited
+  std::vector<std::string> allow_outside = {};  ///< parts that may leave the map's bounds, or "all"
+  std::size_t max_line = 262144;                ///< bytes
 };
 int run_gate(const GateCommandOptions& options, Console& console);
 

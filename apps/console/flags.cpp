@@ -102,6 +102,22 @@ class OptionHelp : public CLI::Formatter {
 
 }  // namespace
 
+CLI::Option* add_file(CLI::App& command, const std::string& flag, std::filesystem::path& file,
+                      const std::string& text, const std::string& type) {
+  return command.add_option(flag, file, text)->type_name(type)->check(file_name);
+}
+
+CLI::Option* add_repeatable(CLI::App& command, const std::string& flag, std::vector<std::string>& values,
+                            const std::string& text, const std::string& type) {
+  return command.add_option(flag, values, text)->type_name(type)->allow_extra_args(false)->take_all();
+}
+
+CLI::Option* add_repeatable(CLI::App& command, const std::string& flag,
+                            std::vector<std::filesystem::path>& files, const std::string& text,
+                            const std::string& type) {
+  return command.add_option(flag, files, text)->type_name(type)->allow_extra_args(false)->take_all();
+}
+
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
                       Console& console) {
   CLI::App* command = app.add_subcommand(name, description);
@@ -178,45 +194,31 @@ void add_model_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNote
 }
 
 void add_group_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes) {
-  command
-      .add_option("--srdf", choice.srdf,
-                  "SRDF with planning groups, states and disabled collision pairs; default: the robot's own")
-      ->check(file_name)
-      ->type_name("FILE");
+  add_file(command, "--srdf", choice.srdf,
+           "SRDF with planning groups, states and disabled collision pairs; default: the robot's own",
+           "FILE");
   command
       .add_option("--group", choice.group,
                   "planning group of the SRDF; other joints are held fixed" + notes.group)
       ->type_name("NAME");
-  command
-      .add_option(
-          "--fix", choice.fixed,
-          "hold a joint at this value, rad or m at full size, or what a state of the SRDF says of joints "
-          "outside of the group; they are then not part of Q; repeatable" +
-              notes.fixed)
-      ->type_name("JOINT=VALUE")
-      ->allow_extra_args(false)
-      ->take_all();
-  command
-      .add_option(
-          "--standing", choice.standing,
-          "link on a joint that is held, as a wheel: it may touch what the robot stands on, as its base "
-          "may; repeatable")
-      ->type_name("LINK")
-      ->allow_extra_args(false)
-      ->take_all();
-  command
-      .add_option("--package", choice.packages,
-                  "folder of a ROS package that mesh URLs name (package://NAME/…); default: folders above "
-                  "the URDF, ROS_PACKAGE_PATH, AMENT_PREFIX_PATH; repeatable")
-      ->type_name("NAME=DIR")
-      ->allow_extra_args(false)
-      ->take_all();
-  command
-      .add_option("--xacro", choice.xacro,
-                  "argument of a robot's .xacro file, passed on to the program xacro; repeatable")
-      ->type_name("NAME:=VALUE")
-      ->allow_extra_args(false)
-      ->take_all();
+  add_repeatable(
+      command, "--fix", choice.fixed,
+      "hold a joint at this value, rad or m at full size, or what a state of the SRDF says of joints "
+      "outside of the group; they are then not part of Q; repeatable" +
+          notes.fixed,
+      "JOINT=VALUE");
+  add_repeatable(
+      command, "--standing", choice.standing,
+      "link on a joint that is held, as a wheel: it may touch what the robot stands on, as its base "
+      "may; repeatable",
+      "LINK");
+  add_repeatable(command, "--package", choice.packages,
+                 "folder of a ROS package that mesh URLs name (package://NAME/…); default: folders above "
+                 "the URDF, ROS_PACKAGE_PATH, AMENT_PREFIX_PATH; repeatable",
+                 "NAME=DIR");
+  add_repeatable(command, "--xacro", choice.xacro,
+                 "argument of a robot's .xacro file, passed on to the program xacro; repeatable",
+                 "NAME:=VALUE");
 }
 
 void add_padding(CLI::App& command, std::optional<double>& padding, const std::string& note) {
@@ -252,42 +254,34 @@ void add_place_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNote
 void add_robot_flags(CLI::App& command, RobotChoice& choice, const RobotFlagNotes& notes) {
   add_model_flags(command, choice, notes);
   add_place_flags(command, choice, notes);
-  command
-      .add_option("--policy", choice.policies,
-                  "what counts as free: painted, known_free or not_occupied (unknown counts as free), for "
-                  "all parts, or PART=P for one; repeatable; a load that none names lies in what holds it" +
-                      (notes.policy.empty() ? default_policy : notes.policy))
-      ->type_name("[PART=]P")
-      ->allow_extra_args(false)
-      ->take_all();
+  add_repeatable(command, "--policy", choice.policies,
+                 "what counts as free: painted, known_free or not_occupied (unknown counts as free), for "
+                 "all parts, or PART=P for one; repeatable; a load that none names lies in what holds it" +
+                     (notes.policy.empty() ? default_policy : notes.policy),
+                 "[PART=]P");
   add_padding(command, choice.padding,
               notes.padding.empty() ? "; 0 must be given explicitly; default: auto" : notes.padding);
   add_seen_within(command, choice.seen_within, notes.seen_within);
 }
 
 void add_attach(CLI::App& command, std::vector<std::filesystem::path>& files, const std::string& note) {
-  command
-      .add_option("--attach", files,
-                  "attach a load to the robot: a YAML file with its shape, link, pose, mass, touch links and "
-                  "legs; repeatable" +
-                      note)
-      ->check(file_name)
-      ->type_name("LOAD.yaml")
-      ->allow_extra_args(false)
-      ->take_all();
+  add_repeatable(command, "--attach", files,
+                 "attach a load to the robot: a YAML file with its shape, link, pose, mass, touch links and "
+                 "legs; repeatable" +
+                     note,
+                 "LOAD.yaml")
+      ->check(file_name);
 }
 
 void add_pick(CLI::App& command, std::filesystem::path& file, std::string& place, const std::string& note) {
-  command
-      .add_option(
-          "--pick", file,
-          "pick and place an object of the map, in the legs approach, reach, lift, carry, lower and retreat: "
-          "a YAML file with its shape, pose, link, touch links, grasp, place, approach (default: 0.1 m "
-          "down), "
-          "lift (0.1 m) and contact (two voxels and twice the padding)" +
-              note)
-      ->check(file_name)
-      ->type_name("PICK.yaml");
+  add_file(
+      command, "--pick", file,
+      "pick and place an object of the map, in the legs approach, reach, lift, carry, lower and retreat: "
+      "a YAML file with its shape, pose, link, touch links, grasp, place, approach (default: 0.1 m "
+      "down), "
+      "lift (0.1 m) and contact (two voxels and twice the padding)" +
+          note,
+      "PICK.yaml");
   command
       .add_option(
           "--place", place,
@@ -314,15 +308,15 @@ CLI::Option* add_map(CLI::App& command, std::filesystem::path& map, std::optiona
   return option;
 }
 
+namespace {
+
+/// --goal-pose, --tip, --position-tolerance, --turn-tolerance and --free-axis.
 void add_goal_poses(CLI::App& command, GoalPoseChoice& choice, const std::string& note) {
-  command
-      .add_option("--goal-pose", choice.poses,
-                  "goal pose of the tip in the map frame instead of --goal: x,y,z[,roll,pitch,yaw], m and "
-                  "rad; several are legs" +
-                      note)
-      ->type_name("POSE")
-      ->allow_extra_args(false)
-      ->take_all();
+  add_repeatable(command, "--goal-pose", choice.poses,
+                 "goal pose of the tip in the map frame instead of --goal: x,y,z[,roll,pitch,yaw], m and "
+                 "rad; several are legs" +
+                     note,
+                 "POSE");
   command
       .add_option(
           "--tip", choice.tip,
@@ -350,6 +344,20 @@ void add_goal_poses(CLI::App& command, GoalPoseChoice& choice, const std::string
       ->type_name("AXIS");
 }
 
+}  // namespace
+
+void add_stops(CLI::App& command, QueryChoice& choice, const std::string& start, const std::string& goal,
+               const std::string& goal_pose) {
+  command
+      .add_option(
+          "--start", choice.start,
+          "start configuration: comma-separated joint values, rad or m, or a state of the SRDF" + start)
+      ->type_name("Q");
+  add_repeatable(command, "--goal", choice.goals, "goal configuration, in the same form" + goal, "Q");
+  add_goal_poses(command, choice.goal_poses, goal_pose);
+  command.add_flag("--degrees", choice.degrees, "--start and --goal in degrees (revolute joints)");
+}
+
 void add_dynamics(CLI::App& command, DynamicsChoice& dynamics, const std::string& payload,
                   const std::string& gravity) {
   command
@@ -368,12 +376,9 @@ void add_dynamics(CLI::App& command, DynamicsChoice& dynamics, const std::string
 }
 
 void add_allow_outside(CLI::App& command, std::vector<std::string>& allow_outside) {
-  command
-      .add_option("--allow-outside", allow_outside,
-                  "let a part with policy not_occupied leave the map's bounds, or all parts; repeatable")
-      ->type_name("PART|all")
-      ->allow_extra_args(false)
-      ->take_all();
+  add_repeatable(command, "--allow-outside", allow_outside,
+                 "let a part with policy not_occupied leave the map's bounds, or all parts; repeatable",
+                 "PART|all");
 }
 
 void add_survey_flags(CLI::App& command, SurveyDemands& demands) {

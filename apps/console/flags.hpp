@@ -40,6 +40,17 @@ Check file_of_kind(const std::string& ending);  ///< a name that ends in ".mp4",
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
                       Console& console);
 
+/// A flag that names a file or folder.
+CLI::Option* add_file(CLI::App& command, const std::string& flag, std::filesystem::path& file,
+                      const std::string& text, const std::string& type);
+
+/// A flag that may be given several times, each time with one value.
+CLI::Option* add_repeatable(CLI::App& command, const std::string& flag, std::vector<std::string>& values,
+                            const std::string& text, const std::string& type);
+CLI::Option* add_repeatable(CLI::App& command, const std::string& flag,
+                            std::vector<std::filesystem::path>& files, const std::string& text,
+                            const std::string& type);
+
 /// What a flag's help says of its default.
 struct RobotFlagNotes {
   std::string group = {}, fixed = {}, scale = {}, base = {}, policy = {}, padding = {}, seen_within = {};
@@ -77,9 +88,10 @@ void add_attach(CLI::App& command, std::vector<std::filesystem::path>& files, co
 /// --pick and --place, as `plan` and `check` share them. @param note of --pick's default
 void add_pick(CLI::App& command, std::filesystem::path& file, std::string& place, const std::string& note);
 
-/// --goal-pose, --tip, --position-tolerance, --turn-tolerance and --free-axis, as `plan` and `check` share
-/// them. @param note of --goal-pose
-void add_goal_poses(CLI::App& command, GoalPoseChoice& choice, const std::string& note);
+/// --start, --goal, --goal-pose and what goes with it, and --degrees, as `plan` and `check` share them.
+/// @param start, goal, goal_pose notes of them
+void add_stops(CLI::App& command, QueryChoice& choice, const std::string& start, const std::string& goal,
+               const std::string& goal_pose);
 
 /// A map by the name of its argument, and --cloud-resolution of one that is a cloud. Returns the map's.
 /// @param note what else it may be
