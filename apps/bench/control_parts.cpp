@@ -28,17 +28,19 @@ double clock_us() {
   return median(took);
 }
 
-nlohmann::ordered_json three_arms(const Snapshot& map, const Robot& robot) {
-  struct Arm {
-    std::unique_ptr<ConfigurationSpace> space;
-    std::unique_ptr<ControlStep> control;
-    std::unique_ptr<ObstacleConstraints> near;
-    std::vector<PlacedShape> bodies;
-    std::vector<ObstacleConstraint> constraints;
-    Configuration q, goal;
-  };
+namespace {
+
+struct Arm {
+  std::unique_ptr<ConfigurationSpace> space;
+  std::unique_ptr<ControlStep> control;
+  std::unique_ptr<ObstacleConstraints> near;
+  std::vector<PlacedShape> bodies;
+  std::vector<ObstacleConstraint> constraints;
+  Configuration q, goal;
+};
+
+std::vector<Arm> arms_in_a_ring(const Snapshot& map, const Robot& robot) {
   std::vector<Arm> arms(3);
-  Dice dice(9);
   for (std::size_t i = 0; i < arms.size(); ++i) {
     Robot placed = robot;
     const double angle = 2.0 * std::numbers::pi / 3.0 * static_cast<double>(i);
@@ -49,33 +51,52 @@ nlohmann::ordered_json three_arms(const Snapshot& map, const Robot& robot) {
     arms[i].control = std::make_unique<ControlStep>(*arms[i].space, options);
     arms[i].near = std::make_unique<ObstacleConstraints>(arms[i].space->robot());
   }
+  return arms;
+}
+
+/// A free configuration of the arm and a goal for it.
+void draw_task(const Robot& robot, Dice& dice, Arm& arm) {
+  do arm.q = dice.configuration(robot);
+  while (!arm.space->is_free(arm.q));
+  arm.goal = dice.configuration(robot);
+  arm.bodies = placed_bodies(arm.space->robot(), forward_kinematics(arm.space->robot(), arm.q));
+}
+
+/// Constraints against the map and the arm itself, at its place now.
+void look(Arm& arm) {
+  arm.control->look(arm.q);
+  move_bodies(arm.space->robot(), arm.control->constraints().kinematics().map_from_link(),
+              Eigen::VectorXd::Zero(6), arm.bodies);
+}
+
+/// Those against the bodies of the others, too.
+void look_at_others(const std::vector<Arm>& arms, Arm& arm) {
+  arm.constraints.clear();
+  for (const Arm& other : arms) {
+    if (&other != &arm)
+      arm.near->append(arm.control->constraints().kinematics().map_from_link(), other.bodies, influence,
+                       arm.constraints);
+  }
+  for (const ObstacleConstraint& constraint : arm.constraints)
+    arm.control->add({constraint.gradient.data(), 6},
+                     damper_bound(arm.control->options(), constraint.distance));
+}
+
+}  // namespace
+
+nlohmann::ordered_json three_arms(const Snapshot& map, const Robot& robot) {
+  std::vector<Arm> arms = arms_in_a_ring(map, robot);
+  Dice dice(9);
   std::vector<double> times;
   double pairs = 0.0, others = 0.0;
   const double clock = clock_us();
   for (int start = 0; start < 60; ++start) {
-    for (Arm& arm : arms) {
-      do arm.q = dice.configuration(robot);
-      while (!arm.space->is_free(arm.q));
-      arm.goal = dice.configuration(robot);
-      arm.bodies = placed_bodies(arm.space->robot(), forward_kinematics(arm.space->robot(), arm.q));
-    }
+    for (Arm& arm : arms) draw_task(robot, dice, arm);
     for (int i = 0; i < 20; ++i) {
       const double begin = now_us();
+      for (Arm& arm : arms) look(arm);
       for (Arm& arm : arms) {
-        arm.control->look(arm.q);
-        move_bodies(arm.space->robot(), arm.control->constraints().kinematics().map_from_link(),
-                    Eigen::VectorXd::Zero(6), arm.bodies);
-      }
-      for (Arm& arm : arms) {
-        arm.constraints.clear();
-        for (const Arm& other : arms) {
-          if (&other != &arm)
-            arm.near->append(arm.control->constraints().kinematics().map_from_link(), other.bodies, influence,
-                             arm.constraints);
-        }
-        for (const ObstacleConstraint& constraint : arm.constraints)
-          arm.control->add({constraint.gradient.data(), 6},
-                           damper_bound(arm.control->options(), constraint.distance));
+        look_at_others(arms, arm);
         pairs += static_cast<double>(arm.constraints.size());
         others += static_cast<double>(arm.control->constraints().constraints().size());
         arm.q += arm.control->solve(step_to_goal(arm.control->options(), arm.q, arm.goal));

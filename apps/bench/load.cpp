@@ -1,12 +1,12 @@
 // Loading a map: ours against octomap::OcTree reading the same voxels from its own .ot file.
 
 #include <octomap/OcTree.h>
-#include <unistd.h>
 
 #include <fstream>
 #include <iostream>
 
 #include "apps/bench/bench.hpp"
+#include "apps/bench/page/bench_folder.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 
@@ -16,18 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int cube_edge = 208;  ///< of a cube of voxels that all differ: 10.3 million nodes
-
-/// A folder that goes with the benchmark.
-struct LoadFolder {
-  fs::path path = fs::temp_directory_path() / ("clearway_bench_load_" + std::to_string(::getpid()));
-  LoadFolder() { fs::create_directories(path); }
-  ~LoadFolder() {
-    std::error_code error;
-    fs::remove_all(path, error);
-  }
-  LoadFolder(const LoadFolder&) = delete;
-  LoadFolder& operator=(const LoadFolder&) = delete;
-};
 
 /// No two neighbours alike, so that nothing is pruned.
 Snapshot rough_cube(double resolution) {
@@ -69,7 +57,7 @@ class QuietErrors {
 }  // namespace
 
 BenchResult bench_load(const BenchOptions& options) {
-  const LoadFolder folder;
+  const BenchFolder folder("load");
   const fs::path ours_file = folder.path / "map.ot";
   const fs::path stock_file = folder.path / "stock.ot";
   std::size_t nodes = 0;

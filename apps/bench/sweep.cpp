@@ -1,14 +1,13 @@
 // What `clearway compare` costs a run beside planning, check and motion: a process, its files, its line, and
 // the drawing of its problem.
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
 
 #include "apps/bench/bench.hpp"
+#include "apps/bench/page/bench_folder.hpp"
 #include "apps/commands/command_line.hpp"
 #include "apps/console/console.hpp"
 #include "mapping/system/atomic_file.hpp"
@@ -79,18 +78,15 @@ Sweep sweep(const fs::path& folder, int problems) {
 }  // namespace
 
 BenchResult bench_sweep(const BenchOptions& options) {
-  const fs::path folder = fs::temp_directory_path() / ("clearway_bench_sweep_" + std::to_string(::getpid()));
-  fs::create_directories(folder);
+  const BenchFolder folder("sweep");
   std::vector<double> wall, own, overhead;
   for (int i = 0; i < options.runs; ++i) {
     options.say_run(i, options.runs);
-    const Sweep small = sweep(folder, few), large = sweep(folder, many);
+    const Sweep small = sweep(folder.path, few), large = sweep(folder.path, many);
     wall.push_back((large.wall - small.wall) / (many - few));
     own.push_back((large.own - small.own) / (many - few));
     overhead.push_back(wall.back() - own.back());
   }
-  std::error_code error;
-  fs::remove_all(folder, error);
   BenchResult result{median(wall), median(own),  "the runs' own planning, check and motion", "s a problem",
                      true,         options.runs, {{"overhead_ms", 1e3 * median(overhead)}}};
   result.compared =

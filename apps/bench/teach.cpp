@@ -1,13 +1,12 @@
 // Teaching: tags searched, poses, paint, pictures; against the ten images a second of Chong et al. 2008.
 
-#include <unistd.h>
-
 #include <chrono>
 #include <cmath>
 #include <limits>
 #include <thread>
 
 #include "apps/bench/bench.hpp"
+#include "apps/bench/page/bench_folder.hpp"
 #include "apps/fusion/fusion.hpp"
 #include "apps/teach/shown_session.hpp"
 #include "apps/teach/teach_picture.hpp"
@@ -44,6 +43,15 @@ Scene large_kitchen() {
   scene.setup.acceptance.max_speed = 1.0;
   scene.setup.detector.decimate = 2;
   return scene;
+}
+
+/// The one event of a session that paints from its first image to its last.
+TeachSession::EventSource paints_all_along() {
+  TeachEvent begin;
+  begin.action = TeachAction::paint_on;
+  return [begin, is_given = false](double) mutable {
+    return std::exchange(is_given, true) ? std::vector<TeachEvent>{} : std::vector{begin};
+  };
 }
 
 /// A session that draws each of its images.
@@ -92,12 +100,7 @@ struct LiveRun {
 };
 
 LiveRun run_live(const fs::path& recording, const Setup& setup) {
-  TeachEvent begin;
-  begin.action = TeachAction::paint_on;
-  bool is_given = false;
-  TeachSession session(
-      [&](double) { return std::exchange(is_given, true) ? std::vector<TeachEvent>{} : std::vector{begin}; },
-      {});
+  TeachSession session(paints_all_along(), {});
   TeachScreen screen([] {
     return TeachDisplay{[](const cv::Mat&) {},
                         [] {
@@ -130,12 +133,7 @@ struct Run {
 };
 
 Run run(const fs::path& recording, const Setup& setup, bool draws) {
-  TeachEvent begin;
-  begin.action = TeachAction::paint_on;
-  bool is_given = false;
-  TeachSession session(
-      [&](double) { return std::exchange(is_given, true) ? std::vector<TeachEvent>{} : std::vector{begin}; },
-      {});
+  TeachSession session(paints_all_along(), {});
   Drawn guide(session, draws);
   FusionOptions options;
   options.setup = setup;
@@ -147,78 +145,95 @@ Run run(const fs::path& recording, const Setup& setup, bool draws) {
           guide.draw_ms};
 }
 
+/// Of all runs.
+struct Figures {
+  Run last;                          ///< without pictures
+  std::vector<double> alone, drawn;  ///< s an image
+  std::vector<double> draw_ms;
+  std::vector<double> latency_ms, images_hz, pictures_hz, depth_hz, behind;  ///< live
+};
+
+void append(const std::vector<double>& values, std::vector<double>& all) {
+  all.insert(all.end(), values.begin(), values.end());
+}
+
+void measure(const fs::path& recording, const Setup& setup, int runs, Figures& figures) {
+  for (int i = 0; i < runs; ++i) {
+    figures.last = run(recording, setup, false);
+    figures.alone.push_back(figures.last.seconds_an_image);
+    const Run picture = run(recording, setup, true);
+    figures.drawn.push_back(picture.seconds_an_image);
+    append(picture.draw_ms, figures.draw_ms);
+  }
+}
+
+void measure_live(const fs::path& recording, const Setup& setup, int runs, Figures& figures) {
+  for (int i = 0; i < runs; ++i) {
+    const LiveRun run = run_live(recording, setup);
+    append(run.latency_ms, figures.latency_ms);
+    figures.images_hz.push_back(run.images_a_second);
+    figures.pictures_hz.push_back(run.pictures_a_second);
+    figures.depth_hz.push_back(run.depth_a_second);
+    figures.behind.push_back(run.behind_s);
+  }
+}
+
+nlohmann::ordered_json detail_of(const Figures& figures) {
+  return {{"images", figures.last.images},
+          {"balls", figures.last.balls},
+          {"images_a_second", 1.0 / median(figures.alone)},
+          {"images_a_second_with_pictures", 1.0 / median(figures.drawn)},
+          {"draw_ms_median", median(figures.draw_ms)},
+          {"draw_ms_p95", quantile(figures.draw_ms, 0.95)},
+          {"live_latency_ms_median", median(figures.latency_ms)},
+          {"live_latency_ms_p95", quantile(figures.latency_ms, 0.95)},
+          {"live_images_a_second", median(figures.images_hz)},
+          {"live_pictures_a_second", median(figures.pictures_hz)},
+          {"live_depth_images_a_second", median(figures.depth_hz)},
+          {"live_behind_s", median(figures.behind)},
+          {"threads", thread_count()}};
+}
+
+std::vector<Table> tables_of(const Figures& figures) {
+  return {{"",
+           {"images a second", "ours", "paper"},
+           {{"detect, pose, paint", figure(1.0 / median(figures.alone)), "10"},
+            {"with the picture drawn by the same thread", figure(1.0 / median(figures.drawn)), "10"}}},
+          {"A live session: 30 images and 10 depth images a second come at their own pace, pictures are "
+           "drawn by a thread beside, as for a window",
+           {"", "ours"},
+           {{"from image to picture, ms, median", figure(median(figures.latency_ms))},
+            {"from image to picture, ms, 95 %", figure(quantile(figures.latency_ms, 0.95))},
+            {"images searched a second", figure(median(figures.images_hz))},
+            {"pictures a second", figure(median(figures.pictures_hz))},
+            {"depth images fused a second", figure(median(figures.depth_hz))},
+            {"seconds behind at the end", figure(median(figures.behind))}}}};
+}
+
 }  // namespace
 
 BenchResult bench_teach(const BenchOptions& options) {
-  const fs::path folder = fs::temp_directory_path() / ("clearway_bench_teach_" + std::to_string(::getpid()));
-  const fs::path recording = folder / "kitchen" / "kitchen.rawlog",
-                 live_recording = folder / "live" / "live.rawlog";
+  const BenchFolder folder("teach");
+  const fs::path recording = folder.path / "kitchen" / "kitchen.rawlog",
+                 live_recording = folder.path / "live" / "live.rawlog";
   for (const fs::path& file : {recording, live_recording}) fs::create_directories(file.parent_path());
-  const Scene scene = large_kitchen();
+  const Scene scene = large_kitchen(), live = live_kitchen();
   simulate(scene, recording);
   options.say("images rendered");
-  const Scene live = live_kitchen();
   simulate(live, live_recording);
-  std::vector<double> alone, drawn, draw_ms, latency_ms, images_hz, pictures_hz, depth_hz, behind;
-  Run last;
-  for (int i = 0; i < options.runs; ++i) {
-    last = run(recording, scene.setup, false);
-    alone.push_back(last.seconds_an_image);
-    const Run picture = run(recording, scene.setup, true);
-    drawn.push_back(picture.seconds_an_image);
-    draw_ms.insert(draw_ms.end(), picture.draw_ms.begin(), picture.draw_ms.end());
-  }
-  for (int i = 0; i < options.runs; ++i) {
-    const LiveRun run = run_live(live_recording, live.setup);
-    latency_ms.insert(latency_ms.end(), run.latency_ms.begin(), run.latency_ms.end());
-    images_hz.push_back(run.images_a_second);
-    pictures_hz.push_back(run.pictures_a_second);
-    depth_hz.push_back(run.depth_a_second);
-    behind.push_back(run.behind_s);
-  }
-  std::error_code error;
-  fs::remove_all(folder, error);
-  const double ours = median(alone), with_pictures = median(drawn);
-  BenchResult result{ours,
-                     paper_s,
-                     "Chong et al. 2008",
-                     "s an image",
-                     true,
-                     options.runs,
-                     {{"images", last.images},
-                      {"balls", last.balls},
-                      {"images_a_second", 1.0 / ours},
-                      {"images_a_second_with_pictures", 1.0 / with_pictures},
-                      {"draw_ms_median", median(draw_ms)},
-                      {"draw_ms_p95", quantile(draw_ms, 0.95)},
-                      {"live_latency_ms_median", median(latency_ms)},
-                      {"live_latency_ms_p95", quantile(latency_ms, 0.95)},
-                      {"live_images_a_second", median(images_hz)},
-                      {"live_pictures_a_second", median(pictures_hz)},
-                      {"live_depth_images_a_second", median(depth_hz)},
-                      {"live_behind_s", median(behind)},
-                      {"threads", thread_count()}}};
+  Figures figures;
+  measure(recording, scene.setup, options.runs, figures);
+  measure_live(live_recording, live.setup, options.runs, figures);
+  BenchResult result{median(figures.alone), paper_s,           "Chong et al. 2008", "s an image", true,
+                     options.runs,          detail_of(figures)};
   result.compared =
       "Rendered images of " + std::to_string(width) + " x " + std::to_string(height) +
-      " of the miniature kitchen's stroke, " + std::to_string(last.images) +
+      " of the miniature kitchen's stroke, " + std::to_string(figures.last.images) +
       " of them: read from a rawlog, tags searched at `decimate: 2`, poses, paint; wall clock, " +
       std::to_string(thread_count()) +
       " threads. The peer is the paper's statement of ten images a second on its machine of 2008, "
       "not measured here.";
-  result.tables = {
-      {"",
-       {"images a second", "ours", "paper"},
-       {{"detect, pose, paint", figure(1.0 / ours), "10"},
-        {"with the picture drawn by the same thread", figure(1.0 / with_pictures), "10"}}},
-      {"A live session: 30 images and 10 depth images a second come at their own pace, pictures are "
-       "drawn by a thread beside, as for a window",
-       {"", "ours"},
-       {{"from image to picture, ms, median", figure(median(latency_ms))},
-        {"from image to picture, ms, 95 %", figure(quantile(latency_ms, 0.95))},
-        {"images searched a second", figure(median(images_hz))},
-        {"pictures a second", figure(median(pictures_hz))},
-        {"depth images fused a second", figure(median(depth_hz))},
-        {"seconds behind at the end", figure(median(behind))}}}};
+  result.tables = tables_of(figures);
   return result;
 }
 

@@ -1,7 +1,5 @@
 #include "apps/bench/worlds/panda_variants.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -14,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/bench/page/bench_folder.hpp"
 #include "planning/geometry/convex_hull.hpp"
 #include "planning/robot_files/load_robot.hpp"
 
@@ -21,16 +20,8 @@ namespace clearway::bench {
 namespace {
 
 /// A folder that goes when the robot is loaded.
-struct RobotFolder {
-  std::filesystem::path path =
-      std::filesystem::temp_directory_path() / ("clearway_bench_robot_" + std::to_string(::getpid()));
-  RobotFolder() { std::filesystem::create_directories(path); }
-  ~RobotFolder() {
-    std::error_code error;
-    std::filesystem::remove_all(path, error);
-  }
-  RobotFolder(const RobotFolder&) = delete;
-  RobotFolder& operator=(const RobotFolder&) = delete;
+struct RobotFolder : BenchFolder {
+  RobotFolder() : BenchFolder("robot") {}
 
   void write(const std::string& name, const std::string& text) const {
     std::ofstream file(path / name);

@@ -42,21 +42,12 @@ class ProgramDice {
   std::mt19937_64 engine_;
 };
 
-/// `most_constraints` at most; up to 14 variables, and limits on some, all or none.
-inline QuadraticProgram random_program(ProgramDice& dice, ProgramKind kind, int most_constraints) {
-  const Eigen::Index n = 1 + dice.below(14), m = dice.below(most_constraints + 1);
+/// What its kind changes of a plain program.
+inline void complicate(ProgramDice& dice, ProgramKind kind, QuadraticProgram& p) {
+  const Eigen::Index n = p.target.size(), m = p.matrix.rows();
   const auto each_constraint = [&](const auto& change) {
     for (Eigen::Index i = 1; i < m; ++i) change(i, dice.below(12));
   };
-  QuadraticProgram p;
-  p.target = dice.vector(n, 1.0);
-  p.matrix.resize(m, n);
-  for (Eigen::Index i = 0; i < m; ++i) p.matrix.row(i) = dice.vector(n, 1.0).transpose();
-  const double room = kind == ProgramKind::squeezed ? -0.1 : std::array{0.35, 0.15, 0.05}[dice.below(3)];
-  p.bounds = dice.vector(m, 0.3).array() + room;
-  const int limits = dice.below(4);  // never lower > upper
-  if (limits != 0) p.upper = dice.vector(n, 0.5).array() + 0.6;
-  if (limits != 1) p.lower = dice.vector(n, 0.5).array() - 0.6;
   switch (kind) {
     case ProgramKind::plain:
     case ProgramKind::squeezed:
@@ -105,6 +96,21 @@ inline QuadraticProgram random_program(ProgramDice& dice, ProgramKind kind, int 
       p.upper = Eigen::VectorXd::Constant(n, 0.02);
       break;
   }
+}
+
+/// `most_constraints` at most; up to 14 variables, and limits on some, all or none.
+inline QuadraticProgram random_program(ProgramDice& dice, ProgramKind kind, int most_constraints) {
+  const Eigen::Index n = 1 + dice.below(14), m = dice.below(most_constraints + 1);
+  QuadraticProgram p;
+  p.target = dice.vector(n, 1.0);
+  p.matrix.resize(m, n);
+  for (Eigen::Index i = 0; i < m; ++i) p.matrix.row(i) = dice.vector(n, 1.0).transpose();
+  const double room = kind == ProgramKind::squeezed ? -0.1 : std::array{0.35, 0.15, 0.05}[dice.below(3)];
+  p.bounds = dice.vector(m, 0.3).array() + room;
+  const int limits = dice.below(4);  // never lower > upper
+  if (limits != 0) p.upper = dice.vector(n, 0.5).array() + 0.6;
+  if (limits != 1) p.lower = dice.vector(n, 0.5).array() - 0.6;
+  complicate(dice, kind, p);
   return p;
 }
 
