@@ -31,7 +31,7 @@ Shape load_shape(const LoadShape& shape, const std::string& what) {
     return Shape::cylinder(round->radius, round->length);
   if (const auto* round = std::get_if<LoadCapsule>(&shape))
     return Shape::capsule(round->radius, round->length);
-  if (const auto* ball = std::get_if<LoadSphere>(&shape)) return Shape::sphere(ball->radius);
+  if (const auto* sphere = std::get_if<LoadSphere>(&shape)) return Shape::sphere(sphere->radius);
   if (const auto* hull = std::get_if<LoadHull>(&shape)) return Shape::convex(hull->points);
   return mesh_shape(std::get<LoadMesh>(shape), what);
 }

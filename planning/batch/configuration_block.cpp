@@ -8,8 +8,8 @@ namespace clearway {
 namespace {
 
 /// Levels of nodes in a tree.
-std::size_t depth_of(const BallTree& tree, int node) {
-  const BallTree::Node& here = tree.nodes[static_cast<std::size_t>(node)];
+std::size_t depth_of(const SphereTree& tree, int node) {
+  const SphereTree::Node& here = tree.nodes[static_cast<std::size_t>(node)];
   std::size_t below = 0;
   for (int i = here.first; i < here.last && !here.holds_leaves; ++i)
     below = std::max(below, depth_of(tree, i));

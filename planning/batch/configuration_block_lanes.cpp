@@ -18,7 +18,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace clearway::HWY_NAMESPACE {
 
-using FloatSphere = BallTree::FloatSphere;
+using FloatSphere = SphereTree::FloatSphere;
 
 /// One look at a block of configurations.
 class BlockLook {
@@ -34,8 +34,8 @@ class BlockLook {
   }
 
  private:
-  const BallTree::Node& node(int i) const { return robot_.tree.nodes[static_cast<std::size_t>(i)]; }
-  const BallTree::Leaf& leaf(int i) const { return robot_.tree.leaves[static_cast<std::size_t>(i)]; }
+  const SphereTree::Node& node(int i) const { return robot_.tree.nodes[static_cast<std::size_t>(i)]; }
+  const SphereTree::Leaf& leaf(int i) const { return robot_.tree.leaves[static_cast<std::size_t>(i)]; }
   const FloatSphere& bound(std::size_t branch) const { return node(robot_.branches[branch].root).bound; }
 
   std::size_t rows() const { return (block_.count + lane_count - 1) / lane_count; }
@@ -92,7 +92,7 @@ class BlockLook {
   float needed(const FloatSphere& sphere) const { return sphere.radius + robot_.padding + robot_.slack; }
 
   void look_into(int index, std::size_t level) {
-    const BallTree::Node& here = node(index);
+    const SphereTree::Node& here = node(index);
     const PackedPoses& asked = block_.pack(level);
     for (int i = here.first; i < here.last; ++i) {
       if (here.holds_leaves) {
@@ -119,7 +119,7 @@ class BlockLook {
   }
 
   void look_at_leaf(int index, const PackedPoses& asked) {
-    const BallTree::Leaf& of = leaf(index);
+    const SphereTree::Leaf& of = leaf(index);
     const Vector need = all(needed(of.sphere)), sure = all(sure_clearance(of));
     for (std::size_t k = 0; k < asked.count; k += hn::Lanes(Tag())) {
       const Point point = clearway::HWY_NAMESPACE::placed(asked, of.sphere, k);
@@ -134,7 +134,7 @@ class BlockLook {
   }
 
   /// A blocked cube that is nearer to the sphere's middle surely meets the body; below 0: none does.
-  float sure_clearance(const BallTree::Leaf& of) const {
+  float sure_clearance(const SphereTree::Leaf& of) const {
     return of.inner > 0.0F ? of.inner + robot_.padding - robot_.slack : -1.0F;
   }
 
@@ -164,7 +164,7 @@ class BlockLook {
       hn::Store(seen.upper, Tag(), upper);
       const std::size_t last = std::min(hn::Lanes(Tag()), doubts.count - k);
       for (std::size_t lane = 0; lane < last; ++lane) {
-        const BallTree::Leaf& of = leaf(doubts.leaf[k + lane]);
+        const SphereTree::Leaf& of = leaf(doubts.leaf[k + lane]);
         const auto place = static_cast<std::size_t>(doubts.place[k + lane]);
         if (lower[lane] >= needed(of.sphere)) continue;
         if (upper[lane] < sure_clearance(of))
@@ -236,11 +236,11 @@ class BlockLook {
   }
 
   void look_into(int first, int second, std::size_t level) {
-    const BallTree::Node &a = node(first), &b = node(second);
+    const SphereTree::Node &a = node(first), &b = node(second);
     const PackedPoses& asked = block_.pack(level);
     if (a.holds_leaves && b.holds_leaves) return look_at_leaves(a, b, asked);
     const bool is_a_cut = b.holds_leaves || (!a.holds_leaves && a.bound.radius > b.bound.radius);
-    const BallTree::Node& cut = is_a_cut ? a : b;
+    const SphereTree::Node& cut = is_a_cut ? a : b;
     PackedPoses& open = block_.pack(level + 1);
     for (int i = cut.first; i < cut.last; ++i) {
       const int next_a = is_a_cut ? i : first, next_b = is_a_cut ? second : i;
@@ -253,10 +253,10 @@ class BlockLook {
     return {all(sphere.x), all(sphere.y), all(sphere.z)};
   }
 
-  void find_near(const BallTree::Node& a, const BallTree::Node& b, const PackedPoses& asked,
+  void find_near(const SphereTree::Node& a, const SphereTree::Node& b, const PackedPoses& asked,
                  PackedPoses& open) {
     const float radii = a.bound.radius + b.bound.radius + robot_.slack;
-    const BallTree::Leaf &core_a = leaf(a.core), &core_b = leaf(b.core);
+    const SphereTree::Leaf &core_a = leaf(a.core), &core_b = leaf(b.core);
     const float sure =
         robot_.member_of_pair(core_a.body, core_b.body) < 0 ? 0.0F : inner_reach(core_a, core_b);
     const int member = a.body < 0 || b.body < 0 ? -1 : robot_.member_of_pair(a.body, b.body);
@@ -274,7 +274,7 @@ class BlockLook {
   }
 
   /// Spheres inside the leaves' bodies surely overlap when their middles are nearer than this; 0: not known.
-  float inner_reach(const BallTree::Leaf& a, const BallTree::Leaf& b) const {
+  float inner_reach(const SphereTree::Leaf& a, const SphereTree::Leaf& b) const {
     return std::min(a.inner, b.inner) > 0.0F ? std::max(a.inner + b.inner - robot_.slack, 0.0F) : 0.0F;
   }
   static HWY_INLINE Mask is_within(float reach, Vector between) {
@@ -293,7 +293,7 @@ class BlockLook {
     return left;
   }
 
-  void look_at_leaves(const BallTree::Node& a, const BallTree::Node& b, const PackedPoses& asked) {
+  void look_at_leaves(const SphereTree::Node& a, const SphereTree::Node& b, const PackedPoses& asked) {
     for (int second = b.first; second < b.last; ++second) {
       for (std::size_t k = 0; k < asked.count; k += hn::Lanes(Tag())) {
         const Point point = clearway::HWY_NAMESPACE::placed(asked, leaf(second).sphere, k);
@@ -304,7 +304,7 @@ class BlockLook {
     }
   }
 
-  HWY_INLINE void look_at_two(const BallTree::Leaf& a, const BallTree::Leaf& b, const Point& point,
+  HWY_INLINE void look_at_two(const SphereTree::Leaf& a, const SphereTree::Leaf& b, const Point& point,
                               unsigned lanes, const std::int32_t* places) {
     const int member = robot_.member_of_pair(a.body, b.body);
     if (member < 0) return;

@@ -19,7 +19,7 @@ HWY_BEFORE_NAMESPACE();
 namespace clearway::HWY_NAMESPACE {
 
 /// Where a point of the frame is, at the packed poses from k on.
-HWY_INLINE Point placed(const PackedPoses& poses, const BallTree::FloatSphere& sphere, std::size_t k) {
+HWY_INLINE Point placed(const PackedPoses& poses, const SphereTree::FloatSphere& sphere, std::size_t k) {
   const auto row = [&](int i) HWY_ATTR { return hn::Load(Tag(), poses.rows[i] + k); };
   const Vector x = all(sphere.x), y = all(sphere.y), z = all(sphere.z);
   const auto along = [&](int i) HWY_ATTR {

@@ -32,8 +32,8 @@ double most_motion(const BodyPair& pair, const Eigen::VectorXd& half) {
   return pair.approach.dot(half) * (1.0 + 1e-9);
 }
 
-/// The body drawn towards its middle: all within `depth` of what is left lies in the body, as a ball of that
-/// radius shrinks out of one about the middle. None where the body is too thin for that.
+/// The body drawn towards its middle: all within `depth` of what is left lies in the body, as a sphere of
+/// that radius shrinks out of one about the middle. None where the body is too thin for that.
 std::optional<Body> shrunk_body(const Body& body, double depth) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& corner : body.shape.vertices())

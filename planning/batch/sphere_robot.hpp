@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "mapping/field/blocked_space.hpp"
-#include "planning/batch/ball_tree.hpp"
 #include "planning/batch/pair_table.hpp"
+#include "planning/batch/sphere_tree.hpp"
 #include "planning/robot/robot.hpp"
 #include "planning/robot/self_collision.hpp"
 
@@ -42,7 +42,7 @@ struct SphereRobot {
     float rotation[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< row by row
     float translation[3] = {};
   };
-  using FloatSphere = BallTree::FloatSphere;
+  using FloatSphere = SphereTree::FloatSphere;
   /// A field of blocked voxels and where its first cell's corner is, seen from the robot's base.
   struct Field {
     const ByteField* bytes = nullptr;
@@ -97,7 +97,7 @@ struct SphereRobot {
   std::vector<FloatSphere> body_bounds;
   std::vector<FramePair> frame_pairs;
   std::vector<Pair> body_pairs;
-  BallTree tree;                 ///< the spheres once more
+  SphereTree tree;               ///< the spheres once more
   std::vector<Branch> branches;  ///< those of the last frames first
   std::vector<BranchPair> branch_pairs;
   std::vector<int> pair_member;  ///< [a * bodies + b] of two bodies of the robot; -1: they may touch

@@ -46,7 +46,7 @@ class PairLists {
       for (int i = out_.bodies[body].first; i < out_.bodies[body].last; ++i)
         body_of[static_cast<std::size_t>(i)] = static_cast<int>(body);
     }
-    std::vector<std::vector<BallTree::Leaf>> leaves;  // of each branch
+    std::vector<std::vector<SphereTree::Leaf>> leaves;  // of each branch
     for (std::size_t i = out_.clusters.size(); i-- > 0;) {
       const SphereRobot::Cluster& cluster = out_.clusters[i];
       for (int k = cluster.first; k < cluster.last; ++k) {

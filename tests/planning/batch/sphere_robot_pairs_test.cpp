@@ -128,7 +128,7 @@ TEST(SphereRobotPairs, AnyTwoBodiesAreThePairThatTheyAreOrNone) {
 }
 
 using LeafText = std::array<float, 7>;
-LeafText text_of(const BallTree::FloatSphere& sphere, float inner, int body, int member) {
+LeafText text_of(const SphereTree::FloatSphere& sphere, float inner, int body, int member) {
   return {sphere.x,
           sphere.y,
           sphere.z,
@@ -138,14 +138,14 @@ LeafText text_of(const BallTree::FloatSphere& sphere, float inner, int body, int
           static_cast<float>(member)};
 }
 
-void collect(const BallTree& tree, int index, std::multiset<LeafText>& found) {
-  const BallTree::Node& node = tree.nodes[static_cast<std::size_t>(index)];
+void collect(const SphereTree& tree, int index, std::multiset<LeafText>& found) {
+  const SphereTree::Node& node = tree.nodes[static_cast<std::size_t>(index)];
   for (int i = node.first; i < node.last; ++i) {
     if (!node.holds_leaves) {
       collect(tree, i, found);
       continue;
     }
-    const BallTree::Leaf& leaf = tree.leaves[static_cast<std::size_t>(i)];
+    const SphereTree::Leaf& leaf = tree.leaves[static_cast<std::size_t>(i)];
     found.insert(text_of(leaf.sphere, leaf.inner, leaf.body, leaf.member));
   }
 }

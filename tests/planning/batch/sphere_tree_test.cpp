@@ -1,4 +1,4 @@
-#include "planning/batch/ball_tree.hpp"
+#include "planning/batch/sphere_tree.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include "tests/worlds/random_world.hpp"
 
 namespace clearway {
-namespace ball_tree_test {
+namespace sphere_tree_test {
 
-std::vector<BallTree::Leaf> draw(Random& random, int count) {
-  std::vector<BallTree::Leaf> leaves;
+std::vector<SphereTree::Leaf> draw(Random& random, int count) {
+  std::vector<SphereTree::Leaf> leaves;
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector3f at = random.point(1.0).cast<float>();
     const auto radius = static_cast<float>(random.between(0.01, 0.2));
@@ -19,15 +19,15 @@ std::vector<BallTree::Leaf> draw(Random& random, int count) {
   return leaves;
 }
 
-double beyond(const BallTree::FloatSphere& bound, const BallTree::FloatSphere& sphere) {
+double beyond(const SphereTree::FloatSphere& bound, const SphereTree::FloatSphere& sphere) {
   const Eigen::Vector3d way(double(sphere.x) - bound.x, double(sphere.y) - bound.y,
                             double(sphere.z) - bound.z);
   return way.norm() + double(sphere.radius) - double(bound.radius);
 }
 
 /// All leaves below the node, which has to hold them; marks each as seen.
-void expect_held(const BallTree& tree, int index, std::vector<int>& seen, float& core) {
-  const BallTree::Node& node = tree.nodes[static_cast<std::size_t>(index)];
+void expect_held(const SphereTree& tree, int index, std::vector<int>& seen, float& core) {
+  const SphereTree::Node& node = tree.nodes[static_cast<std::size_t>(index)];
   std::vector<int> below(tree.leaves.size(), 0);
   float best = -1.0F;
   for (int i = node.first; i < node.last; ++i) {
@@ -50,9 +50,9 @@ void expect_held(const BallTree& tree, int index, std::vector<int>& seen, float&
   }
 }
 
-TEST(BallTree, EveryNodeHoldsWhatIsBelowItAndEveryBallIsInOnce) {
+TEST(SphereTree, EveryNodeHoldsWhatIsBelowItAndEverySphereIsInOnce) {
   Random random(1);
-  BallTree tree;
+  SphereTree tree;
   for (int count = 1; count < 80; count += 3) {
     const std::size_t before = tree.leaves.size();
     const int root = tree.add(draw(random, count));
@@ -63,16 +63,16 @@ TEST(BallTree, EveryNodeHoldsWhatIsBelowItAndEveryBallIsInOnce) {
   }
 }
 
-TEST(BallTree, ASphereAroundSpheresHoldsThemAndIsNotMuchLargerThanItMustBe) {
+TEST(SphereTree, ASphereAroundSpheresHoldsThemAndIsNotMuchLargerThanItMustBe) {
   Random random(2);
   for (int round = 0; round < 100; ++round) {
-    std::vector<BallTree::FloatSphere> spheres;
-    for (const BallTree::Leaf& leaf : draw(random, 1 + round % 9)) spheres.push_back(leaf.sphere);
-    const BallTree::FloatSphere bound = sphere_around(spheres);
+    std::vector<SphereTree::FloatSphere> spheres;
+    for (const SphereTree::Leaf& leaf : draw(random, 1 + round % 9)) spheres.push_back(leaf.sphere);
+    const SphereTree::FloatSphere bound = sphere_around(spheres);
     double widest = 0.0;  // of any two: no sphere around them is narrower
-    for (const BallTree::FloatSphere& a : spheres) {
+    for (const SphereTree::FloatSphere& a : spheres) {
       EXPECT_LE(beyond(bound, a), 0.0);
-      for (const BallTree::FloatSphere& b : spheres)
+      for (const SphereTree::FloatSphere& b : spheres)
         widest = std::max(widest, beyond({a.x, a.y, a.z, 0.0F}, b) + double(a.radius));
     }
     EXPECT_LT(bound.radius, 0.5 * widest * 1.3);
@@ -81,13 +81,13 @@ TEST(BallTree, ASphereAroundSpheresHoldsThemAndIsNotMuchLargerThanItMustBe) {
 }
 
 /// The least radius of a sphere around all, by many small steps toward the farthest.
-double least_radius(const std::vector<BallTree::FloatSphere>& spheres) {
+double least_radius(const std::vector<SphereTree::FloatSphere>& spheres) {
   Eigen::Vector3d middle(spheres[0].x, spheres[0].y, spheres[0].z);
   double least = 1e9;
   for (int step = 1; step < 1'500; ++step) {
     double radius = 0.0;
     Eigen::Vector3d farthest = middle;
-    for (const BallTree::FloatSphere& sphere : spheres) {
+    for (const SphereTree::FloatSphere& sphere : spheres) {
       const Eigen::Vector3d at(sphere.x, sphere.y, sphere.z);
       const double reach = (at - middle).norm() + double(sphere.radius);
       if (reach > radius) radius = reach, farthest = at;
@@ -99,13 +99,13 @@ double least_radius(const std::vector<BallTree::FloatSphere>& spheres) {
   return least;
 }
 
-TEST(BallTree, ASphereAroundSpheresIsNearlyTheLeastOne) {
+TEST(SphereTree, ASphereAroundSpheresIsNearlyTheLeastOne) {
   Random random(3);
   double sum = 0.0, worst = 1.0;
   constexpr int rounds = 200;
   for (int round = 0; round < rounds; ++round) {
-    std::vector<BallTree::FloatSphere> spheres;
-    for (const BallTree::Leaf& leaf : draw(random, 2 + round % 9)) spheres.push_back(leaf.sphere);
+    std::vector<SphereTree::FloatSphere> spheres;
+    for (const SphereTree::Leaf& leaf : draw(random, 2 + round % 9)) spheres.push_back(leaf.sphere);
     const double ratio = double(sphere_around(spheres).radius) / least_radius(spheres);
     EXPECT_GT(ratio, 0.998);
     worst = std::max(worst, ratio);
@@ -115,18 +115,18 @@ TEST(BallTree, ASphereAroundSpheresIsNearlyTheLeastOne) {
   EXPECT_LT(worst, 1.045);
 }
 
-TEST(BallTree, HalvesDifferByOneBallAtMostSoThatLeavesAreFull) {
+TEST(SphereTree, HalvesDifferByOneSphereAtMostSoThatLeavesAreFull) {
   Random random(2);
   for (const auto& [balls, nodes] :
        {std::pair(4, 1U), std::pair(8, 3U), std::pair(16, 5U), std::pair(64, 21U)}) {
-    BallTree tree;
+    SphereTree tree;
     tree.add(draw(random, balls));
     EXPECT_EQ(tree.nodes.size(), nodes) << balls;  // four below each, but for the root of eight
-    for (const BallTree::Node& node : tree.nodes) {
+    for (const SphereTree::Node& node : tree.nodes) {
       EXPECT_EQ(node.count(), balls == 8 && !node.holds_leaves ? 2 : 4) << balls;
     }
   }
 }
 
-}  // namespace ball_tree_test
+}  // namespace sphere_tree_test
 }  // namespace clearway

@@ -7,8 +7,9 @@
 
 namespace clearway {
 
-/// Spheres at single precision in trees: bounds around bounds around spheres. Plain data, metres.
-struct BallTree {
+/// Bounding sphere hierarchies at single precision: spheres around spheres around those of the bodies. Plain
+/// data, metres.
+struct SphereTree {
   struct FloatSphere {
     float x = 0, y = 0, z = 0, radius = 0;
   };
@@ -41,6 +42,6 @@ struct BallTree {
 };
 
 /// A sphere around spheres; its radius is below 0 when there is none.
-BallTree::FloatSphere sphere_around(std::span<const BallTree::FloatSphere> spheres);
+SphereTree::FloatSphere sphere_around(std::span<const SphereTree::FloatSphere> spheres);
 
 }  // namespace clearway

@@ -1,4 +1,4 @@
-#include "planning/batch/ball_tree.hpp"
+#include "planning/batch/sphere_tree.hpp"
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -11,21 +11,21 @@ namespace {
 constexpr std::size_t leaves_a_node = 4;
 constexpr double rounded_up = 1.0 + 2.4e-7;  ///< by a few roundings to float
 
-Eigen::Vector3d middle_of(const BallTree::FloatSphere& sphere) { return {sphere.x, sphere.y, sphere.z}; }
+Eigen::Vector3d middle_of(const SphereTree::FloatSphere& sphere) { return {sphere.x, sphere.y, sphere.z}; }
 
-BallTree::FloatSphere sphere_around_leaves(std::span<const BallTree::Leaf> leaves) {
-  std::vector<BallTree::FloatSphere> spheres;
-  for (const BallTree::Leaf& leaf : leaves) spheres.push_back(leaf.sphere);
+SphereTree::FloatSphere sphere_around_leaves(std::span<const SphereTree::Leaf> leaves) {
+  std::vector<SphereTree::FloatSphere> spheres;
+  for (const SphereTree::Leaf& leaf : leaves) spheres.push_back(leaf.sphere);
   return sphere_around(spheres);
 }
 
 /// Two halves of the spheres, cut across the longest side of the box around their middles.
-std::array<std::span<BallTree::Leaf>, 2> halves(std::span<BallTree::Leaf> spheres) {
+std::array<std::span<SphereTree::Leaf>, 2> halves(std::span<SphereTree::Leaf> spheres) {
   Eigen::AlignedBox3d box;
-  for (const BallTree::Leaf& leaf : spheres) box.extend(middle_of(leaf.sphere));
+  for (const SphereTree::Leaf& leaf : spheres) box.extend(middle_of(leaf.sphere));
   int longest = 0;
   box.sizes().maxCoeff(&longest);
-  std::stable_sort(spheres.begin(), spheres.end(), [&](const BallTree::Leaf& a, const BallTree::Leaf& b) {
+  std::stable_sort(spheres.begin(), spheres.end(), [&](const SphereTree::Leaf& a, const SphereTree::Leaf& b) {
     return middle_of(a.sphere)[longest] < middle_of(b.sphere)[longest];
   });
   const std::size_t half = (spheres.size() + 1) / 2;
@@ -34,17 +34,17 @@ std::array<std::span<BallTree::Leaf>, 2> halves(std::span<BallTree::Leaf> sphere
 
 }  // namespace
 
-BallTree::FloatSphere sphere_around(std::span<const BallTree::FloatSphere> spheres) {
-  BallTree::FloatSphere bound{0, 0, 0, -1};
+SphereTree::FloatSphere sphere_around(std::span<const SphereTree::FloatSphere> spheres) {
+  SphereTree::FloatSphere bound{0, 0, 0, -1};
   if (spheres.empty()) return bound;
   Eigen::AlignedBox3d box;
-  for (const BallTree::FloatSphere& sphere : spheres) {
+  for (const SphereTree::FloatSphere& sphere : spheres) {
     box.extend((middle_of(sphere).array() - sphere.radius).matrix());
     box.extend((middle_of(sphere).array() + sphere.radius).matrix());
   }
-  const auto radius_about = [&](const Eigen::Vector3d& middle, const BallTree::FloatSphere** farthest) {
+  const auto radius_about = [&](const Eigen::Vector3d& middle, const SphereTree::FloatSphere** farthest) {
     double radius = -1.0;
-    for (const BallTree::FloatSphere& sphere : spheres) {
+    for (const SphereTree::FloatSphere& sphere : spheres) {
       const double reach = (middle_of(sphere) - middle).norm() + sphere.radius;
       if (reach > radius && farthest != nullptr) *farthest = &sphere;
       radius = std::max(radius, reach);
@@ -54,7 +54,7 @@ BallTree::FloatSphere sphere_around(std::span<const BallTree::FloatSphere> spher
   Eigen::Vector3d best = box.center(), middle = best;
   double least = radius_about(middle, nullptr);
   for (int step = 2; step < 14; ++step) {  // draws near to the middle of the smallest (Badoiu, Clarkson 2003)
-    const BallTree::FloatSphere* farthest = &spheres.front();
+    const SphereTree::FloatSphere* farthest = &spheres.front();
     const double radius = radius_about(middle, &farthest);
     if (radius < least) best = middle;
     least = std::min(least, radius);
@@ -67,14 +67,14 @@ BallTree::FloatSphere sphere_around(std::span<const BallTree::FloatSphere> spher
   return {at.x(), at.y(), at.z(), static_cast<float>(radius * rounded_up)};
 }
 
-int BallTree::add(std::vector<Leaf> spheres) {
+int SphereTree::add(std::vector<Leaf> spheres) {
   const int root = static_cast<int>(nodes.size());
   nodes.emplace_back();
   fill(root, spheres);
   return root;
 }
 
-void BallTree::fill(int node, std::span<Leaf> spheres) {
+void SphereTree::fill(int node, std::span<Leaf> spheres) {
   Node filled;
   filled.bound = sphere_around_leaves(spheres);
   const bool is_one_body = std::all_of(spheres.begin(), spheres.end(),
@@ -106,7 +106,7 @@ void BallTree::fill(int node, std::span<Leaf> spheres) {
   nodes[static_cast<std::size_t>(node)].core = core_of(filled);
 }
 
-int BallTree::core_of(const Node& node) const {
+int SphereTree::core_of(const Node& node) const {
   const auto leaf_of = [&](int i) { return node.holds_leaves ? i : nodes[static_cast<std::size_t>(i)].core; };
   int core = leaf_of(node.first);
   for (int i = node.first + 1; i < node.last; ++i) {
