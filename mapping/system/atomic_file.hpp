@@ -40,8 +40,8 @@ class AtomicFile {
   UnfinishedWork unfinished_;
 };
 
-/// Makes the folders that `file` lies in, where they lack. Once a signal has come nothing is made: what another
-/// thread removed then is not made anew.
+/// Makes the folders that `file` lies in, where they lack. Once a signal has come nothing is made: what
+/// another thread removed then is not made anew.
 /// @throws std::filesystem::filesystem_error
 void make_folder_of(const std::filesystem::path& file);
 

@@ -1,5 +1,5 @@
-// Readings of joints in other units than radians and metres are noticed, turns that encoders count are not; and
-// robots are where their joints were read outside of their planning group, too.
+// Readings of joints in other units than radians and metres are noticed, turns that encoders count are not;
+// and robots are where their joints were read outside of their planning group, too.
 #include "apps/fusion/joint_readings.hpp"
 
 #include <gtest/gtest.h>
