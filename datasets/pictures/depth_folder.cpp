@@ -5,9 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "datasets/phones/arkit_folder.hpp"
-#include "datasets/phones/polycam_path.hpp"
-#include "datasets/phones/stray_folder.hpp"
+#include "datasets/pictures/arkit_folder.hpp"
 #include "datasets/pictures/camera_path.hpp"
 #include "datasets/pictures/depth_casting.hpp"
 #include "datasets/pictures/depth_picture.hpp"
@@ -17,6 +15,8 @@
 #include "datasets/pictures/picture_file.hpp"
 #include "datasets/pictures/picture_poses.hpp"
 #include "datasets/pictures/picture_times.hpp"
+#include "datasets/pictures/polycam_path.hpp"
+#include "datasets/pictures/stray_folder.hpp"
 #include "datasets/sources/folder_damage.hpp"
 #include "datasets/sources/lens.hpp"
 #include "mapping/system/input_file.hpp"

@@ -7,13 +7,13 @@
 #include <sstream>
 
 #include "datasets/cameras/colmap_images.hpp"
-#include "datasets/phones/polycam_path.hpp"
 #include "datasets/pictures/camera_path.hpp"
 #include "datasets/pictures/depth_picture.hpp"
 #include "datasets/pictures/name_time.hpp"
 #include "datasets/pictures/picture_file.hpp"
 #include "datasets/pictures/picture_poses.hpp"
 #include "datasets/pictures/picture_times.hpp"
+#include "datasets/pictures/polycam_path.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -222,10 +222,11 @@ std::optional<DepthLayout> depth_layout(const fs::path& folder, const fs::path& 
     transforms.clear();
   const auto path = transforms.empty() ? std::nullopt : path_with_depth(transforms, layout);
   if (path) take_stated_pictures(*path, folder, layout);
+  if (layout.depth.empty()) {
+    const fs::path keyframes = folder / "keyframes";
+    return polycam_cameras(keyframes).empty() ? std::nullopt : depth_layout(keyframes, stated_poses);
+  }
   std::error_code error;
-  if (layout.depth.empty())
-    return fs::is_directory(folder / "keyframes", error) ? depth_layout(folder / "keyframes", stated_poses)
-                                                         : std::nullopt;
   layout.camera = first_there(folder, {"intrinsic/intrinsic_depth.txt",
                                        "intrinsic_depth.txt",
                                        "camera_intrinsic.json",

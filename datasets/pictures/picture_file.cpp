@@ -12,8 +12,8 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "datasets/cameras/packed_pixels.hpp"
 #include "datasets/pictures/name_time.hpp"
-#include "datasets/pictures/packed_pixels.hpp"
 #include "mapping/system/input_file.hpp"
 
 namespace clearway {

@@ -11,9 +11,9 @@
 #include <tuple>
 #include <utility>
 
-#include "datasets/phones/polycam_path.hpp"
 #include "datasets/pictures/name_time.hpp"
 #include "datasets/pictures/picture_file.hpp"
+#include "datasets/pictures/polycam_path.hpp"
 #include "datasets/sources/clock_seconds.hpp"
 #include "datasets/sources/finite_number.hpp"
 #include "mapping/system/child_process.hpp"

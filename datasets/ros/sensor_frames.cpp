@@ -7,8 +7,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "datasets/cameras/packed_pixels.hpp"
 #include "datasets/pictures/depth_picture.hpp"
-#include "datasets/pictures/packed_pixels.hpp"
 #include "datasets/pictures/picture_file.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"

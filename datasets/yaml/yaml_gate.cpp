@@ -132,10 +132,6 @@ std::string expected(const std::string& message) {
   return "not valid YAML, expected keys and values, lists or texts";
 }
 
-}  // namespace
-
-namespace {
-
 void read_all(const std::string& text, Counter& counter) {
   std::istringstream stream(text);
   YAML::Parser parser(stream);

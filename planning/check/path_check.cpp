@@ -157,7 +157,8 @@ class Checker {
   /// Once a place is undecided, what touches on the rest of the way decides about the path.
   void pass(const Item& item, int edge) {
     if (!contact_ || contact_->edge == edge) advance(item, edge);
-    if (contact_ && contact_->undecided) look_for_contact(item, edge);
+    if (contact_ && contact_->undecided)
+      look_for_contact(item, edge, contact_->edge == edge ? contact_->parameter : 0.0);
   }
 
   /// Conservative advancement: from each place the item moves on by less than its certified distance. Keeps
@@ -190,7 +191,7 @@ class Checker {
   }
 
   void stall(const Item& item, int edge, double t, double length, Nearest near);
-  void look_for_contact(const Item& item, int edge);
+  void look_for_contact(const Item& item, int edge, double begin);
   void keep(const Contact& contact);
 
   /// How much nearer the item may be where the joints leave the edge.
@@ -278,17 +279,20 @@ void Checker::stall(const Item& item, int edge, double t, double length, Nearest
     if (touches) near = *there;
   }
   keep({edge, t, !touches, describe(item, near) + (touches ? "" : " (too near to prove it does not)")});
+  if (!touches && is_refused()) look_for_contact(item, edge, t);  // it may touch before that contact
 }
 
-/// At places that are evenly spaced along the whole path, those of this edge.
-void Checker::look_for_contact(const Item& item, int edge) {
+/// At places that are evenly spaced along the whole path, those of this edge from `begin` on.
+void Checker::look_for_contact(const Item& item, int edge, double begin) {
   const Eigen::VectorXd dq = step(edge);
-  const double length = dq.norm(), spacing = travelled_.back() / most_looks;
+  const double length = dq.norm(), all = travelled_.back();
   if (!(length > 0.0)) return;
-  const double before = travelled_[static_cast<std::size_t>(edge)];
-  const double begin = contact_->edge == edge ? contact_->parameter : 0.0;
-  for (double k = std::ceil((before + begin * length) / spacing); k * spacing <= before + length; ++k) {
-    const double t = std::clamp((k * spacing - before) / length, 0.0, 1.0);
+  const auto at = static_cast<std::size_t>(edge);
+  const double before = travelled_[at];
+  for (double k = std::ceil((before + begin * length) / all * most_looks); k <= most_looks; ++k) {
+    const double place = k / most_looks * all;
+    if (place > travelled_[at + 1]) return;
+    const double t = std::clamp((place - before) / length, 0.0, 1.0);
     const auto there = contact_at(item, start(edge) + t * dq);
     if (there) return keep({edge, t, false, describe(item, *there)});
   }

@@ -232,7 +232,9 @@ RobotSettings read_robot_settings(const std::filesystem::path& file) {
   constexpr std::size_t largest = 256U << 10U;  // yaml-cpp takes some hundred bytes for each of its words
   const std::string text = read_input(file, "robot settings", largest);
   try {
-    return settings_of(file, YAML::Load(text));
+    const YAML::Node settings = YAML::Load(text);
+    YAML::LoadAll(text + "\n---\n");  // a quoted text ends with the file for yaml-cpp, but may not hold this
+    return settings_of(file, settings);
   } catch (const YAML::Exception& error) {
     throw std::invalid_argument(
         file.string() + " is not valid YAML at line " + std::to_string(error.mark.line + 1) + ", column " +

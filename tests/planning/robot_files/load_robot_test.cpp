@@ -177,6 +177,8 @@ TEST_F(RobotFile, SettingsWithMistakesAreRefusedByKey) {
   EXPECT_EQ(refusal(write("r.yaml", "inverse_kinematics: magic")),
             "r.yaml: 'inverse_kinematics' must be numeric or puma");
   EXPECT_TRUE(refusal(write("r.yaml", "a: [")).starts_with("r.yaml is not valid YAML at line 1, column "));
+  EXPECT_TRUE(
+      refusal(write("r.yaml", "description: \"open\ntip: a\n")).starts_with("r.yaml is not valid YAML at"));
   EXPECT_TRUE(refusal("no_such_robot")
                   .starts_with("unknown robot 'no_such_robot': expected one of arm5, arm6, panda, "));
 }

@@ -1,4 +1,4 @@
-#include "datasets/phones/arkit_folder.hpp"
+#include "datasets/pictures/arkit_folder.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "datasets/phones/polycam_path.hpp"
+#include "datasets/pictures/polycam_path.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -25,6 +25,14 @@ std::vector<fs::path> camera_files(const fs::path& folder) {
     if (extension_of(entry.path()) == ".json") files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;
+}
+
+/// Not what cannot be read, which is somebody else's.
+bool is_polycam_camera(const fs::path& file) try {
+  return is_input_there(file) &&
+         read_input(file, "camera file", largest_camera).find("\"t_00\"") != std::string::npos;
+} catch (const std::invalid_argument&) {
+  return false;
 }
 
 Eigen::Isometry3d pose_of(const PathFields& file) {
@@ -67,9 +75,7 @@ CameraIntrinsics camera_of(const PathFields& file, const ImageSize& size) {
 fs::path polycam_cameras(const fs::path& keyframes) {
   for (const char* name : {"corrected_cameras", "cameras"}) {
     const std::vector<fs::path> files = camera_files(keyframes / name);
-    if (files.empty() || !is_input_there(files.front())) continue;
-    const std::string text = read_input(files.front(), "camera file", largest_camera);
-    if (text.find("\"t_00\"") != std::string::npos) return keyframes / name;
+    if (!files.empty() && is_polycam_camera(files.front())) return keyframes / name;
   }
   return {};
 }

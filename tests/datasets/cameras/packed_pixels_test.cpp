@@ -1,4 +1,4 @@
-#include "datasets/pictures/packed_pixels.hpp"
+#include "datasets/cameras/packed_pixels.hpp"
 
 #include <gtest/gtest.h>
 

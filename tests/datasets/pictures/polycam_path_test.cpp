@@ -1,9 +1,10 @@
-#include "datasets/phones/polycam_path.hpp"
+#include "datasets/pictures/polycam_path.hpp"
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
+#include "datasets/pictures/picture_times.hpp"
 #include "tests/datasets/complaint.hpp"
 #include "tests/datasets/pictures/depth_folders.hpp"
 
@@ -106,6 +107,18 @@ TEST_F(PolycamFolders, WhatIsNoCameraIsRefusedByItsFileAndField) {
     const std::string said = refusal(camera);
     EXPECT_NE(said.find("keyframes/cameras/99843011.json'"), std::string::npos) << said;
     EXPECT_NE(said.find(expected), std::string::npos) << said;
+  }
+}
+
+TEST_F(PolycamFolders, FilesOfAnotherProgramAreNoneOfIts) {
+  for (const char* picture : {"99510474", "99843011", "100210000"})
+    std::filesystem::remove(folder_ / ("keyframes/cameras/" + std::string(picture) + ".json"));
+  EXPECT_TRUE(polycam_cameras(folder_ / "keyframes").empty());
+  EXPECT_FALSE(depth_layout(folder_.path()));
+  for (const std::string text : {std::string("{\"fx\": 1}"), std::string(100'000, ' ') + camera_at(1.0)}) {
+    folder_.write("keyframes/cameras/all.json", text);
+    EXPECT_TRUE(polycam_cameras(folder_ / "keyframes").empty());
+    EXPECT_EQ(times_of_files({folder_ / "keyframes/images/99510474.jpg"}, std::nullopt).files.size(), 1U);
   }
 }
 

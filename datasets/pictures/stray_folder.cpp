@@ -1,4 +1,4 @@
-#include "datasets/phones/stray_folder.hpp"
+#include "datasets/pictures/stray_folder.hpp"
 
 #include <algorithm>
 #include <cmath>
