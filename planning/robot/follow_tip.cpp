@@ -3,18 +3,16 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/robot/puma_branches.hpp"
-#include "planning/robot/reach.hpp"
 
 namespace clearway {
 namespace {
-
-constexpr double near_limit = 5e-3;  ///< rad or m: as near as a step and its halvings lead
 
 // Of the tip's way: m of a full-size arm, rad. Of a joint's: rad, of one that slides m of a full-size arm.
 constexpr double longest_stride = 0.02, widest_stride = 0.1;
@@ -136,27 +134,28 @@ Way way_of_tip(const Robot& robot, const Eigen::Isometry3d& begin, const Eigen::
                     follows_place_alone(robot) ? 0.0 : turn / widest_stride})};
 }
 
-/// The joint at its limit; empty when none is.
-std::string limit_reached(const Robot& robot, const Configuration& q) {
+Robot without_limits(Robot robot) {
+  for (Joint& joint : robot.joints) {
+    joint.lower = -std::numeric_limits<double>::infinity();
+    joint.upper = std::numeric_limits<double>::infinity();
+  }
+  return robot;
+}
+
+/// The joint that is farthest beyond its limits; empty when all keep them.
+std::string limit_passed(const Robot& robot, const Configuration& q) {
+  constexpr double least = 1e-9;  ///< rad or m
+  std::string reason;
+  double farthest = least;
   for (std::size_t j = 0; j < robot.dof(); ++j) {
     const Joint& joint = robot.joints[j];
     const double value = q[static_cast<Eigen::Index>(j)];
-    for (const double limit : {joint.lower, joint.upper})
-      if (std::abs(value - limit) < near_limit) return limit_reason(joint, limit);
+    const double beyond = std::max(joint.lower - value, value - joint.upper);
+    if (beyond <= farthest) continue;
+    farthest = beyond;
+    reason = limit_reason(joint, value > joint.upper ? joint.upper : joint.lower);
   }
-  return {};
-}
-
-/// Why the robot stays at q.
-/// @param next on or at the end of the way, and too far for the joints; empty: nothing is
-std::string stop_reason(const Robot& robot, const Way& way, const Configuration& q,
-                        const std::optional<Configuration>& next) {
-  if (const std::string limit = limit_reached(robot, q); !limit.empty()) return limit;
-  if (next)
-    return "joint " + quote(robot.joints[farthest_joint(robot, q, *next)].name) +
-           " would jump: the arm is singular there, or changes its configuration";
-  const double off = (tip_pose(robot, q).translation() - way.end.translation()).norm();
-  return "the tip is beyond the arm's reach, " + short_text(off, 2) + " m off";
+  return reason;
 }
 
 /// Whether the tip stays within two strides of its place as the joints move straight from a to b.
@@ -188,14 +187,16 @@ class RobotOnItsWay {
     // Two joints of a singular arm turn against each other, and the tip stays.
     const auto near = stride_ == 1.0 ? there : solution(std::min(1.0, gone_ + stride_));
     if (near && keep_tip_near(robot_, q_, *near)) return part_towards(*near);
-    return {q_, false, stop_reason(robot_, way_, q_, next_ ? next_ : there)};
+    return {q_, false, stop_reason(there)};
   }
 
  private:
-  std::optional<Configuration> solution(double part) const {
+  std::optional<Configuration> solution(double part) const { return solution_of(robot_, part, 0); }
+
+  std::optional<Configuration> solution_of(const Robot& robot, double part, int restarts) const {
     return inverse_kinematics(
-        robot_, way_.at(part), q_,
-        {.max_iterations = 100, .restarts = 0, .position_only = follows_place_alone(robot_)});
+        robot, way_.at(part), q_,
+        {.max_iterations = 100, .restarts = restarts, .position_only = follows_place_alone(robot)});
   }
 
   bool may_move_to(const Configuration& q) const {
@@ -223,6 +224,37 @@ class RobotOnItsWay {
       part = std::min(stride_, 2.0 * part);
     }
     return false;
+  }
+
+  /// Why the robot stays where it is. @param there a configuration at the end of the way; empty: none is near
+  std::string stop_reason(const std::optional<Configuration>& there) const {
+    constexpr int restarts = 16;
+    const Robot unlimited = without_limits(robot_);
+    if (!there && !solution_of(unlimited, 1.0, restarts)) return reach_reason(unlimited);
+    if (const std::string limit = binding_limit(unlimited); !limit.empty()) return limit;
+    const std::string singular = "the arm is singular there, or changes its configuration";
+    const std::optional<Configuration>& next = next_ ? next_ : there;
+    if (!next) return singular;
+    return "joint " + quote(robot_.joints[farthest_joint(robot_, q_, *next)].name) +
+           " would jump: " + singular;
+  }
+
+  std::string reach_reason(const Robot& unlimited) const {
+    const IkOptions place_alone{.max_iterations = 100, .position_only = true};
+    if (inverse_kinematics(unlimited, way_.end, q_, place_alone))
+      return "the arm reaches that place, but not with its tip turned so";
+    const double off = (tip_pose(robot_, q_).translation() - way_.end.translation()).norm();
+    return "the tip is beyond the arm's reach, " + short_text(off, 2) + " m off";
+  }
+
+  /// The joint that would pass its limit on the next part of the way; empty when none would.
+  std::string binding_limit(const Robot& unlimited) const {
+    for (double part = stride_; part * way_.steps >= smallest_part; part *= 0.5) {
+      const auto next = solution_of(unlimited, std::min(1.0, gone_ + part), 0);
+      if (!next || !are_joined(robot_, q_, *next)) continue;
+      if (std::string limit = limit_passed(robot_, *next); !limit.empty()) return limit;
+    }
+    return {};
   }
 
   /// As far as the joints may move in one call.

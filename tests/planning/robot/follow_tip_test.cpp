@@ -313,5 +313,83 @@ TEST(FollowTip, TheReasonNamesTheJointAtItsLimit) {
       << followed.reason;
 }
 
+/// Leads the tip straight away from the shoulder until no turn of it has a place there, by 15 % at least.
+/// Says what the robot said at each place where an independent search finds nothing.
+std::vector<std::string> reasons_beyond_reach(const Robot& robot, Configuration q) {
+  const Eigen::Isometry3d begin = tip_pose(robot, q);
+  const Eigen::Vector3d shoulder = forward_kinematics(robot, q)[2].translation();
+  const Eigen::Vector3d out = begin.translation() - shoulder;
+  const IkOptions thorough{.restarts = 30, .position_only = true};
+  std::vector<std::string> reasons;
+  double edge = 0.0;
+  for (double part = 1.0; edge == 0.0 || part < 1.15 * edge; part += 0.03) {
+    Eigen::Isometry3d pose = begin;
+    pose.translation() = shoulder + part * out;
+    const FollowedTip followed = follow_tip(robot, pose, q);
+    q = followed.q;
+    if (inverse_kinematics(robot, pose, q, thorough)) continue;
+    if (edge == 0.0) edge = part;
+    reasons.push_back(followed.reason);
+  }
+  return reasons;
+}
+
+/// With a finger on the hand that stands at its limit, as a closed gripper's does, and moves no tip.
+Robot with_closed_finger(Robot robot) {
+  Joint finger{.name = "finger_joint", .kind = JointKind::prismatic};
+  finger.upper = 0.04;
+  robot.joints.insert(robot.joints.begin(), finger);
+  for (Link& link : robot.links)
+    if (link.joint >= 0) ++link.joint;
+  robot.links.push_back({.name = "finger", .parent = robot.tip_link, .joint = 0});
+  return robot;
+}
+
+Configuration with_closed_finger(const Configuration& q) {
+  Configuration all = Configuration::Zero(q.size() + 1);
+  all.tail(q.size()) = q;
+  return all;
+}
+
+TEST(FollowTip, APlaceBeyondReachIsReportedAsThatByEveryArm) {
+  Random random(19);
+  for (const char* name : {"arm6", "panda", "puma560"}) {
+    const Robot robot = load_robot(name);
+    for (int round = 0; round < 2; ++round)
+      for (const std::string& reason : reasons_beyond_reach(robot, inner(robot, random)))
+        EXPECT_EQ(reason.find("the tip is beyond the arm's reach"), 0U) << name << ": " << reason;
+  }
+}
+
+TEST(FollowTip, AJointThatDoesNotMoveTheTipIsNeverToBlame) {
+  Random random(20);
+  const Robot arm = load_robot("arm6");
+  const Robot robot = with_closed_finger(arm);
+  for (int round = 0; round < 2; ++round) {
+    const Configuration q = with_closed_finger(inner(arm, random));
+    for (const std::string& reason : reasons_beyond_reach(robot, q))
+      EXPECT_EQ(reason.find("the tip is beyond the arm's reach"), 0U) << reason;
+    Robot limited = robot;
+    limited.joints[1].upper = q[1] + 0.1;
+    Configuration beyond = q;
+    beyond[1] += 0.2;
+    EXPECT_EQ(follow_tip(limited, tip_pose(robot, beyond), q).reason.find("joint '" + robot.joints[1].name),
+              0U);
+  }
+}
+
+TEST(FollowTip, OfTwoJointsAtTheirLimitsTheOneThatBindsIsNamed) {
+  Robot robot = load_robot("arm6");
+  const Configuration q = (Configuration(6) << 0.3, -1.2, 1.4, 0.5, 0.8, 0.2).finished();
+  Configuration beyond = q;
+  beyond[5] += 0.2;
+  const Eigen::Isometry3d pose = tip_pose(robot, beyond);
+  robot.joints[0].upper = q[0];  // which the hand asks for nothing
+  robot.joints[5].upper = q[5] + 0.1;
+  const FollowedTip followed = follow_tip(robot, pose, q);
+  EXPECT_EQ(followed.reason.find("joint '" + robot.joints[5].name + "' is at its limit"), 0U)
+      << followed.reason;
+}
+
 }  // namespace follow_tip_test
 }  // namespace clearway
