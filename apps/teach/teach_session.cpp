@@ -170,13 +170,12 @@ void TeachSession::apply(const TeachEvent& event) {
 }
 
 std::string TeachSession::refusal_of_state(TeachAction action) const {
-  const bool always = action == TeachAction::save || action == TeachAction::quit;
-  const bool ends = action == TeachAction::undo || always;
+  const bool ends = action == TeachAction::undo || action == TeachAction::save || action == TeachAction::quit;
   switch (doing_) {
     case Doing::ended:
       return "the session has ended";
     case Doing::planning:
-      return always ? "" : "a plan is being made; wait for it";
+      return action == TeachAction::quit ? "" : "a plan is being made; wait for it";
     case Doing::painting:
       return ends || action == TeachAction::paint_off ? "" : "a stroke is being painted; 'paint_off' ends it";
     case Doing::erasing:

@@ -93,7 +93,7 @@ struct TeachOptions {
 /// | painting | paint_off, undo, save, quit |
 /// | erasing | erase_off, undo, save, quit |
 /// | marking | object_off, undo, save, quit |
-/// | planning | save, quit |
+/// | planning | quit |
 /// | playing | as planned; all but play, approve and save end it |
 /// `plan` needs a start and a goal, `play` and `approve` a plan that is proved; `start`, what follows, and
 /// `attach` a robot; `detach` a load.
