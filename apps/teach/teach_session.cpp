@@ -32,6 +32,9 @@ void TeachSession::begin(const Setup& setup, FreeSpaceMap& map, const FusionCoun
   setup_ = &setup;
   map_ = &map;
   counts_ = &counts;
+  const auto base = std::find_if(setup.boards.begin(), setup.boards.end(),
+                                 [](const BoardSetup& board) { return board.map_from_board.has_value(); });
+  if (base != setup.boards.end()) base_ = &*base;
   if (!setup.robot) return;
   robot_ = std::make_shared<VirtualRobot>(choice_of(*setup.robot), setup.robot->joints,
                                           setup.robot->map_from_base);
@@ -58,6 +61,7 @@ Brush TeachSession::brush() const {
 
 void TeachSession::see(const SeenImage& image) {
   if (doing_ == Doing::marking && image.sample != nullptr && image.sample->accepted) mark(*image.sample);
+  see_base(image);
   if (!image.map_from_gripper) return;
   shown_tip_ = {*image.map_from_gripper * setup_->gripper->board_from_tip, image.since_start};
   if (!robot_) return;
@@ -65,7 +69,7 @@ void TeachSession::see(const SeenImage& image) {
   ++led_images_;
   warning_.clear();
   if (doing_ == Doing::painting || doing_ == Doing::erasing || doing_ == Doing::marking) return;
-  warning_ = robot_->not_there(image.since_start);
+  warning_ = not_there(image.since_start);
   if (warning_.empty()) {
     try {
       const Verdict verdict = check(robot_->q(), choice_.held);

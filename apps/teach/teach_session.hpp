@@ -223,6 +223,8 @@ class TeachSession final : public FusionGuide {
   void remember(const std::string& what, std::optional<int> stroke = {});
   void require_robot() const;
   void use_robot(std::shared_ptr<VirtualRobot> robot, double time);
+  void see_base(const SeenImage& image);
+  std::string not_there(double time) const;
   /// Maps and plans share their names: both may have a folder in maps/.
   bool is_taken(const std::string& name) const;
   TeachState resting_state() const;
@@ -249,6 +251,9 @@ class TeachSession final : public FusionGuide {
     double time;  ///< s after the first frame
   };
   std::optional<ShownTip> shown_tip_;  ///< by the gripper probe, the last one
+  const BoardSetup* base_ = nullptr;   ///< the board that anchors the map; null: there is none
+  std::optional<double> base_seen_at_;
+  bool is_base_hidden_ = false;  ///< in the last image
   Choice choice_;
   std::deque<Undo> undos_;  ///< the last thousand
   std::optional<Job> job_;

@@ -70,10 +70,33 @@ void TeachSession::require_robot() const {
   if (!robot_) refuse("no robot is chosen; 'robot' chooses one");
 }
 
+/// A gripper that is placed was measured against the board.
+void TeachSession::see_base(const SeenImage& image) {
+  if (base_ == nullptr) return;
+  const auto is_of_base = [&](const TagDetection& seen) {
+    return std::any_of(base_->tags.begin(), base_->tags.end(),
+                       [&](const TagSetup& tag) { return tag.id == seen.id; });
+  };
+  const bool is_seen =
+      image.map_from_gripper || std::any_of(image.tags.begin(), image.tags.end(), is_of_base);
+  is_base_hidden_ = !is_seen;
+  if (is_seen) base_seen_at_ = image.since_start;
+}
+
+/// Why the virtual robot is not where the gripper probe has it: without the board that all is measured
+/// against, the probe may be in full view.
+std::string TeachSession::not_there(double time) const {
+  const bool is_board_lost =
+      is_base_hidden_ && (!base_seen_at_ || time - *base_seen_at_ > VirtualRobot::longest_gap);
+  if (!is_board_lost) return robot_->not_there(time);
+  const std::string board = "the base board " + quote(base_->name) + " was not seen ";
+  return board + (base_seen_at_ ? "for " + short_text(time - *base_seen_at_, 2) + " s" : "yet");
+}
+
 Configuration TeachSession::place_of(const TeachEvent& event) const {
   if (!event.q.empty()) return choose_configuration(event.q, "q", robot_->robot(), false);
   if (!setup_->gripper) refuse("the setup has no gripper to show it with, and the event no 'q'");
-  if (const std::string why = robot_->not_there(event.time); !why.empty()) refuse(why);
+  if (const std::string why = not_there(event.time); !why.empty()) refuse(why);
   return robot_->q();
 }
 

@@ -152,6 +152,31 @@ TEST_F(TeachSessionOf, ARobotThatIsChosenBetweenImagesStandsWhereTheProbeWasSeen
   EXPECT_EQ(act(TeachAction::start), "the gripper probe was not seen yet, since this robot was chosen");
 }
 
+TEST_F(TeachSessionOf, ABaseBoardThatIsNotSeenIsNamedAndNotTheProbe) {
+  setup_.gripper.emplace();
+  BoardSetup board;
+  board.name = "table";
+  board.map_from_board.emplace(Eigen::Isometry3d::Identity());
+  board.tags = {{.id = 7}};
+  setup_.boards = {board};
+  session_.begin(setup_, map_, counts_);
+  paint_everything();
+  const Frame frame;
+  std::vector<TagDetection> table(1), gripper(1);
+  table.front().id = 7;
+  gripper.front().id = 9;
+  session_.see({frame, gripper, nullptr, {}, time_, {}});
+  EXPECT_EQ(act(TeachAction::start), "the base board 'table' was not seen yet");
+  session_.see({frame, table, nullptr, {}, time_, {}});
+  EXPECT_EQ(act(TeachAction::start), "the gripper probe was not seen yet, since this robot was chosen");
+  const Eigen::Isometry3d map_from_tip = tip_pose(session_.robot()->robot(), Eigen::Vector2d(0.4, 0.6));
+  session_.see({frame, table, nullptr, map_from_tip, time_, {}});
+  session_.see({frame, table, nullptr, {}, time_ + 0.2, {}});
+  EXPECT_EQ(act(TeachAction::start), "the gripper probe was not seen for 1 s");
+  session_.see({frame, gripper, nullptr, {}, time_, {}});
+  EXPECT_EQ(act(TeachAction::start), "the base board 'table' was not seen for 1.8 s");
+}
+
 TEST_F(TeachSessionOf, PartsThatTheRobotHasNotAreNamedAsTheVolumeOrTheRobotIsChosen) {
   TeachEvent volume;
   volume.time = ++time_;
