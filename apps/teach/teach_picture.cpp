@@ -13,7 +13,7 @@ namespace clearway {
 namespace {
 
 constexpr double refusal_shown_for = 3.0;  ///< s that a refused event stays in the strip
-constexpr double sensed_every = 1.0;       ///< s between two pictures of what sensors saw
+constexpr double sensed_every = 1.0;       ///< s between two pictures of conflicts and what sensors saw
 
 /// Whether `now` is `before` with spheres added at the ends.
 bool goes_on(const std::vector<PaintedVolume>& before, const std::vector<PaintedVolume>& now) {
@@ -64,8 +64,19 @@ void TeachViewer::add_map(TeachView& view) {
   if (session_.map_version() != painted_version_)
     view.volumes = std::make_shared<std::vector<PaintedVolume>>(volumes);
   painted_version_ = session_.map_version();
-  if (counts_.scans == scans_ || view.since_start < sensed_at_ + sensed_every) return;
-  scans_ = counts_.scans;
+  add_sensed(view);
+}
+
+/// Conflicts come and go with paint as with scans. What ends a stroke or undoes it is drawn at once.
+void TeachViewer::add_sensed(TeachView& view) {
+  const std::size_t version = session_.map_version();
+  if (version == sensed_version_) return;
+  const std::size_t by_hand = version - counts_.scans_inserted;
+  const bool is_stroke = session_.brush().use != Brush::Use::none;
+  const bool is_urgent = by_hand != sensed_by_hand_ && !is_stroke;
+  if (!is_urgent && view.since_start < sensed_at_ + sensed_every) return;
+  sensed_version_ = version;
+  sensed_by_hand_ = by_hand;
   sensed_at_ = view.since_start;
   view.sensed = map_.snapshot();
 }
@@ -135,8 +146,11 @@ void TeachViewer::add_sentences(const SeenImage& image, TeachView& view) {
   }
   if (session_.events().empty()) return;
   const TaughtEvent& last = session_.events().back();
-  if (!last.refusal.empty() && image.since_start <= last.event.time + refusal_shown_for)
-    view.refusal = std::string(to_string(last.event.action)) + " refused: " + last.refusal;
+  if (image.since_start > last.event.time + refusal_shown_for) return;
+  const std::string action(to_string(last.event.action));
+  if (!last.refusal.empty()) view.refusal = action + " refused: " + last.refusal;
+  if (last.event.action == TeachAction::paint_off && !last.remark.empty())
+    view.refusal = action + ": " + last.remark;
 }
 
 std::string state_line(const TeachView& view) {

@@ -25,7 +25,7 @@ struct TeachView {
   std::string volume;  ///< label of the active one; empty without a probe
   std::size_t balls = 0;
   std::shared_ptr<const std::vector<PaintedVolume>> volumes;  ///< null: as in the view before
-  std::optional<Snapshot> sensed;  ///< for what sensors saw; empty: as in the view before
+  std::optional<Snapshot> sensed;  ///< for conflicts and what sensors saw; empty: as in the view before
   double resolution = 0.02;        ///< of the map, m
   std::optional<OverlayBall> ball;
   bool is_led = false;        ///< the hand leads the virtual robot in this image
@@ -53,6 +53,7 @@ class TeachViewer {
 
  private:
   void add_map(TeachView& view);
+  void add_sensed(TeachView& view);
   void add_robot(TeachView& view);
   void add_loads(TeachView& view);
   void add_sentences(const SeenImage& image, TeachView& view);
@@ -61,7 +62,8 @@ class TeachViewer {
   const Setup& setup_;
   const FreeSpaceMap& map_;
   const FusionCounts& counts_;
-  std::size_t painted_version_ = 0, scans_ = 0;
+  std::size_t painted_version_ = 0;
+  std::size_t sensed_version_ = 0, sensed_by_hand_ = 0;  ///< of these, what no scan did
   double sensed_at_ = -1e300;
   const VirtualRobot* drawn_ = nullptr;
   std::shared_ptr<const Robot> robot_;

@@ -205,6 +205,9 @@ void TeachSession::act(const TeachEvent& event, std::string& remark) {
       begin_stroke(event);
       break;
     case TeachAction::paint_off:
+      end_stroke();
+      remark = new_conflicts();
+      break;
     case TeachAction::erase_off:
       end_stroke();
       break;
@@ -289,6 +292,7 @@ void TeachSession::remember(const std::string& what, std::optional<int> stroke) 
 void TeachSession::begin_stroke(const TeachEvent& event) {
   if (!setup_->probe) refuse("the setup has no probe");
   const bool paints = event.action == TeachAction::paint_on;
+  if (paints) conflicts_before_ = present_map().counts().conflict;
   stroke_ =
       map_->begin_stroke((paints ? "stroke at " : "eraser at ") + short_text(event.time, 6) + " s", "hand");
   remember(paints ? "stroke" : "eraser", stroke_);
@@ -299,6 +303,15 @@ void TeachSession::begin_stroke(const TeachEvent& event) {
 void TeachSession::end_stroke() {
   map_->end_stroke();
   doing_ = Doing::nothing;
+}
+
+/// A remark on conflicts that came since the stroke began; empty when none did.
+std::string TeachSession::new_conflicts() {
+  const std::size_t conflicts = present_map().counts().conflict;
+  if (conflicts <= conflicts_before_) return {};
+  return counted(conflicts - conflicts_before_, "painted voxel is", "painted voxels are") +
+         " where a sensor saw an obstacle (red): blocked, and paint behind is suspect; 'undo' takes the "
+         "stroke back";
 }
 
 void TeachSession::undo(std::string& remark) {

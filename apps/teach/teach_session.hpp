@@ -190,6 +190,7 @@ class TeachSession final : public FusionGuide {
   void finish();
   void begin_stroke(const TeachEvent& event);
   void end_stroke();
+  std::string new_conflicts();
   void choose_volume(const TeachEvent& event, std::string& remark);
   void choose_robot(const TeachEvent& event, std::string& remark);
   std::string unknown_parts(const PaintedVolume& volume) const;
@@ -243,7 +244,8 @@ class TeachSession final : public FusionGuide {
   enum class Doing { nothing, painting, erasing, marking, planning, playing, ended };
   Doing doing_ = Doing::nothing;
   int stroke_ = -1;
-  MarkedObject marked_;  ///< that the stroke is about
+  std::size_t conflicts_before_ = 0;  ///< voxels, when the stroke began
+  MarkedObject marked_;               ///< that the stroke is about
   std::vector<MarkingBall> balls_;
   std::shared_ptr<VirtualRobot> robot_;
   struct ShownTip {

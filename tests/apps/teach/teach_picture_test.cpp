@@ -5,6 +5,8 @@
 #include <opencv2/core.hpp>
 
 #include "planning/robot_files/load_robot.hpp"
+#include "tests/worlds/tag_scene.hpp"
+#include "tests/worlds/taught_planar.hpp"
 
 namespace clearway {
 namespace teach_picture_test {
@@ -79,6 +81,59 @@ TEST(TeachPicture, WithoutTheCamerasPoseItIsTheImageWithTheStrip) {
   cv::Mat lower;
   cv::extractChannel(picture.rowRange(215, 240), lower, 0);
   EXPECT_GT(cv::norm(lower, view.image.rowRange(215, 240), cv::NORM_INF), 50.0);
+}
+
+/// A session as a camera sees it that looks down at the base board.
+class TeachViewerOf : public worlds::TeachSessionOf {
+ protected:
+  TeachViewerOf() {
+    const Camera camera = scene::plain_camera();
+    setup_.camera = CameraIntrinsics{camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy};
+    const TagBody tags = scene::board("table", 0, 3, 2, 0.1, 0.14);
+    BoardSetup board;
+    board.name = "table";
+    board.map_from_board = Eigen::Isometry3d::Identity();
+    for (const auto& [id, tag] : tags.tags) board.tags.push_back({id, tag.size, tag.body_from_tag});
+    setup_.boards = {board};
+    session_.begin(setup_, map_, counts_);
+    camera_from_map_.linear() << 1, 0, 0, 0, -1, 0, 0, 0, -1;
+    camera_from_map_.translation() = Eigen::Vector3d(0, 0, 1.5);
+    std::mt19937 random(1);
+    tags_ = scene::noisy_detections(camera, scene::placed(tags, camera_from_map_), 0.05, random);
+    image_.image = {camera.width, camera.height,
+                    std::vector<std::uint8_t>(static_cast<std::size_t>(camera.width * camera.height), 120)};
+  }
+  TeachView view(const std::vector<TagDetection>& tags) {
+    const Frame frame;
+    return viewer_.view({frame, tags, nullptr, {}, time_, {}}, image_);
+  }
+
+  Eigen::Isometry3d camera_from_map_ = Eigen::Isometry3d::Identity();
+  std::vector<TagDetection> tags_;
+  ImageFrame image_;
+  TeachViewer viewer_{session_, setup_, map_, counts_};
+};
+
+TEST_F(TeachViewerOf, ConflictsAreDrawnAsTheStrokeEndsAndGoAsItIsUndone) {
+  Scan scan;
+  scan.map_from_sensor.translation() = Eigen::Vector3d(0, 0, 2);
+  scan.points = {{0.51F, 0.51F, -2.0F}};
+  map_.insert(scan);
+  ++counts_.scans_inserted;
+  ASSERT_TRUE(view(tags_).sensed);
+  EXPECT_FALSE(view(tags_).sensed);  // as before
+  paint_everything();
+  time_ -= 1.9;  // no second has passed
+  TeachView painted = view(tags_);
+  ASSERT_TRUE(painted.sensed);
+  EXPECT_EQ(painted.sensed->counts().conflict, 1U);
+  EXPECT_TRUE(painted.refusal.starts_with("paint_off: 1 painted voxel is where")) << painted.refusal;
+  time_ -= 0.9;
+  ASSERT_EQ(act(TeachAction::undo), "");
+  time_ -= 0.05;
+  const TeachView undone = view(tags_);
+  ASSERT_TRUE(undone.sensed);
+  EXPECT_EQ(undone.sensed->counts().conflict, 0U);
 }
 
 TEST(TeachPicture, TheStateIsOneLine) {

@@ -84,6 +84,21 @@ TEST_F(TeachSessionOf, StartAndGoalsLieInsideOfThePaintAndAPlanBetweenThemIsAppr
   EXPECT_TRUE(session_.plans()[0].is_approved);
 }
 
+TEST_F(TeachSessionOf, AStrokeThroughAnObstacleSaysSoAsItEnds) {
+  paint_everything();
+  EXPECT_EQ(remark(), "");
+  ASSERT_EQ(act(TeachAction::undo), "");
+  Scan scan;
+  scan.map_from_sensor.translation() = Eigen::Vector3d(0, 0, 2);
+  scan.points = {{0.51F, 0.51F, -2.0F}, {0.71F, 0.51F, -2.0F}};
+  map_.insert(scan);
+  ++counts_.scans_inserted;
+  paint_everything();
+  EXPECT_TRUE(remark().starts_with("2 painted voxels are where a sensor saw an obstacle")) << remark();
+  paint_everything();  // once more: these are known
+  EXPECT_EQ(remark(), "");
+}
+
 TEST_F(TeachSessionOf, AllThatWasDoneIsUndoneStepByStep) {
   const std::string empty = map_sha256(map_.snapshot());
   paint_everything();
