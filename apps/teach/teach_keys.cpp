@@ -34,8 +34,13 @@ constexpr std::array<Key, 16> keys = {{{' ', TeachAction::paint_on, "paint"},
 
 std::string spelled(char key) { return key == ' ' ? "space" : std::string(1, key); }
 
+bool uses_ball(TeachAction action) {
+  return action == TeachAction::paint_on || action == TeachAction::erase_on || action == TeachAction::object;
+}
+
 /// Whether it makes sense to offer the action; others are refused with their reason when the key is pressed.
-bool is_offered(TeachAction action, TeachState state) {
+bool is_offered(TeachAction action, TeachState state, const KeyOffer& offer) {
+  if (uses_ball(action) && !offer.probe) return false;
   const bool strokes =
       state == TeachState::painting || state == TeachState::erasing || state == TeachState::marking;
   const bool has_plan = state == TeachState::planned || state == TeachState::playing;
@@ -107,14 +112,14 @@ std::string words_of(const std::vector<TeachKey>& own) {
   return text;
 }
 
-std::string keys_of(TeachState state) {
+std::string keys_of(TeachState state, const KeyOffer& offer) {
   if (state == TeachState::ended) return {};
   std::string text;
   if (state == TeachState::painting) text = "space: stop painting";
   if (state == TeachState::erasing) text = "e: stop erasing";
   if (state == TeachState::marking) text = "o: stop marking";
   for (const Key& key : keys)
-    if (is_offered(key.action, state))
+    if (is_offered(key.action, state, offer))
       text += (text.empty() ? "" : ", ") + spelled(key.key) + ": " + std::string(key.word);
   return text;
 }

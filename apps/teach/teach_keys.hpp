@@ -19,7 +19,15 @@ std::optional<TeachEvent> event_of_key(int key, const std::vector<TeachKey>& key
 /// These keys for the strip: "1: robot arm6, 2: volume shelf".
 std::string words_of(const std::vector<TeachKey>& keys);
 
+/// What a session has that keys can be for.
+struct KeyOffer {
+  bool probe = true;     ///< whose ball paints, erases and marks
+  bool objects = false;  ///< that are marked and may be picked
+  bool pick = false;     ///< is chosen and wants a place
+  bool load = false;     ///< is held and may be let go
+};
+
 /// The keys that do something in this state, for the strip: "space: stop painting, u: undo, q: quit".
-std::string keys_of(TeachState state);
+std::string keys_of(TeachState state, const KeyOffer& offer);
 
 }  // namespace clearway

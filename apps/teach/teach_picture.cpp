@@ -8,6 +8,7 @@
 #include "apps/overlay/strip.hpp"
 #include "apps/teach/teach_keys.hpp"
 #include "mapping/system/number_text.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
@@ -43,18 +44,30 @@ TeachView TeachViewer::view(const SeenImage& image, const ImageFrame& frame) {
   for (const PaintedVolume& volume : map_.volumes()) view.balls += volume.spheres.size();
   view.is_led = image.map_from_gripper && session_.robot() != nullptr;
   view.resolution = map_.options().resolution;
-  const Eigen::Isometry3d map_from_base = *fixed_board(setup_, "teaching").map_from_board;
-  if (const PaintingSample* sample = image.sample; sample != nullptr && sample->base) {
-    view.camera_from_map = sample->base->camera_from_body.pose * map_from_base.inverse();
-    if (sample->probe)
-      view.ball = OverlayBall{map_from_base * sample->sphere.center, setup_.probe->ball_radius,
-                              sample->bound.total, sample->accepted};
-  }
+  view.offer = {.probe = setup_.probe.has_value()};
+  add_camera(image, view);
   add_map(view);
   add_robot(view);
   add_sentences(image, view);
   add_loads(view);
   return view;
+}
+
+/// Where the camera is, by the base board in its image; a fixed camera stays where it was seen last.
+void TeachViewer::add_camera(const SeenImage& image, TeachView& view) {
+  const BoardSetup& board = fixed_board(setup_, "teaching");
+  const PaintingSample* sample = image.sample;
+  const auto base = sample != nullptr ? sample->base
+                                      : estimate_body_pose(tag_body(board), image.tags, view.camera,
+                                                           tracking_options(setup_).pose);
+  if (base)
+    camera_from_map_ = base->camera_from_body.pose * board.map_from_board->inverse();
+  else if (!setup_.acceptance.fixed_camera)
+    camera_from_map_.reset();
+  view.camera_from_map = camera_from_map_;
+  if (sample != nullptr && sample->base && sample->probe)
+    view.ball = OverlayBall{*board.map_from_board * sample->sphere.center, setup_.probe->ball_radius,
+                            sample->bound.total, sample->accepted};
 }
 
 void TeachViewer::add_map(TeachView& view) {
@@ -144,13 +157,22 @@ void TeachViewer::add_sentences(const SeenImage& image, TeachView& view) {
     view.cure = cure_of(to_string(image.sample->refusal));
     return;
   }
+  if (!view.camera_from_map) {
+    view.refusal =
+        "Nothing is drawn: the base board " + quote(fixed_board(setup_, "teaching").name) + " is not seen";
+    view.cure = cure_of(to_string(Refusal::base_not_seen));
+  }
   if (session_.events().empty()) return;
   const TaughtEvent& last = session_.events().back();
   if (image.since_start > last.event.time + refusal_shown_for) return;
   const std::string action(to_string(last.event.action));
-  if (!last.refusal.empty()) view.refusal = action + " refused: " + last.refusal;
+  std::string sentence;
+  if (!last.refusal.empty()) sentence = action + " refused: " + last.refusal;
   if (last.event.action == TeachAction::paint_off && !last.remark.empty())
-    view.refusal = action + ": " + last.remark;
+    sentence = action + ": " + last.remark;
+  if (sentence.empty()) return;
+  view.refusal = sentence;
+  view.cure.clear();
 }
 
 std::string state_line(const TeachView& view) {
@@ -197,7 +219,8 @@ cv::Mat TeachPainter::draw(const TeachView& view) {
     robot_ = view.robot;
   }
   const std::string refusal = view.refusal.empty() ? view.warning : view.refusal;
-  const std::string keys = keys_of(view.state) + (view.more_keys.empty() ? "" : ", " + view.more_keys);
+  const std::string keys =
+      keys_of(view.state, view.offer) + (view.more_keys.empty() ? "" : ", " + view.more_keys);
   const Strip strip{state_line(view), refusal, view.cure, keys, 0.0};
   if (!view.camera_from_map) {
     cv::Mat picture;

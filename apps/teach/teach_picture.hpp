@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/overlay/overlay_scene.hpp"
+#include "apps/teach/teach_keys.hpp"
 #include "apps/teach/teach_session.hpp"
 #include "mapping/free_space_map.hpp"
 #include "tracking/camera.hpp"
@@ -18,7 +19,7 @@ namespace clearway {
 struct TeachView {
   cv::Mat image;  ///< CV_8UC1
   Camera camera;
-  std::optional<Eigen::Isometry3d> camera_from_map;  ///< empty: the base board is not seen
+  std::optional<Eigen::Isometry3d> camera_from_map;  ///< empty: not known, nothing is drawn
   double since_start = 0.0;                          ///< s
   std::chrono::steady_clock::time_point taken;       ///< when the source gave the image
   TeachState state = TeachState::ready;
@@ -29,7 +30,8 @@ struct TeachView {
   double resolution = 0.02;        ///< of the map, m
   std::optional<OverlayBall> ball;
   bool is_led = false;        ///< the hand leads the virtual robot in this image
-  std::string more_keys;      ///< for the strip, beside those of the state
+  KeyOffer offer;             ///< for the keys of the strip
+  std::string more_keys;      ///< beside those of the state
   std::string warning;        ///< of the virtual robot
   std::string refusal, cure;  ///< the last event's, or the image's
   std::shared_ptr<const Robot> robot;
@@ -52,6 +54,7 @@ class TeachViewer {
   TeachView view(const SeenImage& image, const ImageFrame& frame);
 
  private:
+  void add_camera(const SeenImage& image, TeachView& view);
   void add_map(TeachView& view);
   void add_sensed(TeachView& view);
   void add_robot(TeachView& view);
@@ -62,6 +65,7 @@ class TeachViewer {
   const Setup& setup_;
   const FreeSpaceMap& map_;
   const FusionCounts& counts_;
+  std::optional<Eigen::Isometry3d> camera_from_map_;
   std::size_t painted_version_ = 0;
   std::size_t sensed_version_ = 0, sensed_by_hand_ = 0;  ///< of these, what no scan did
   double sensed_at_ = -1e300;

@@ -23,17 +23,22 @@ TEST(TeachKeys, OneKeyBeginsAndEndsAStroke) {
 
 TEST(TeachKeys, EveryStateOffersAWayOnAndAWayOut) {
   for (const TeachState state : states) {
-    const std::string keys = keys_of(state);
+    const std::string keys = keys_of(state, {});
     EXPECT_NE(keys.find("q: quit"), std::string::npos) << to_string(state);
     EXPECT_LT(keys.size(), 100u) << keys;
   }
-  EXPECT_EQ(keys_of(TeachState::painting), "space: stop painting, u: undo, q: quit");
-  EXPECT_NE(keys_of(TeachState::planned).find("a: approve"), std::string::npos);
-  EXPECT_EQ(keys_of(TeachState::selecting).find("a: approve"), std::string::npos);
-  EXPECT_EQ(keys_of(TeachState::ended), "");
-  EXPECT_EQ(keys_of(TeachState::marking), "o: stop marking, u: undo, q: quit");
+  EXPECT_EQ(keys_of(TeachState::painting, {}), "space: stop painting, u: undo, q: quit");
+  EXPECT_NE(keys_of(TeachState::planned, {}).find("a: approve"), std::string::npos);
+  EXPECT_EQ(keys_of(TeachState::selecting, {}).find("a: approve"), std::string::npos);
+  EXPECT_EQ(keys_of(TeachState::ended, {}), "");
+  EXPECT_EQ(keys_of(TeachState::marking, {}), "o: stop marking, u: undo, q: quit");
   EXPECT_EQ(action_of_key('o', TeachState::ready), TeachAction::object);
   EXPECT_EQ(action_of_key('o', TeachState::marking), TeachAction::object_off);
+}
+
+TEST(TeachKeys, WithoutAProbeNoKeyIsOfferedThatNeedsItsBall) {
+  EXPECT_EQ(keys_of(TeachState::ready, {.probe = false}), "s: start, u: undo, w: save, q: quit");
+  EXPECT_NE(keys_of(TeachState::ready, {}).find("space: paint"), std::string::npos);
 }
 
 TEST(TeachKeys, AFileOfKeysBringsRobotsVolumesAndLoads) {

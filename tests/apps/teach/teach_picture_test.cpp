@@ -136,6 +136,28 @@ TEST_F(TeachViewerOf, ConflictsAreDrawnAsTheStrokeEndsAndGoAsItIsUndone) {
   EXPECT_EQ(undone.sensed->counts().conflict, 0U);
 }
 
+TEST_F(TeachViewerOf, WithoutAProbeTheBaseBoardPlacesTheCamera) {
+  setup_.probe.reset();
+  const TeachView seen = view(tags_);
+  ASSERT_TRUE(seen.camera_from_map);
+  EXPECT_TRUE(seen.camera_from_map->isApprox(camera_from_map_, 1e-2));
+  EXPECT_FALSE(seen.offer.probe);
+  EXPECT_EQ(seen.refusal, "");
+  const TeachView hidden = view({});
+  EXPECT_FALSE(hidden.camera_from_map);
+  EXPECT_EQ(hidden.refusal, "Nothing is drawn: the base board 'table' is not seen");
+  EXPECT_EQ(hidden.cure, "Keep the fixed board in view.");
+}
+
+TEST_F(TeachViewerOf, AFixedCameraStaysWhereTheBaseBoardWasSeenLast) {
+  setup_.acceptance.fixed_camera = true;
+  EXPECT_FALSE(view({}).camera_from_map);
+  const TeachView seen = view(tags_), hidden = view({});
+  ASSERT_TRUE(hidden.camera_from_map);
+  EXPECT_EQ(hidden.camera_from_map->matrix(), seen.camera_from_map->matrix());
+  EXPECT_EQ(hidden.refusal, "");
+}
+
 TEST(TeachPicture, TheStateIsOneLine) {
   TeachView view = view_of_arm();
   view.since_start = 12.34;
