@@ -1,10 +1,13 @@
 #include "apps/teach/teach_window.hpp"
 
 #include <dlfcn.h>
+#include <signal.h>
 
 #include <opencv2/core/core_c.h>
 #include <cstdlib>
 #include <stdexcept>
+
+#include "mapping/system/child_process.hpp"
 
 namespace clearway {
 namespace {
@@ -35,6 +38,20 @@ const HighGui& high_gui() {
   return functions;
 }
 
+/// Qt ends the process that finds no display: a copy of it tries. What the library lacks, the window says.
+bool opens_display() {
+  const auto open = [] {
+    ::signal(SIGXFSZ, SIG_IGN);  // the copy may write no file, as a cache of fonts
+    void* const library = ::dlopen(CLEARWAY_HIGHGUI, RTLD_NOW | RTLD_LOCAL);
+    if (library == nullptr) return std::string();
+    const auto begin = reinterpret_cast<int (*)(int, char**)>(::dlsym(library, "cvInitSystem"));
+    if (begin != nullptr) begin(0, nullptr);
+    return std::string();
+  };
+  constexpr std::size_t memory = std::size_t{4} << 30U;
+  return run_in_child(open, {.memory = memory, .output = 1, .seconds = 10}).finished;
+}
+
 }  // namespace
 
 bool has_display() {
@@ -42,7 +59,7 @@ bool has_display() {
     const char* value = std::getenv(name);
     return value != nullptr && *value != '\0';
   };
-  return is_set("DISPLAY") || is_set("WAYLAND_DISPLAY");
+  return (is_set("DISPLAY") || is_set("WAYLAND_DISPLAY")) && opens_display();
 }
 
 TeachWindow::TeachWindow(const std::string& title) : title_(title) {

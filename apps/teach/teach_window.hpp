@@ -5,7 +5,7 @@
 
 namespace clearway {
 
-/// Whether a window can be opened here: the environment names X11 or Wayland.
+/// Whether a window can be opened here: the environment names a display, and it answers within 10 s.
 bool has_display();
 
 /// A window of OpenCV's HighGUI, whose library is loaded by the first one. Used by one thread.
