@@ -260,6 +260,7 @@ void TeachSession::act(const TeachEvent& event, std::string& remark) {
       save_map(event.name);
       break;
     case TeachAction::quit:
+      stop_plan();
       finish();
       break;
   }

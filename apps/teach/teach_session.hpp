@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <deque>
@@ -41,7 +42,8 @@ struct TaughtEvent {
   TeachState state = TeachState::ready;  ///< afterwards
   std::string refusal;                   ///< why not, with its cure; empty: it was done
   std::string remark;                    ///< what was done, where that is worth a sentence
-  bool is_late = false;  ///< refused only because a planner still worked: a replay leaves it out
+  /// Refused only because a planner still worked, or a plan that was stopped: a replay leaves it out.
+  bool is_late = false;
 };
 
 /// A plan of a session and the map that it rests on.
@@ -95,6 +97,7 @@ struct TeachOptions {
 /// | marking | object_off, undo, save, quit |
 /// | planning | quit |
 /// | playing | as planned; all but play, approve and save end it |
+/// `quit` stops the plan that is being made, if nothing waits for plans.
 /// `plan` needs a start and a goal, `play` and `approve` a plan that is proved; `start`, what follows, and
 /// `attach` a robot; `detach` a load.
 class TeachSession final : public FusionGuide {
@@ -168,9 +171,11 @@ class TeachSession final : public FusionGuide {
   struct Answer {
     std::optional<TaughtPlan> plan;  ///< none: it was refused
     std::string sentence;
+    bool is_stopped = false;  ///< before it was there
   };
   struct Job {
     std::future<Answer> result;
+    std::shared_ptr<std::atomic<bool>> is_stopped;
     std::optional<Answer> reported{};  ///< already, before an event or the end takes it
     bool is_ready() const {
       return reported || result.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
@@ -216,6 +221,7 @@ class TeachSession final : public FusionGuide {
   void report_plan();
   TaughtEvent& asked_plan();
   void take_plan(bool wait);
+  void stop_plan();
   void play(std::string& remark);
   const Played& played() const;
   void approve(std::string& remark);

@@ -5,6 +5,7 @@
 
 #include "apps/console/flag_names.hpp"
 #include "apps/query/loads.hpp"
+#include "apps/teach/stoppable_planner.hpp"
 #include "apps/teach/teach_session.hpp"
 #include "mapping/files/map_digest.hpp"
 #include "mapping/system/number_text.hpp"
@@ -162,21 +163,24 @@ void TeachSession::begin_plan(const TeachEvent& event) {
   for (const TaughtPlace& goal : goals()) plan.goals.push_back(goal.q);
   plan.robot = robot_->choice();
   plan.space = robot_->space(present_map(), map_version());
-  PlanQuery query{.space = *plan.space,
-                  .start = plan.start,
-                  .goals = plan.goals,
-                  .planner = make_planner(event.planner, event.options),
-                  .seed = options_.seed,
-                  .time_limit = options_.time_limit,
-                  .loads = loads_of_legs(goals()),
-                  .robot_name = plan.robot.robot,
-                  .map_file = "map.ot",
-                  .name = plan.name};
+  const auto is_stopped = std::make_shared<std::atomic<bool>>(false);
+  PlanQuery query{
+      .space = *plan.space,
+      .start = plan.start,
+      .goals = plan.goals,
+      .planner = std::make_shared<StoppablePlanner>(make_planner(event.planner, event.options), is_stopped),
+      .seed = options_.seed,
+      .time_limit = options_.time_limit,
+      .loads = loads_of_legs(goals()),
+      .robot_name = plan.robot.robot,
+      .map_file = "map.ot",
+      .name = plan.name};
   if (setup_->robot) {
     query.payload = setup_->robot->payload;
     query.gravity = setup_->robot->gravity;
   }
   Job job;
+  job.is_stopped = is_stopped;
   job.result = std::async(std::launch::async, [plan, query, pick = choice_.pick]() mutable -> Answer {
     try {
       TaughtPlan taught = answered(std::move(plan), query, pick);
@@ -184,6 +188,8 @@ void TeachSession::begin_plan(const TeachEvent& event) {
       return {std::move(taught), sentence};
     } catch (const std::invalid_argument& error) {
       return {{}, with_keys(error.what())};
+    } catch (const PlanStopped&) {
+      return {{}, "the session ended before it was made", true};
     }
   });
   remember("plan");
@@ -223,11 +229,18 @@ void TeachSession::take_plan(bool wait) {
   doing_ = Doing::nothing;
   TaughtEvent& asked = asked_plan();
   asked = with_answer(asked, answer);
+  asked.is_late = answer.is_stopped;
   if (answer.plan) {
     plans_.push_back(std::move(*answer.plan));
     (plans_.back().plan.is_proved() ? choice_.plan : choice_.failed) = plans_.size() - 1;
   }
   if (options_.report && !is_reported) options_.report(asked);
+}
+
+/// What was asked for by hand ends with the session, and does not keep it.
+void TeachSession::stop_plan() {
+  if (job_) job_->is_stopped->store(true);
+  take_plan(true);
 }
 
 void TeachSession::approve(std::string& remark) {

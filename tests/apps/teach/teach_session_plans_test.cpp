@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 
 #include "apps/teach/shown_session.hpp"
 #include "apps/teach/teach_session.hpp"
@@ -21,6 +22,13 @@ struct SavingSession {
     map.paint(map.add_volume("free", {}), {Eigen::Vector3d::Zero(), 3.0}, 0.0);
     counts.spheres = 1;
     session.begin(setup, map, counts);
+  }
+  /// Two volumes of paint with a gap between them.
+  void split_paint() {
+    map = FreeSpaceMap(MapOptions{.resolution = 0.05});
+    const int volume = map.add_volume("free", {});
+    for (const double x : {-1.2, 1.2}) map.paint(volume, {Eigen::Vector3d(x, 0, 0), 1.1}, 0.0);
+    ++counts.spheres;
   }
   std::vector<TeachEvent> events_until(double until) {
     const auto end =
@@ -71,6 +79,31 @@ TEST(TeachSessionPlans, ASaveThatIsPressedWhileAPlanIsMadeLeavesTheRecordWhole) 
   again.session.end();
   EXPECT_EQ(again.saved, std::vector<std::string>{"Q"});
   EXPECT_EQ(live.saved, again.saved);
+  EXPECT_EQ(live.record(), again.record());
+}
+
+/// No way leads over the gap, and the planner does not give up before its minute is over.
+TEST(TeachSessionPlans, QuitStopsThePlanAndTheRecordLeavesItOut) {
+  SavingSession live(false), again(true);
+  for (SavingSession* one : {&live, &again}) one->split_paint();
+  live.add(1.0, TeachAction::start, "0,0.3");
+  live.add(1.0, TeachAction::goal, "3.1,0.3");
+  live.add(1.0, TeachAction::plan, "P");
+  live.session.before(1.0);
+  ASSERT_EQ(live.session.events().back().refusal, "");
+  live.session.before(1.1);
+  ASSERT_EQ(live.session.state(), TeachState::planning);
+  live.add(1.2, TeachAction::quit);
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_FALSE(live.session.before(1.2));
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
+  live.session.end();
+  EXPECT_EQ(live.session.events()[2].refusal, "the session ended before it was made");
+  EXPECT_TRUE(live.session.plans().empty());
+  for (const TaughtEvent& event : live.session.events())
+    if (!event.is_late) again.due.push_back(event.event);
+  again.session.before(2.0);
+  again.session.end();
   EXPECT_EQ(live.record(), again.record());
 }
 
