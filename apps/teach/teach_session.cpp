@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 
@@ -16,6 +17,12 @@ namespace {
 constexpr std::array<std::string_view, 10> state_names = {"ready",     "painting", "erasing", "marking",
                                                           "selecting", "planning", "planned", "playing",
                                                           "approved",  "ended"};
+
+/// Whether a setup says when its volumes take paint, as a replay of a recording does.
+bool has_times(const std::vector<VolumeSetup>& volumes) {
+  return std::any_of(volumes.begin(), volumes.end(),
+                     [](const VolumeSetup& volume) { return volume.from > 0.0 || std::isfinite(volume.to); });
+}
 
 }  // namespace
 
@@ -202,7 +209,7 @@ void TeachSession::act(const TeachEvent& event, std::string& remark) {
   switch (event.action) {
     case TeachAction::paint_on:
     case TeachAction::erase_on:
-      begin_stroke(event);
+      begin_stroke(event, remark);
       break;
     case TeachAction::paint_off:
       end_stroke();
@@ -290,10 +297,13 @@ void TeachSession::remember(const std::string& what, std::optional<int> stroke) 
   undos_.push_back({what, choice_, stroke});
 }
 
-void TeachSession::begin_stroke(const TeachEvent& event) {
+void TeachSession::begin_stroke(const TeachEvent& event, std::string& remark) {
   if (!setup_->probe) refuse("the setup has no probe");
   const bool paints = event.action == TeachAction::paint_on;
   if (paints) conflicts_before_ = present_map().counts().conflict;
+  if (paints && has_times(setup_->volumes))
+    remark = "into volume " + quote(map_->volumes()[static_cast<std::size_t>(choice_.volume)].label) +
+             ", whatever `from` and `to` of the setup's volumes say; 'volume' chooses another";
   stroke_ =
       map_->begin_stroke((paints ? "stroke at " : "eraser at ") + short_text(event.time, 6) + " s", "hand");
   remember(paints ? "stroke" : "eraser", stroke_);

@@ -193,7 +193,7 @@ class TeachSession final : public FusionGuide {
   void act(const TeachEvent& event, std::string& remark);
   void save_map(const std::string& name);
   void finish();
-  void begin_stroke(const TeachEvent& event);
+  void begin_stroke(const TeachEvent& event, std::string& remark);
   void end_stroke();
   std::string new_conflicts();
   void choose_volume(const TeachEvent& event, std::string& remark);

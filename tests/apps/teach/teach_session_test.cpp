@@ -99,6 +99,14 @@ TEST_F(TeachSessionOf, AStrokeThroughAnObstacleSaysSoAsItEnds) {
   EXPECT_EQ(remark(), "");
 }
 
+TEST_F(TeachSessionOf, TimesOfTheSetupsVolumesAreReportedAsUnused) {
+  setup_.volumes = {{.label = "free", .critical_parts = {}, .from = 0.0, .to = 3.0}};
+  ASSERT_EQ(act(TeachAction::paint_on), "");
+  EXPECT_EQ(
+      remark(),
+      "into volume 'free', whatever `from` and `to` of the setup's volumes say; 'volume' chooses another");
+}
+
 TEST_F(TeachSessionOf, AllThatWasDoneIsUndoneStepByStep) {
   const std::string empty = map_sha256(map_.snapshot());
   paint_everything();
