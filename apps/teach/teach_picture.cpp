@@ -240,7 +240,9 @@ cv::Mat TeachPainter::draw(const TeachView& view) {
   if (view.path) scene.path = *view.path;
   scene.to_paint = view.to_paint;
   const bool is_choosing = view.state == TeachState::ready || view.state == TeachState::selecting;
-  if (is_choosing && view.is_led) {
+  const bool has_plan = view.state == TeachState::planned || view.state == TeachState::approved;
+  const bool is_refused = has_plan && !view.warning.empty();  // where another goal would be
+  if (view.is_led && (is_choosing || is_refused)) {
     for (const PaintedVolume& volume : painted_)
       for (const Sphere& sphere : volume.spheres) scene.dots.push_back(sphere.center);
     scene.is_outside = !view.warning.empty();

@@ -67,6 +67,10 @@ TEST(TeachPicture, WhileAHandChoosesThePaintIsDotsThatAreRedOutside) {
   EXPECT_GT(outside[2], 180);
   EXPECT_LT(outside[1], 60);
   EXPECT_NE(inside, outside);
+  for (const TeachState planned : {TeachState::planned, TeachState::approved}) {
+    view.state = planned;
+    EXPECT_EQ(at(painter.draw(view), view, {0.8, 0.5, 0.0}), outside);
+  }
   view.state = TeachState::painting;
   EXPECT_NE(at(painter.draw(view), view, {0.8, 0.65, 0.0}), grey);  // the volume itself
 }
