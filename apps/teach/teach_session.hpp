@@ -199,7 +199,7 @@ class TeachSession final : public FusionGuide {
   void choose_volume(const TeachEvent& event, std::string& remark);
   void choose_robot(const TeachEvent& event, std::string& remark);
   std::string unknown_parts(const PaintedVolume& volume) const;
-  std::string cure_of(const Verdict& verdict) const;
+  std::string cure_of(const Verdict& verdict);
   void choose_place(const TeachEvent& event, std::string& remark);
   void require_begin(const TaughtPlace& begin);
   Configuration place_of(const TeachEvent& event) const;

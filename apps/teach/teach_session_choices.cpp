@@ -104,13 +104,18 @@ Verdict TeachSession::check(const Configuration& q, const std::vector<Load>& hel
   return robot_->space(present_map(), map_version(), held)->check(q);
 }
 
-/// Who places the robot before anything is painted may not know that paint comes first.
-std::string TeachSession::cure_of(const Verdict& verdict) const {
+/// Who places the robot before anything is painted may not know that paint comes first. A ball that holds no
+/// voxel as a whole paints none.
+std::string TeachSession::cure_of(const Verdict& verdict) {
   const auto& volumes = map_->volumes();
   const bool is_painted = std::any_of(volumes.begin(), volumes.end(),
                                       [](const PaintedVolume& volume) { return !volume.spheres.empty(); });
-  if (verdict.obstruction != Obstruction::outside_painted || is_painted) return {};
-  return "; nothing is painted yet, 'paint_on' begins a stroke";
+  if (verdict.obstruction != Obstruction::outside_painted) return {};
+  if (!is_painted) return "; nothing is painted yet, 'paint_on' begins a stroke";
+  const VoxelCounts counts = present_map().counts();
+  if (counts.painted + counts.conflict > 0) return {};
+  return "; the balls are too small to hold a voxel of " + short_text(1e3 * map_->options().resolution, 3) +
+         " mm, so nothing is painted: a finer --resolution or a larger ball does";
 }
 
 void TeachSession::choose_place(const TeachEvent& event, std::string& remark) {

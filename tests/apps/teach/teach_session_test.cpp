@@ -99,6 +99,15 @@ TEST_F(TeachSessionOf, AStrokeThroughAnObstacleSaysSoAsItEnds) {
   EXPECT_EQ(remark(), "");
 }
 
+TEST_F(TeachSessionOf, BallsThatHoldNoVoxelArePaintOfNoUse) {
+  ASSERT_EQ(act(TeachAction::paint_on), "");
+  map_.paint(0, {Eigen::Vector3d(1.0, 0.0, 0.0), 0.03}, time_);
+  ++counts_.spheres;
+  ASSERT_EQ(act(TeachAction::paint_off), "");
+  const std::string why = act(TeachAction::start, "0,0");
+  EXPECT_NE(why.find("; the balls are too small to hold a voxel of 50 mm"), std::string::npos) << why;
+}
+
 TEST_F(TeachSessionOf, TimesOfTheSetupsVolumesAreReportedAsUnused) {
   setup_.volumes = {{.label = "free", .critical_parts = {}, .from = 0.0, .to = 3.0}};
   ASSERT_EQ(act(TeachAction::paint_on), "");
