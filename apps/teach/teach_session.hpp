@@ -64,6 +64,9 @@ struct TaughtPlan {
 /// The independent check of a plan, with what it carries, and of its motion on a map. @throws as check_path
 PathVerdict check_taught(const TaughtPlan& taught, const Snapshot& map);
 
+/// How a plan went, in one sentence, with what helps.
+std::string sentence_of(const Plan& plan);
+
 struct TeachOptions {
   std::uint64_t seed = 1;       ///< of the planners
   double time_limit = 60.0;     ///< s for each leg

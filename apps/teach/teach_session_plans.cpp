@@ -70,14 +70,21 @@ std::string without_motion(const Plan& plan) {
   return plan.motion_caveat.empty() ? "" : "; no smooth motion: " + plan.motion_caveat;
 }
 
-/// How a plan went.
-std::string sentence_of(const Plan& plan) {
-  if (plan.is_proved()) return "solved and proved by " + plan.planner + carried(plan) + without_motion(plan);
-  return plan.status() == PlanStatus::solved ? "not proved: " + plan.validation.first_contact
-                                             : plan.explanation();
+/// The sentence with a cure that a session has: no action allows what a flag of `plan` does.
+std::string without_allowing(const std::string& sentence) {
+  const std::size_t begin = sentence.find("; allow it by name with --allow-outside");
+  if (begin == std::string::npos) return sentence;
+  return sentence.substr(0, begin) + "; paint there, or let a sensor look there";
 }
 
 }  // namespace
+
+std::string sentence_of(const Plan& plan) {
+  if (plan.is_proved()) return "solved and proved by " + plan.planner + carried(plan) + without_motion(plan);
+  return plan.status() == PlanStatus::solved
+             ? "not proved: " + without_allowing(plan.validation.first_contact)
+             : plan.explanation();
+}
 
 PathVerdict check_taught(const TaughtPlan& taught, const Snapshot& map) {
   const Plan& plan = taught.plan;

@@ -6,6 +6,7 @@
 
 #include "apps/teach/shown_session.hpp"
 #include "apps/teach/teach_session.hpp"
+#include "planning/survey/path_survey.hpp"
 
 namespace clearway {
 namespace teach_session_plans_test {
@@ -105,6 +106,15 @@ TEST(TeachSessionPlans, QuitStopsThePlanAndTheRecordLeavesItOut) {
   again.session.before(2.0);
   again.session.end();
   EXPECT_EQ(live.record(), again.record());
+}
+
+TEST(TeachSessionPlans, ARefusalNamesNoFlagThatASessionLacks) {
+  Plan plan;
+  plan.legs.emplace_back().status = PlanStatus::solved;
+  plan.validation.first_contact = "forearm leaves the map's bounds" + why_refused_outside("forearm");
+  EXPECT_EQ(sentence_of(plan),
+            "not proved: forearm leaves the map's bounds: nothing is known of that place, which the policy "
+            "not_occupied counts as free; paint there, or let a sensor look there");
 }
 
 }  // namespace teach_session_plans_test
