@@ -55,10 +55,12 @@ bool is_offered(TeachAction action, TeachState state, const KeyOffer& offer) {
       return has_plan || state == TeachState::approved;
     case TeachAction::approve:
       return has_plan;
-    case TeachAction::pick:  // the strip has no room for more
+    case TeachAction::pick:
+      return state == TeachState::selecting && offer.objects && !offer.place;
     case TeachAction::place:
+      return state == TeachState::selecting && offer.place;
     case TeachAction::detach:
-      return false;
+      return offer.load && !strokes && state != TeachState::planning && state != TeachState::playing;
     case TeachAction::object:
       return state == TeachState::ready || state == TeachState::planned || state == TeachState::approved;
     case TeachAction::via:

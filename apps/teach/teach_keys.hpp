@@ -23,7 +23,7 @@ std::string words_of(const std::vector<TeachKey>& keys);
 struct KeyOffer {
   bool probe = true;     ///< whose ball paints, erases and marks
   bool objects = false;  ///< that are marked and may be picked
-  bool pick = false;     ///< is chosen and wants a place
+  bool place = false;    ///< is wanted for the one that is picked
   bool load = false;     ///< is held and may be let go
 };
 

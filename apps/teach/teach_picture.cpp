@@ -44,7 +44,10 @@ TeachView TeachViewer::view(const SeenImage& image, const ImageFrame& frame) {
   for (const PaintedVolume& volume : map_.volumes()) view.balls += volume.spheres.size();
   view.is_led = image.map_from_gripper && session_.robot() != nullptr;
   view.resolution = map_.options().resolution;
-  view.offer = {.probe = setup_.probe.has_value()};
+  view.offer = {.probe = setup_.probe.has_value(),
+                .objects = session_.has_objects(),
+                .place = session_.wants_place(),
+                .load = !session_.held_loads().empty()};
   add_camera(image, view);
   add_map(view);
   add_robot(view);

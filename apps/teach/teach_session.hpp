@@ -136,6 +136,8 @@ class TeachSession final : public FusionGuide {
   /// The objects that strokes marked, each where it stands now, or on the leg that is played:
   /// map_from_object. What the virtual robot holds then is not among them.
   std::vector<std::pair<const Load*, Eigen::Isometry3d>> standing_objects() const;
+  bool has_objects() const { return !choice_.objects.empty(); }  ///< that strokes marked
+  bool wants_place() const { return choice_.pick && !choice_.place; }
   const std::vector<TaughtEvent>& events() const { return done_; }
   const std::deque<TaughtPlan>& plans() const { return plans_; }
   /// The plan of the present start and goals, proved or not; null when there is none.

@@ -41,6 +41,20 @@ TEST(TeachKeys, WithoutAProbeNoKeyIsOfferedThatNeedsItsBall) {
   EXPECT_NE(keys_of(TeachState::ready, {}).find("space: paint"), std::string::npos);
 }
 
+TEST(TeachKeys, PickPlaceAndDetachAreOfferedWhereTheyApply) {
+  const auto offers = [](TeachState state, const KeyOffer& offer, const std::string& key) {
+    return keys_of(state, offer).find(key) != std::string::npos;
+  };
+  for (const TeachState state : states)
+    for (const char* key : {"k: pick", "d: place", "x: detach"})
+      EXPECT_FALSE(offers(state, {}, key)) << to_string(state) << ", " << key;
+  EXPECT_TRUE(offers(TeachState::selecting, {.objects = true}, "k: pick"));
+  EXPECT_FALSE(offers(TeachState::ready, {.objects = true}, "k: pick"));
+  EXPECT_TRUE(offers(TeachState::selecting, {.objects = true, .place = true}, "d: place"));
+  EXPECT_TRUE(offers(TeachState::ready, {.load = true}, "x: detach"));
+  EXPECT_FALSE(offers(TeachState::planning, {.load = true}, "x: detach"));
+}
+
 TEST(TeachKeys, AFileOfKeysBringsRobotsVolumesAndLoads) {
   const TemporaryFolder folder;
   folder.write(
