@@ -100,7 +100,11 @@ void TeachViewer::add_sensed(TeachView& view) {
 void TeachViewer::add_robot(TeachView& view) {
   const VirtualRobot* robot = session_.robot();
   if (robot == nullptr) return;
-  if (robot != drawn_) robot_ = std::make_shared<Robot>(robot->robot());
+  if (robot != drawn_) {
+    auto drawn = std::make_shared<Robot>(robot->robot());
+    drawn->critical_parts = robot->painted_parts();
+    robot_ = std::move(drawn);
+  }
   drawn_ = robot;
   view.robot = robot_;
   const auto place = [&](const Configuration& q, LinkPoses& poses) {

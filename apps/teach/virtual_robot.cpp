@@ -47,6 +47,18 @@ const std::string& VirtualRobot::tip_link() const {
 
 double VirtualRobot::padding() const { return choose_padding(choice_, robot_); }
 
+std::vector<std::string> VirtualRobot::painted_parts() const {
+  std::vector<std::string> parts;
+  for (const Body& body : robot_.bodies) {
+    const auto chosen = policies_.parts.find(body.part);
+    const bool is_critical = std::find(robot_.critical_parts.begin(), robot_.critical_parts.end(),
+                                       body.part) != robot_.critical_parts.end();
+    if (chosen == policies_.parts.end() ? is_critical : chosen->second == Policy::painted)
+      parts.push_back(body.part);
+  }
+  return parts;
+}
+
 void VirtualRobot::lead(const Eigen::Isometry3d& map_from_tip, double time) {
   led_at_ = time;
   if (!is_led_) {

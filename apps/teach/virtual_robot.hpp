@@ -26,6 +26,8 @@ class VirtualRobot {
   const RobotChoice& choice() const { return choice_; }
   const Robot& robot() const { return robot_; }
   double padding() const;
+  /// Parts that have to stay in paint: its critical ones, and those that its choice says.
+  std::vector<std::string> painted_parts() const;
   const std::string& tip_link() const;  ///< its name
 
   /// Leads the tip there. @param time s after the first frame

@@ -162,6 +162,17 @@ TEST_F(TeachViewerOf, AFixedCameraStaysWhereTheBaseBoardWasSeenLast) {
   EXPECT_EQ(hidden.refusal, "");
 }
 
+TEST_F(TeachViewerOf, APartThatHasToStayInPaintIsDrawnAsACriticalOne) {
+  TeachEvent event;
+  event.time = ++time_;
+  event.action = TeachAction::robot;
+  event.robot.robot = "planar2";
+  event.robot.policies = {"forearm=known_free", "upper_arm=painted"};
+  due_ = {event};
+  session_.before(time_);
+  EXPECT_EQ(view(tags_).robot->critical_parts, std::vector<std::string>{"upper_arm"});
+}
+
 TEST(TeachPicture, TheStateIsOneLine) {
   TeachView view = view_of_arm();
   view.since_start = 12.34;
