@@ -115,7 +115,7 @@ TEST_F(PolycamFolders, FilesOfAnotherProgramAreNoneOfIts) {
     std::filesystem::remove(folder_ / ("keyframes/cameras/" + std::string(picture) + ".json"));
   EXPECT_TRUE(polycam_cameras(folder_ / "keyframes").empty());
   EXPECT_FALSE(depth_layout(folder_.path()));
-  for (const std::string text : {std::string("{\"fx\": 1}"), std::string(100'000, ' ') + camera_at(1.0)}) {
+  for (const std::string& text : {std::string("{\"fx\": 1}"), std::string(100'000, ' ') + camera_at(1.0)}) {
     folder_.write("keyframes/cameras/all.json", text);
     EXPECT_TRUE(polycam_cameras(folder_ / "keyframes").empty());
     EXPECT_EQ(times_of_files({folder_ / "keyframes/images/99510474.jpg"}, std::nullopt).files.size(), 1U);
