@@ -107,9 +107,6 @@ ForeignSet read_scenes(const ImportOptions& options, const RobotRequest& request
     set.worlds.back().folder = file.parent_path();
     of_scenes.add(file);
   }
-  for (ForeignWorld& world : set.worlds)
-    if (const std::string word = of_scenes.of(world.folder); !word.empty())
-      world.name = word + "/" + world.name;
   if (set.worlds.empty())
     throw std::invalid_argument(
         "import: no file is a scene, expected at least one" +
@@ -122,6 +119,9 @@ ForeignSet read_scenes(const ImportOptions& options, const RobotRequest& request
     take_scene(scene, problem, set);
     set.problems.push_back(std::move(problem));
   }
+  for (ForeignWorld& world : set.worlds)
+    if (const std::string word = of_scenes.of(world.folder); !word.empty())
+      world.name = word + "/" + world.name;
   return set;
 }
 

@@ -195,6 +195,28 @@ TEST_F(Import, ScenesOfOneNumberAreNamedAndOtherFilesAreSaidToBeLeftOut) {
       << one.out;
 }
 
+TEST_F(Import, ScenesOfOneNumberInSeveralFoldersGoWithTheRequestsBesideThem) {
+  Arguments files;
+  for (const char* folder : {"shelf", "table"}) {
+    std::filesystem::create_directories(folder_.path() / folder);
+    for (const char* name : {"scene0001", "scene_sensed0001"})
+      files.push_back(
+          folder_.write(std::string(folder) + "/" + name + ".yaml", "world: {collision_objects: []}"));
+    files.push_back(folder_.write(std::string(folder) + "/request0001.yaml", arm_request));
+  }
+  const CommandRun run = import("mbm", files);
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  const Json made = Json::parse(read_file(folder_.file("out/import.json")));
+  EXPECT_EQ(made["problems"][0]["world"], "shelf/scene0001") << made;
+  EXPECT_EQ(made["problems"][1]["world"], "table/scene0001") << made;
+  std::filesystem::remove_all(folder_.path() / "out");
+  files[0] = folder_.write("shelf/other0001.yaml", "world: {collision_objects: []}");
+  const CommandRun doubtful = import("mbm", files);
+  EXPECT_EQ(doubtful.status, exit_bad_input);
+  EXPECT_NE(doubtful.log.find("/shelf/other0001', '"), std::string::npos) << doubtful.log;
+  EXPECT_EQ(doubtful.log.find("shelf/shelf"), std::string::npos) << doubtful.log;
+}
+
 TEST_F(Import, AScenesMapWithoutRequestsIsNoSuiteAndSaidToBeNone) {
   const CommandRun run = import("scene", {folder_.write("a.yaml", "world: {collision_objects: []}")});
   EXPECT_EQ(run.status, exit_done);
