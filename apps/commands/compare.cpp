@@ -347,8 +347,10 @@ void print_run(const CompareExperiment& experiment, const std::string& id, Conso
                                           (run.team ? "" : ", CPU " + significant(run.cpu) + " s")}});
 }
 
-/// Names the near ones of the problems of all stages, which were opened in the search for it.
+/// Names the near ones of the problems of all stages, which were opened in the search for it, or says why
+/// there is none.
 [[noreturn]] void refuse_problem(const RunId& id, const CompareRecords& records) {
+  records.require_problems();
   std::vector<std::string> known;
   for (const auto& [experiment, stage] : records.stages())
     for (const CompareRecords::Problem& problem : *records.stage(experiment, stage))

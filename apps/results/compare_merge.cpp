@@ -226,6 +226,7 @@ CompareResults merge_into(const fs::path& folder, const fs::path& shown,
       for (const CompareRecords::Problem& problem : *shard.records.stage(e, s))
         if (problem.is_finished) copy_files(shard, problem.found, folder, shown);
   const CompareRecords records = merge_all(shards, shown);
+  records.require_problems();
   require_all(records);
   copy_worst_pages(shards, records, folder);
   const CompareResults results = records.results(folder);

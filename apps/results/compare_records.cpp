@@ -226,6 +226,13 @@ bool CompareRecords::is_drawn_in_vain(std::size_t experiment, std::size_t stage)
   return in_vain_.contains({experiment, stage});
 }
 
+void CompareRecords::require_problems() const {
+  const std::lock_guard lock(mutex_);
+  const bool has_some =
+      std::any_of(stages_.begin(), stages_.end(), [](const auto& opened) { return !opened.second.empty(); });
+  if (!has_some && !in_vain_.empty()) throw std::runtime_error(in_vain_.begin()->second);
+}
+
 void CompareRecords::open(std::size_t experiment, std::size_t stage, std::vector<CompareProblem> problems,
                           const std::string& in_vain) {
   write(stage_line({experiment, stage}, problems, in_vain));

@@ -64,6 +64,8 @@ class CompareRecords {
   bool is_drawn_in_vain(std::size_t experiment, std::size_t stage) const;
   /// Why stages have no problems, a sentence each.
   const std::map<std::pair<std::size_t, std::size_t>, std::string>& drawn_in_vain() const { return in_vain_; }
+  /// @throws std::runtime_error with the reason when stages were opened and none of them has a problem
+  void require_problems() const;
 
   /// @param in_vain why the stage has no problems; empty: it has some
   void open(std::size_t experiment, std::size_t stage, std::vector<CompareProblem> problems,

@@ -71,6 +71,24 @@ TEST_F(CompareInVain, WhereThereIsNoProblemAtAllItIsRefused) {
   const CommandRun run = compare(nothing_painted);
   EXPECT_EQ(run.status, 2);
   EXPECT_NE(run.log.find("clearway: boxes: no problem found for robot 'arm5'"), std::string::npos) << run.log;
+  const CommandRun one =
+      run_command({"compare", folder_.file("s.yaml"), "--rerun", "in_vain/boxes_1.1/beam"});
+  EXPECT_EQ(one.status, 2);
+  EXPECT_EQ(one.log, run.log);
+}
+
+TEST_F(CompareInVain, MergingSaysWhatTheWholeRunSaysWhereThereIsNoProblemAtAll) {
+  const CommandRun whole = compare(nothing_painted, {"--quiet"});
+  for (const char* part : {"1", "2"})
+    ASSERT_EQ(run_command({"compare", folder_.file("s.yaml"), "--out", folder_.file(part), "--shard",
+                           std::string(part) + "/2", "--quiet"})
+                  .status,
+              0);
+  const CommandRun merged =
+      run_command({"compare", "merge", folder_.file("1"), folder_.file("2"), "--out", folder_.file("all")});
+  EXPECT_EQ(merged.status, 2);
+  EXPECT_EQ(merged.log, whole.log);
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "all"));
 }
 
 }  // namespace compare_session_test
