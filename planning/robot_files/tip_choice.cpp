@@ -15,6 +15,15 @@ namespace {
 /// What begins the name of an own tip that is not its link's frame.
 constexpr std::string_view own_tip = "own tip on ";
 
+bool includes(const std::set<int>& all, const std::set<int>& some) {
+  return std::includes(all.begin(), all.end(), some.begin(), some.end());
+}
+
+bool hangs_on(std::size_t link, std::size_t above, const Robot& robot) {
+  while (link > above) link = static_cast<std::size_t>(robot.links[link].parent);  // parents come first
+  return link == above;
+}
+
 /// A robot's links as a tree.
 class Branches {
  public:
@@ -58,17 +67,12 @@ class Branches {
     std::vector<std::string> names;
     const std::size_t above = parent(link);
     for (std::size_t i = 0; i < robot_.links.size(); ++i)
-      if (is_end_[i] && i != above && hangs_on(i, above) && !hangs_on(i, link))
+      if (is_end_[i] && i != above && hangs_on(i, above, robot_) && !hangs_on(i, link, robot_))
         names.push_back(robot_.links[i].name);
     return names;
   }
 
  private:
-  bool hangs_on(std::size_t link, std::size_t above) const {
-    while (link > above) link = parent(link);  // parents come first
-    return link == above;
-  }
-
   const Robot& robot_;
   std::vector<int> depth_;
   std::vector<bool> is_end_;
@@ -96,31 +100,60 @@ class MovedLinks {
     for (std::size_t i = link + 1; i < robot_.links.size(); ++i) {
       const int joint = robot_.links[i].joint;
       if (joint < 0 || joints.contains(robot_.joints[static_cast<std::size_t>(joint)].name)) continue;
-      std::size_t at = i;
-      while (at > link) at = parent(at);  // parents come first
-      if (at == link) return false;
+      if (hangs_on(i, link, robot_)) return false;
     }
     return true;
   }
 
-  /// The last link below the most joints, but for two fingers what both hang on.
+  /// The last link below the most joints, but for a finger the hand that it hangs on.
   int tip() const {
     std::size_t moved = 0;
     for (std::size_t i = 1; i < last_.size(); ++i)
       if (is_moved(i) && joints_[i] > joints_[moved]) moved = i;
-    if (moved == 0) return 0;
-    const std::size_t hand = parent(moved);
-    return end_of(last_[hand] > 0 && has_sibling(moved) ? last_[hand] : static_cast<int>(moved));
+    return moved == 0 ? 0 : end_of(hand_of(static_cast<int>(moved)));
   }
 
  private:
   std::size_t parent(std::size_t link) const { return static_cast<std::size_t>(robot_.links[link].parent); }
   bool is_moved(std::size_t link) const { return robot_.links[link].joint >= 0; }
 
-  bool has_sibling(std::size_t moved) const {
-    for (std::size_t i = 1; i < last_.size(); ++i)
-      if (i != moved && is_moved(i) && parent(i) == parent(moved)) return true;
+  int carrier(int moved) const { return last_[parent(static_cast<std::size_t>(moved))]; }
+
+  /// The highest link above a moved one that carries fingers; that one itself where none does.
+  int hand_of(int moved) const {
+    int hand = moved;
+    for (int link = moved; carrier(link) > 0; link = carrier(link))
+      if (is_finger(link)) hand = carrier(link);
+    return hand;
+  }
+
+  /// Whether a moved link begins one of several fingers: a branch with few joints, beside which another has
+  /// at least half as many. One that only mimics joints of the other mimics all of them: a rod of a
+  /// parallelogram mimics some.
+  bool is_finger(int moved) const {
+    constexpr std::size_t most_joints = 5;  // a thumb has; arms that part at a torso have more
+    const std::set<int> joints = joints_from(moved);
+    for (int other = 1; other < static_cast<int>(last_.size()); ++other) {
+      const bool is_beside =
+          other != moved && is_moved(static_cast<std::size_t>(other)) && carrier(other) == carrier(moved);
+      const std::set<int> others = is_beside ? joints_from(other) : std::set<int>();
+      const bool is_mimic = includes(joints, others) || includes(others, joints);
+      if (is_beside && (is_mimic ? others == joints : 2 * others.size() >= joints.size()))
+        return joints.size() <= most_joints;
+    }
     return false;
+  }
+
+  /// The joints that move a link and what hangs on it against what carries it, each once where others mimic
+  /// it, and none that moves the carrier, too.
+  std::set<int> joints_from(int moved) const {
+    const auto first = static_cast<std::size_t>(moved);
+    std::set<int> joints;
+    for (std::size_t i = first; i < last_.size(); ++i)
+      if (is_moved(i) && hangs_on(i, first, robot_)) joints.insert(robot_.links[i].joint);
+    for (std::size_t above = parent(first); above > 0; above = parent(above))
+      joints.erase(robot_.links[above].joint);
+    return joints;
   }
 
   /// The last of the links that a moved one carries along; the one that several last ones have above them.

@@ -95,6 +95,75 @@ TEST(TipChoice, OfAGroupIsNoFinger) {
             std::string::npos);
 }
 
+/// A group of the slide and of these joints.
+std::string slide_with(const std::vector<std::string>& links) {
+  std::string group = "<group name='arm'><joint name='slide'/>";
+  for (const std::string& link : links) group += "<joint name='" + link + "_joint'/>";
+  return group + "</group>";
+}
+/// A link that turns on its parent, by its own joint or as `like`'s turns.
+std::string turning(const std::string& parent, const std::string& name, const std::string& like = "") {
+  const std::string mimic = like.empty() ? "" : "<mimic joint='" + like + "_joint' multiplier='-1'/>";
+  return "<link name='" + name + "'/>" +
+         urdf_joint(name + "_joint", "revolute", parent, name, "0 0 0", "0 0 1", urdf_limit(-1, 1) + mimic);
+}
+/// Links that turn one on the other: name1, name2, … The names of all go into `links`.
+std::string turning_chain(const std::string& parent, const std::string& name, int count,
+                          std::vector<std::string>& links) {
+  std::string urdf, on = parent;
+  for (int i = 1; i <= count; ++i) {
+    links.push_back(name + std::to_string(i));
+    urdf += turning(on, links.back());
+    on = links.back();
+  }
+  return urdf;
+}
+
+/// Robotiq's 2F-85: on each side a knuckle with the finger and its tip, and another that keeps it parallel.
+TEST(TipChoice, OfAGroupIsNoFingerOfAGripperWhoseJointsMimicOne) {
+  std::string gripper;
+  for (const std::string side : {"left", "right"}) {
+    const std::string knuckle = side + "_outer_knuckle", like = side == "left" ? "" : "left_outer_knuckle";
+    gripper += turning("palm", knuckle, like) + fixed(knuckle, side + "_outer_finger") +
+               turning(side + "_outer_finger", side + "_inner_finger", "left_outer_knuckle") +
+               turning("palm", side + "_inner_knuckle", "left_outer_knuckle");
+  }
+  EXPECT_EQ(tip_of(hand(gripper), slide_with({"left_outer_knuckle"}), "arm"), "palm");
+}
+
+/// Two fingers of two joints, Barrett's three of two or three, Allegro's four of four on mounts of their own.
+TEST(TipChoice, OfAGroupIsNoFingerOfSeveralJoints) {
+  for (const std::vector<int>& joints :
+       std::vector<std::vector<int>>{{2, 2}, {3, 3, 2}, {2, 3, 3}, {4, 4, 4, 4}}) {
+    std::vector<std::string> links;
+    std::string fingers;
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+      const std::string name = "finger" + std::to_string(i) + "_";
+      fingers += fixed("palm", name + "mount") + turning_chain(name + "mount", name, joints[i], links);
+    }
+    EXPECT_EQ(tip_of(hand(fingers + fixed("palm", "tcp") + fixed("tcp", "tool")), slide_with(links), "arm"),
+              "tool")
+        << joints.size();
+  }
+}
+
+TEST(TipChoice, OfAGroupOfTwoArmsOnATorsoIsNotTheTorso) {
+  std::vector<std::string> links;
+  const std::string arms = turning_chain("palm", "l", 6, links) + turning_chain("palm", "r", 6, links);
+  EXPECT_EQ(tip_of(hand(arms), slide_with(links), "arm"), "l6");
+  const std::string fingers = turning("l6", "f") + turning("l6", "g", "f");
+  links.emplace_back("f");
+  EXPECT_EQ(tip_of(hand(arms + fingers), slide_with(links), "arm"), "l6");
+}
+
+/// A palletizer's rods turn with its arms and end beside them.
+TEST(TipChoice, OfAGroupIsBehindTheParallelogramsOfItsArm) {
+  std::vector<std::string> links;
+  const std::string arm = turning_chain("palm", "arm", 4, links) + turning("palm", "rod", "arm1") +
+                          turning("arm1", "lever", "arm2") + turning("arm3", "level", "arm2");
+  EXPECT_EQ(tip_of(hand(arm), slide_with(links), "arm"), "arm4");
+}
+
 TEST(TipChoice, OfOneBranchIsNoQuestion) {
   EXPECT_EQ(doubt(hand("")), "");
   EXPECT_EQ(doubt(hand(fixed("palm", "tcp"))), "");
