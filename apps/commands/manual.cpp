@@ -102,6 +102,13 @@ std::vector<std::string> format_names() {
   return names;
 }
 
+/// Suites, and what `clearway compare` does instead of running one.
+std::vector<std::string> comparisons() {
+  std::vector<std::string> words = shipped_names("suites");
+  words.insert(words.end(), {"diff", "merge"});
+  return words;
+}
+
 Offer offer_of(const CLI::Option& option) {
   if (std::vector<std::string> closed = values_of(option); !closed.empty()) return {closed, false};
   static const std::vector<std::string> policies{"painted", "known_free", "not_occupied"};
@@ -114,7 +121,7 @@ Offer offer_of(const CLI::Option& option) {
                                                   {"planners", {planner_names(), false}},
                                                   {"setup", {shipped_names("setups"), true}},
                                                   {"scene", {shipped_names("scenes"), true}},
-                                                  {"suite", {shipped_names("suites"), true}}};
+                                                  {"suite", {comparisons(), true}}};
   const auto found =
       known.find(option.get_lnames().empty() ? option.get_single_name() : option.get_lnames().front());
   return found == known.end() ? Offer() : found->second;

@@ -62,6 +62,11 @@ TEST(Completion, OffersWhatAnOptionTakes) {
   EXPECT_EQ(offered("clearway plan --robot p"), "panda planar2 point puma560 puma560_miniature");
   EXPECT_EQ(offered("clearway plan --robot o"), "own.urdf");
   EXPECT_EQ(offered("clearway calibrate ''"), "camera board probe base hand-eye");
+  EXPECT_EQ(offered("clearway compare di"), "diff");
+  EXPECT_EQ(offered("clearway compare me"), "merge");
+  EXPECT_NE((" " + offered("clearway compare ''") + " ").find(" quick "), std::string::npos);
+  EXPECT_EQ(offered("clearway compare diff o"), "own.urdf");
+  EXPECT_NE(run_command({"--completion", "zsh"}).out.find(" diff merge; _files}"), std::string::npos);
   EXPECT_EQ(offered("clearway replay o"), "own.urdf");
   EXPECT_EQ(offered("clearway replay r --integration com"), "compatible");
 }
