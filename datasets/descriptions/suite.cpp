@@ -116,18 +116,6 @@ std::vector<LoadSetup> read_leg_loads(const YamlFields& fields, const std::files
   return loads;
 }
 
-/// Start and goals, each numbers or the name of a state of the robot's SRDF.
-void read_ways(const YamlFields& fields, SuiteProblem& problem) {
-  WaySetup way;
-  read_start(fields, way);
-  read_goals(fields, way);
-  problem.start = std::move(way.start);
-  problem.start_state = std::move(way.start_state);
-  problem.goals = std::move(way.goals);
-  problem.goal_states = std::move(way.goal_states);
-  if (problem.goals.empty()) fields.fail("goals", "expected at least one goal");
-}
-
 /// A list, or the name of a file beside the suite that holds one under `problems`.
 std::vector<SuiteProblem> read_problems(const YamlFields& given, const Suite& suite,
                                         const std::filesystem::path& folder, const std::string& usual_world) {
@@ -149,7 +137,9 @@ std::vector<SuiteProblem> read_problems(const YamlFields& given, const Suite& su
     } else if (usual_world.empty()) {
       entry.fail("world", "expected one here, or one for the whole experiment");
     }
-    read_ways(entry, problem);
+    read_start(entry, problem);
+    read_goals(entry, problem);
+    if (problem.goals.empty()) entry.fail("goals", "expected at least one goal");
     problem.loads = read_leg_loads(entry, folder, problem.goals.size());
     if (entry.has("view")) problem.view = read_view(entry.map("view"));
     entry.finish();
@@ -217,12 +207,7 @@ void take_robot_terms(const YamlFields& fields, const std::filesystem::path& fol
                       SuiteExperiment& experiment) {
   for (const char* key : {"srdf", "group", "fixed", "packages", "xacro"})
     if (experiment.teams && fields.has(key)) fields.fail(key, "expected nothing: it does not apply to teams");
-  RobotTermsSetup terms = read_robot_terms(fields, folder);
-  experiment.srdf = std::move(terms.srdf);
-  experiment.group = std::move(terms.group);
-  experiment.fixed = std::move(terms.fixed);
-  experiment.packages = std::move(terms.packages);
-  experiment.xacro = std::move(terms.xacro);
+  static_cast<RobotTermsSetup&>(experiment) = read_robot_terms(fields, folder);
 }
 
 std::set<std::string> used_worlds(const SuiteExperiment& experiment) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "datasets/descriptions/load_setup.hpp"
+#include "datasets/descriptions/query_fields.hpp"
 #include "datasets/descriptions/scene.hpp"
 #include "datasets/descriptions/suite_team.hpp"
 
@@ -49,16 +50,12 @@ struct SuiteView {
   std::vector<std::string> layers;    ///< that are shown, as the page's address names them; empty: the usual
 };
 
-/// A query of a suite: one path, through each goal in turn.
-struct SuiteProblem {
+/// A query of a suite: one path, through each goal in turn. Radians and metres, as the joints are.
+struct SuiteProblem : WaySetup {
   std::string name;
-  std::vector<double> start;               ///< rad and m; empty: the state of that name
-  std::vector<std::vector<double>> goals;  ///< legs from the start through each in turn; empty the same
-  std::string world{};                     ///< empty: the experiment's
-  std::vector<LoadSetup> loads{};          ///< that ride on the robot, on some legs or all
-  SuiteView view{};
-  std::string start_state{};               ///< of the robot's SRDF; empty: `start` has the numbers
-  std::vector<std::string> goal_states{};  ///< one for each goal, the same
+  std::string world;             ///< empty: the experiment's
+  std::vector<LoadSetup> loads;  ///< that ride on the robot, on some legs or all
+  SuiteView view;
 };
 
 /// Worlds and problems drawn from a seed, or, of the kind "crossings", teams: see datasets/suites/FORMAT.md.
@@ -78,16 +75,11 @@ struct SuitePlanner {
 
 /// Problems under one robot, policy and set of planners: a table, and plots. Or teams of robots, each with
 /// their own, which planners that move step by step lead at the same time.
-struct SuiteExperiment {
+struct SuiteExperiment : RobotTermsSetup {
   std::string name, title;
-  std::string paper;                      ///< what the paper shows, in its own figures; may be empty
-  std::string notes;                      ///< why ours differs; may be empty
-  std::string robot;                      ///< name in datasets/robots or a path; empty for teams
-  std::filesystem::path srdf{};           ///< beside the suite; empty: the robot's own
-  std::string group{};                    ///< planning group of the SRDF; empty: the robot's own
-  std::map<std::string, double> fixed{};  ///< joints that stand still, rad or m at full size
-  std::map<std::string, std::filesystem::path> packages{};  ///< folders of packages of meshes
-  std::map<std::string, std::string> xacro{};               ///< arguments of the robot's .xacro
+  std::string paper;  ///< what the paper shows, in its own figures; may be empty
+  std::string notes;  ///< why ours differs; may be empty
+  std::string robot;  ///< name in datasets/robots or a path; empty for teams
   std::optional<double> scale;
   std::optional<Eigen::Isometry3d> map_from_base{};  ///< left out: where its settings have it
   double payload = 0;  ///< kg at the tip, full size, for the path cost; of teams beside each robot
