@@ -129,12 +129,7 @@ std::string robot_block(const RobotSetup& robot) {
   if (!robot.joints.empty()) text += "  joints: " + flow_list(robot.joints) + "\n";
   if (!robot.joint_file.empty()) text += "  joint_file: " + yaml_quoted(robot.joint_file.string()) + "\n";
   if (!robot.joint_topic.empty()) text += "  joint_topic: " + yaml_quoted(robot.joint_topic) + "\n";
-  if (!robot.joint_names.empty()) {
-    std::string names;
-    for (const auto& [joint, name] : robot.joint_names)
-      names += (names.empty() ? "" : ", ") + yaml_quoted(joint) + ": " + yaml_quoted(name);
-    text += "  joint_names: {" + names + "}\n";
-  }
+  if (!robot.joint_names.empty()) text += "  joint_names: " + named_list(robot.joint_names, yaml_quoted);
   if (!robot.joint_prefix.empty()) text += "  joint_prefix: " + yaml_quoted(robot.joint_prefix) + "\n";
   if (!robot.paints.empty()) {
     std::string parts;
