@@ -91,12 +91,12 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> tip_by_joints(const Robot& robot, const
 
 /// Where the tip is at that time; empty while the robot moves or its joints are not known.
 std::optional<StillTip> still_tip(const MovingRobot& moving, double time, RobotLooks& count) {
+  const Robot& robot = moving.robot();
   const auto poses = moving.poses(time);
-  if (!poses) {
+  if (!poses || !moving.knows(time, robot.tip_link)) {
     ++count.without_joints;
     return std::nullopt;
   }
-  const Robot& robot = moving.robot();
   if (moving.motion(time, robot.tip_link, robot.link_from_tip.translation()).first > kStill) {
     ++count.moving;
     return std::nullopt;
@@ -197,6 +197,8 @@ std::string found_robot(const CalibrateOptions& options, const Setup& setup, con
     return fs::proximate(fs::absolute(file), fs::absolute(written).parent_path());
   };
   if (!robot.joint_file.empty()) robot.joint_file = from_there(robot.joint_file);
+  if (!robot.terms.srdf.empty()) robot.terms.srdf = from_there(robot.terms.srdf);
+  for (auto& [name, package] : robot.terms.packages) package = from_there(package);
   if (is_description_file(robot.name)) robot.name = from_there(robot.name).string();
   return robot_block(robot);
 }

@@ -50,6 +50,9 @@ std::string with_names(const std::string& sentence, const FlagNames& names) {
 std::string with_keys(const std::string& sentence) {
   static const FlagNames keys{{"--fix", "fixed"},
                               {"--group", "group"},
+                              {"--srdf", "srdf"},
+                              {"--package", "packages"},
+                              {"--xacro", "xacro"},
                               {"--scale", "scale"},
                               {"--base", "base"},
                               {"--tip", "tip"},

@@ -106,6 +106,15 @@ void require_joints(const Robot& robot, const std::vector<std::string>& known) {
   }
 }
 
+/// At which part of these readings of another joint this one is not known.
+double unknown_part(const std::string& joint, const JointStream& joints,
+                    const std::map<double, double>& others) {
+  const auto unknown = std::count_if(others.begin(), others.end(), [&](const auto& reading) {
+    return !joints.at({joint}, reading.first).has_value();
+  });
+  return static_cast<double>(unknown) / static_cast<double>(others.size());
+}
+
 /// Why the readings do not say where a joint is, as a clause; empty: they do.
 /// @param others of a joint that is known
 std::string why_useless(const Joint& joint, const JointStream& joints,
@@ -114,10 +123,7 @@ std::string why_useless(const Joint& joint, const JointStream& joints,
   if (const auto impossible = impossible_times(joint, readings); are_in_other_units(impossible, readings))
     return "its recorded positions cannot be (" + short_text(readings.at(impossible.front())) + " at " +
            short_text(impossible.front(), 15) + " s)";
-  const auto known = std::count_if(others.begin(), others.end(), [&](const auto& reading) {
-    return joints.at({joint.name}, reading.first).has_value();
-  });
-  const bool is_known = 2 * static_cast<std::size_t>(known) >= others.size();
+  const bool is_known = unknown_part(joint.name, joints, others) <= 0.5;
   return is_known ? "" : "it was read too rarely for more than half of the time";
 }
 
@@ -150,23 +156,47 @@ std::vector<std::string> doubts_of(const Robot& robot, const std::map<std::strin
   return doubts;
 }
 
+/// Of joints that stand where they are held for a part of the time that is worth a word.
+void add_doubts_at_times(const std::map<std::string, double>& held_at, const JointStream& joints,
+                         const std::map<double, double>& others, std::vector<std::string>& doubts) {
+  constexpr double least = 0.01;
+  for (const auto& [joint, value] : held_at)
+    if (const double part = unknown_part(joint, joints, others); part >= least)
+      doubts.push_back("joint " + quote(joint) + " is held at " + short_text(value) + " for " +
+                       short_text(100.0 * part, 2) + " % of the time, when it was not read");
+}
+
+/// Where planning holds these joints, at the robot's scale.
+std::map<std::string, double> held_values(const Robot& planned, const Robot& read,
+                                          const std::set<std::string>& moving) {
+  std::map<std::string, double> values;
+  for (const HeldJoint& held : planned.held)
+    if (moving.contains(held.name)) values[held.name] = held.value;
+  for (const Joint& joint : read.joints)
+    if (const auto held = values.find(joint.name); held != values.end() && joint.kind == JointKind::prismatic)
+      held->second *= read.scale;
+  return values;
+}
+
 }  // namespace
 
 RobotAsRead robot_as_read(const RobotSetup& setup, const JointStream& joints) {
-  Robot robot = recorded_robot(setup, {});
+  const Robot planned = recorded_robot(setup, {});
   const std::vector<std::string> known = joints.names();
-  require_own_names(setup, robot);
-  require_joints(robot, known);
-  const std::map<double, double>& others = joints.readings(robot.joints.front().name);
+  require_own_names(setup, planned);
+  require_joints(planned, known);
+  const std::map<double, double>& others = joints.readings(planned.joints.front().name);
   std::set<std::string> moving;
-  for (const HeldJoint& joint : robot.held)
+  for (const HeldJoint& joint : planned.held)
     if (std::binary_search(known.begin(), known.end(), joint.name)) moving.insert(joint.name);
-  if (moving.empty()) return {robot, doubts_of(robot, {})};
-  Robot all = recorded_robot(setup, moving);
-  const auto useless = useless_joints(all, moving, joints, others);
+  if (moving.empty()) return {planned, {}, doubts_of(planned, {})};
+  Robot robot = recorded_robot(setup, moving);
+  const auto useless = useless_joints(robot, moving, joints, others);
   for (const auto& [name, why] : useless) moving.erase(name);
-  robot = useless.empty() ? std::move(all) : recorded_robot(setup, moving);
-  return {robot, doubts_of(robot, useless)};
+  if (!useless.empty()) robot = recorded_robot(setup, moving);
+  RobotAsRead read{robot, held_values(planned, robot, moving), doubts_of(robot, useless)};
+  add_doubts_at_times(read.held_at, joints, others, read.doubts);
+  return read;
 }
 
 }  // namespace clearway

@@ -36,12 +36,14 @@ std::optional<std::string> beyond_limits(const Joint& joint, double value);
 /// them.
 struct RobotAsRead {
   Robot robot;
-  std::vector<std::string> doubts;  ///< clauses, of joints that may move and stay held
+  std::map<std::string, double> held_at;  ///< of the joints that planning holds and the stream has: where
+  std::vector<std::string> doubts;  ///< clauses, of joints that may move and stay held, always or at times
 };
 
 /// The robot whose joints are those of its planning group, and of the others those that the stream has: in
-/// their units, and known at half of the times, or more, at which the group's first joint was read. The tip
-/// is that of the group.
+/// their units, and known at half of the times, or more, at which the group's first joint was read. At other
+/// times they are where planning holds them (`held_at`, rad or m at the robot's scale). The tip is that of
+/// the group.
 /// @throws std::invalid_argument as load_robot does, or naming a joint of the group that the stream lacks, or
 /// one of `joint_names` that the robot lacks
 RobotAsRead robot_as_read(const RobotSetup& setup, const JointStream& joints);

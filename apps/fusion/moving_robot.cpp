@@ -72,7 +72,8 @@ MovingRobot::MovingRobot(const RobotSetup& setup, RobotAsRead read, JointStream 
     : setup_(setup),
       doubts_(std::move(read.doubts)),
       joints_(std::move(joints)),
-      robot_(std::move(read.robot)) {
+      robot_(std::move(read.robot)),
+      held_at_(std::move(read.held_at)) {
   for (const Joint& joint : robot_.joints) {
     names_.push_back(joint.name);
     take(joint);
@@ -107,8 +108,15 @@ void MovingRobot::take(const Joint& joint) {
   }
 }
 
+std::vector<double> MovingRobot::of_known(Figures figures, double time, double span) const {
+  std::vector<double> result(names_.size(), 0.0);
+  for (std::size_t j = 0; j < names_.size(); ++j)
+    if (joints_.at({names_[j]}, time)) result[j] = (joints_.*figures)({names_[j]}, time, span).front();
+  return result;
+}
+
 double MovingRobot::open_between_readings(double time) const {
-  const std::vector<double> bent = joints_.uncertainties(names_, time, setup_.latency);
+  const std::vector<double> bent = of_known(&JointStream::uncertainties, time, setup_.latency);
   double most = 0.0;
   for (const std::vector<double>& levers : levers_)
     most = std::max(most, std::inner_product(levers.begin(), levers.end(), bent.begin(), 0.0));
@@ -116,7 +124,11 @@ double MovingRobot::open_between_readings(double time) const {
 }
 
 std::string MovingRobot::why_unknown(double time) const {
-  if (!joints_.at(names_, time)) return joints_.why_unknown(names_, time);
+  if (!positions(time)) {
+    std::vector<std::string> group = names_;
+    std::erase_if(group, [&](const std::string& name) { return held_at_.contains(name); });
+    return joints_.why_unknown(group, time);
+  }
   const double open = open_between_readings(time);
   if (open <= most_open) return "";
   return "the readings around it leave open by " + short_text(open, 2) +
@@ -124,8 +136,8 @@ std::string MovingRobot::why_unknown(double time) const {
 }
 
 std::vector<double> MovingRobot::deviations(double time, double span) const {
-  std::vector<double> moved = joints_.deviations(names_, time, span);
-  const std::vector<double> bent = joints_.uncertainties(names_, time, span);
+  std::vector<double> moved = of_known(&JointStream::deviations, time, span);
+  const std::vector<double> bent = of_known(&JointStream::uncertainties, time, span);
   for (std::size_t j = 0; j < moved.size(); ++j) moved[j] += bent[j];
   return moved;
 }
@@ -159,11 +171,30 @@ std::vector<double> MovingRobot::times(const std::vector<std::size_t>& bodies) c
   return joints_.times(names.empty() ? names_ : names);
 }
 
+std::optional<std::vector<double>> MovingRobot::positions(double time) const {
+  std::vector<double> positions;
+  for (const std::string& name : names_) {
+    const auto known = joints_.at({name}, time);
+    const auto held = held_at_.find(name);
+    if (!known && held == held_at_.end()) return std::nullopt;
+    positions.push_back(known ? known->front() : held->second);
+  }
+  return positions;
+}
+
 std::optional<LinkPoses> MovingRobot::poses(double time) const {
-  const auto positions = joints_.at(names_, time);
-  if (!positions) return std::nullopt;
-  return forward_kinematics(robot_, Eigen::Map<const Configuration>(
-                                        positions->data(), static_cast<Eigen::Index>(positions->size())));
+  const auto q = positions(time);
+  if (!q) return std::nullopt;
+  return forward_kinematics(robot_,
+                            Eigen::Map<const Configuration>(q->data(), static_cast<Eigen::Index>(q->size())));
+}
+
+bool MovingRobot::knows(double time, int link) const {
+  std::vector<std::string> names;
+  for (int at = link; at >= 0; at = robot_.links[static_cast<std::size_t>(at)].parent)
+    if (const int joint = robot_.links[static_cast<std::size_t>(at)].joint; joint >= 0)
+      names.push_back(names_[static_cast<std::size_t>(joint)]);
+  return joints_.at(names, time).has_value();
 }
 
 std::pair<double, double> MovingRobot::motion(double time, int link, const Eigen::Vector3d& in_link) const {

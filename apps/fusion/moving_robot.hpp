@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -29,7 +30,8 @@ std::optional<JointStream> recorded_joints(const Setup& setup, const std::filesy
 /// (JointStream::uncertainties), and times joint_error. Nothing farther is taken out.
 class MovingRobot {
  public:
-  /// The joints outside of the planning group move, too, where the stream has them (robot_as_read).
+  /// The joints outside of the planning group move, too, where the stream has them (robot_as_read), and stand
+  /// where planning holds them while they are not known.
   /// @throws std::invalid_argument naming a joint of the robot that the stream does not have, or where the
   /// stream has it in other units than radians and metres (are_in_other_units)
   MovingRobot(const RobotSetup& setup, JointStream joints);
@@ -40,12 +42,12 @@ class MovingRobot {
   };
   /// Moves the robot's points of a scan in its place to `taken_out`. Each point of a sweep is judged by where
   /// the robot was at the point's own time, rounded to a millisecond; half of one is added to the latency.
-  /// Nothing is known where the joints are not, or leave the bodies' places open by more than `most_open`
-  /// between their readings.
+  /// Nothing is known where the joints of the group are not, or leave the bodies' places open by more than
+  /// `most_open` between their readings.
   /// @param times s after the scan's, of each point; none: all at once
   TakenOut take_out(Scan& scan, const std::vector<float>& times = {}) const;
 
-  /// By how much each body is grown at that time, metres. @pre the joints are known then
+  /// By how much each body is grown at that time, metres. @pre the joints of the group are known then
   std::vector<double> growths(double time) const;
 
   /// How far any point of each body may be from where the joints put it, metres: place_error, and for each
@@ -55,12 +57,15 @@ class MovingRobot {
   /// When the joints that move these bodies were read, each itself, rising; of bodies that stand, all joints.
   std::vector<double> times(const std::vector<std::size_t>& bodies) const;
 
-  /// map_from_link of all links; empty where the joints are not known at that time.
+  /// map_from_link of all links; empty where the joints of the group are not known at that time.
   std::optional<LinkPoses> poses(double time) const;
 
+  /// Whether each joint that moves this link is known at that time; else `poses` has it where it is held.
+  bool knows(double time, int link) const;
+
   /// How far a point of a link may have been from its place there, as the setup's latency and the readings
-  /// leave it open: metres, and radians that the link turned; at most, to first order.
-  /// @pre the joints are known at `time`
+  /// leave it open: metres, and radians that the link turned; at most, to first order. @pre knows(time,
+  /// link), and the joints of the group are known then
   std::pair<double, double> motion(double time, int link, const Eigen::Vector3d& in_link) const;
 
   const Robot& robot() const { return robot_; }
@@ -75,6 +80,11 @@ class MovingRobot {
   MovingRobot(const RobotSetup& setup, RobotAsRead read, JointStream joints);
   void take(const Joint& joint);
   struct Grown;
+  /// Where the joints are, or are held; empty where those of the group are not known at that time.
+  std::optional<std::vector<double>> positions(double time) const;
+  /// What `figures` of a stream say of each joint that is known at that time; 0 of those that are held then.
+  using Figures = std::vector<double> (JointStream::*)(const std::vector<std::string>&, double, double) const;
+  std::vector<double> of_known(Figures figures, double time, double span) const;
   /// How far a body may have been from where it is between the readings around that time, metres.
   double open_between_readings(double time) const;
   /// How far each joint may have been from its place within `span` s of that time.
@@ -90,6 +100,7 @@ class MovingRobot {
   JointStream joints_;
   Robot robot_;
   std::vector<std::string> names_;
+  std::map<std::string, double> held_at_;    ///< joints outside of the group, while they are not known
   std::vector<std::vector<double>> levers_;  ///< of each body and joint, metres a radian
 };
 

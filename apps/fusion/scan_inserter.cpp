@@ -229,9 +229,9 @@ std::optional<Eigen::Isometry3d> ScanInserter::place(const Waiting& waiting) con
 /// at 1 m open.
 std::optional<Eigen::Isometry3d> ScanInserter::place_on_robot(const SensorSetup& sensor, double time) const {
   const auto poses = moving_robot_->poses(time);
-  if (!poses) return std::nullopt;
-  const Robot& robot = moving_robot_->robot();
   const int link = links_.at(sensor.name);
+  if (!poses || !moving_robot_->knows(time, link)) return std::nullopt;
+  const Robot& robot = moving_robot_->robot();
   const Eigen::Isometry3d link_from_sensor =
       sensor.link == "tip" ? robot.link_from_tip * sensor.mount : sensor.mount;
   const auto [shift, turn] = moving_robot_->motion(time, link, link_from_sensor.translation());

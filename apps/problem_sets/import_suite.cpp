@@ -16,7 +16,6 @@
 #include "apps/suites/suite_stages.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/plain_text.hpp"
-#include "planning/robot_files/srdf_file.hpp"
 
 namespace clearway {
 namespace {
@@ -26,7 +25,7 @@ namespace fs = std::filesystem;
 class SuiteWriter {
  public:
   SuiteWriter(const ForeignSet& set, const SuiteImport& import)
-      : set_(set), import_(import), whole_(load_robot(without_motion(import.robot))) {
+      : set_(set), import_(import), known_(load_whole_robot(import.robot)) {
     if (!whole_.map_from_base.isApprox(Eigen::Isometry3d::Identity(), 1e-9) || whole_.scale != 1.0)
       throw std::invalid_argument(
           "import: robot " + quote(whole_.name) +
@@ -34,7 +33,6 @@ class SuiteWriter {
           "the sets' origin");
     outcome_.left_out = set.left_out;
     outcome_.notes = robot_notes(whole_, import.robot.packages);
-    if (!whole_.srdf.empty()) srdf_ = read_srdf(whole_.srdf);
   }
 
   ImportOutcome write() {
@@ -57,13 +55,6 @@ class SuiteWriter {
   }
 
  private:
-  static RobotRequest without_motion(RobotRequest request) {
-    request.group.clear();
-    request.fixed.clear();
-    request.fixed_states.clear();
-    return request;
-  }
-
   void leave(const ForeignProblem& problem, const std::string& why) {
     outcome_.left_out.push_back(problem.name + ": " + why);
   }
@@ -143,7 +134,7 @@ class SuiteWriter {
       resolve_followers(problem, whole_, goal);
       require_known(problem, goal, whole_);
     });
-    ReadyProblem ready{index, motion_of(problem, whole_, srdf_, import_.robot), {}};
+    ReadyProblem ready{index, motion_of(problem, known_, import_.robot), {}};
     const Robot& robot = robot_of(ready.motion);
     for (const auto& [why, joints] : lost_joints(problem, whole_))
       lost_joints_[why].insert(joints.begin(), joints.end());
@@ -223,8 +214,8 @@ class SuiteWriter {
 
   const ForeignSet& set_;
   const SuiteImport& import_;
-  Robot whole_;
-  std::optional<Srdf> srdf_;
+  WholeRobot known_;
+  const Robot& whole_ = known_.robot;
   std::map<std::pair<std::string, std::map<std::string, double>>, Robot> robots_;
   ReadySuite suite_;
   std::vector<ReadyProblem>& ready_ = suite_.problems;

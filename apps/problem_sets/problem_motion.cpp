@@ -7,6 +7,7 @@
 #include "apps/problem_sets/goal_choice.hpp"
 #include "apps/problem_sets/problem_values.hpp"
 #include "mapping/system/nearest_name.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -46,10 +47,33 @@ void fix_states(const Robot& whole, const std::vector<std::string>& names,
   }
 }
 
+/// Where the start has a joint that is not planned, within its limits.
+double standing_value(const ForeignProblem& problem, const Joint& joint, double value) {
+  const double near = near_limits(joint, value);
+  if (near >= joint.lower && near <= joint.upper) return near;
+  throw std::invalid_argument("problem " + quote(problem.name) + ", start: joint " + quote(joint.name) +
+                              " is at " + short_text(value) + ", expected a number within its limits " +
+                              short_text(joint.lower) + " to " + short_text(joint.upper));
+}
+
 }  // namespace
 
-ExperimentMotion motion_of(const ForeignProblem& problem, const Robot& whole, const std::optional<Srdf>& srdf,
+WholeRobot load_whole_robot(RobotRequest request) {
+  request.group.clear();
+  request.fixed.clear();
+  request.fixed_states.clear();
+  WholeRobot whole{load_robot(request), {}, {}};
+  if (!whole.robot.srdf.empty()) whole.srdf = read_srdf(whole.robot.srdf);
+  for (const HeldJoint& joint : whole.robot.held) request.moving.insert(joint.name);
+  if (request.moving.empty()) return whole;
+  whole.held = load_robot(request).joints;
+  std::erase_if(whole.held, [&](const Joint& joint) { return !request.moving.contains(joint.name); });
+  return whole;
+}
+
+ExperimentMotion motion_of(const ForeignProblem& problem, const WholeRobot& known,
                            const RobotRequest& request) {
+  const auto& [whole, held, srdf] = known;
   ExperimentMotion motion{problem.experiment.empty() ? problem.group : problem.experiment, request.group,
                           request.fixed};
   if (motion.name.empty()) motion.name = "problems";
@@ -71,13 +95,15 @@ ExperimentMotion motion_of(const ForeignProblem& problem, const Robot& whole, co
     const auto start = problem.start.by_joint.find(joint.name);
     if (planned.contains(joint.name) || motion.fixed.contains(joint.name)) continue;
     if (start != problem.start.by_joint.end())
-      motion.fixed[joint.name] = near_limits(joint, start->second);
+      motion.fixed[joint.name] = standing_value(problem, joint, start->second);
     else if (motion.group.empty())
       motion.fixed[joint.name] = std::clamp(0.0, joint.lower, joint.upper);
   }
-  for (const HeldJoint& held : whole.held)
-    if (const auto start = problem.start.by_joint.find(held.name); start != problem.start.by_joint.end())
-      motion.fixed.emplace(held.name, start->second);
+  for (const Joint& joint : held) {
+    const auto start = problem.start.by_joint.find(joint.name);
+    if (start != problem.start.by_joint.end() && !motion.fixed.contains(joint.name))
+      motion.fixed[joint.name] = standing_value(problem, joint, start->second);
+  }
   return motion;
 }
 

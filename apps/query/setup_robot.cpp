@@ -1,5 +1,6 @@
 #include "apps/query/setup_robot.hpp"
 
+#include <filesystem>
 #include <stdexcept>
 
 #include "apps/console/flag_names.hpp"
@@ -33,6 +34,37 @@ RobotChoice choice_of(const RobotSetup& setup) {
   for (const auto& [name, folder] : terms.packages) choice.packages.push_back(name + "=" + folder.string());
   for (const auto& [name, value] : terms.xacro) choice.xacro.push_back(name + ":=" + value);
   return choice;
+}
+
+namespace {
+
+/// By their names alone: in a session that is done again the files may be gone.
+bool is_same_robot(const std::string& one, const std::string& other) {
+  const std::filesystem::path path = one;
+  return path.lexically_normal() == std::filesystem::path(other).lexically_normal();
+}
+
+/// Adds those of `more`, "NAME=VALUE", whose names are not there yet.
+void add_unsaid(const std::vector<std::string>& more, std::vector<std::string>& said) {
+  const auto name_of = [](const std::string& text) { return text.substr(0, text.find('=')); };
+  std::set<std::string> names;
+  for (const std::string& text : said) names.insert(name_of(text));
+  for (const std::string& text : more)
+    if (!names.contains(name_of(text))) said.push_back(text);
+}
+
+}  // namespace
+
+RobotChoice with_terms_of(const RobotSetup& setup, RobotChoice asked) {
+  if (!is_same_robot(asked.robot, setup.name)) return asked;
+  const RobotChoice own = choice_of(setup);
+  if (!asked.scale) asked.scale = own.scale;
+  if (asked.srdf.empty()) asked.srdf = own.srdf;
+  if (asked.group.empty() || asked.group == own.group) add_unsaid(own.fixed, asked.fixed);
+  if (asked.group.empty()) asked.group = own.group;
+  add_unsaid(own.packages, asked.packages);
+  add_unsaid(own.xacro, asked.xacro);
+  return asked;
 }
 
 Robot planned_robot(const RobotSetup& setup) {

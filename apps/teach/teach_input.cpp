@@ -5,8 +5,10 @@
 #include "apps/console/flag_names.hpp"
 #include "apps/console/parse.hpp"
 #include "apps/console/shipped_file.hpp"
+#include "apps/query/setup_robot.hpp"
 #include "apps/teach/taught_loads.hpp"
 #include "apps/teach/virtual_robot.hpp"
+#include "datasets/yaml/yaml_gate.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/planner_table.hpp"
@@ -50,7 +52,8 @@ fs::path file_of_events(const TeachCommand& command) {
 /// @param where the event is: "events file 'e.jsonl', at 3 s"
 void require_possible(const TeachEvent& event, const Setup& setup, const std::string& where) try {
   if (event.action == TeachAction::plan) make_planner(event.planner, event.options);
-  if (event.action == TeachAction::robot) VirtualRobot(event.robot, event.near);
+  if (event.action == TeachAction::robot)
+    VirtualRobot(setup.robot ? with_terms_of(*setup.robot, event.robot) : event.robot, event.near);
   if (event.action == TeachAction::attach) load_of(event, setup);
 } catch (const std::invalid_argument& error) {
   throw std::invalid_argument(where + ", " + std::string(to_string(event.action)) + ": " +

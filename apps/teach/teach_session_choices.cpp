@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "apps/query/query.hpp"
+#include "apps/query/setup_robot.hpp"
 #include "apps/teach/teach_session.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -34,7 +35,7 @@ void TeachSession::choose_robot(const TeachEvent& event, std::string& remark) {
   std::optional<Eigen::Isometry3d> map_from_base;
   if (setup_->robot) {
     map_from_base = setup_->robot->map_from_base;
-    if (choice.robot == setup_->robot->name && !choice.scale) choice.scale = setup_->robot->scale;
+    choice = with_terms_of(*setup_->robot, std::move(choice));
   }
   auto robot = std::make_shared<VirtualRobot>(choice, event.near, map_from_base);
   remember("robot");

@@ -282,13 +282,15 @@ RobotSetup read_robot(const YamlFields& fields, const std::filesystem::path& fol
     names.finish();
   }
   robot.joint_prefix = fields.text("joint_prefix", "");
-  for (const char* key : {"joint_names", "joint_prefix", "paints"})
-    if (fields.has(key) && robot.joint_file.empty() && robot.joint_topic.empty())
+  robot.paints = fields.texts("paints");
+  for (const char* key : {"joint_names", "joint_prefix", "paints"}) {
+    const bool is_empty = key == std::string("paints") && robot.paints.empty();
+    if (fields.has(key) && !is_empty && robot.joint_file.empty() && robot.joint_topic.empty())
       fields.fail(key, "expected joint_file or joint_topic beside it, which say where the joints were");
+  }
   robot.latency = fields.number("latency", not_negative, robot.latency);
   robot.joint_error = fields.angle("joint_error", robot.joint_error);
   robot.place_error = fields.number("place_error", not_negative, robot.place_error);
-  robot.paints = fields.texts("paints");
   fields.finish();
   return robot;
 }

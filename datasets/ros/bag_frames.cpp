@@ -297,9 +297,11 @@ std::string BagFrames::why_unknown(const std::string& frame, double time) const 
   const auto times = transforms_.times_between(options_.bag.fixed_frame, frame);
   if (!times) return ": no chain of transforms joins the two";
   constexpr double years = 1e8;  // s
-  std::string why = " at its time, " + time_text(time) +
-                    " s: transforms of all frames between the two go from " + time_text(times->first) +
-                    " to " + time_text(times->second) + " s";
+  std::string why =
+      " at its time, " + time_text(time) + " s: transforms of all frames between the two cover ";
+  why += times->first <= times->second ? time_text(times->first) + " to " + time_text(times->second) + " s"
+                                       : "no time together: some begin at " + time_text(times->first) +
+                                             " s, others end at " + time_text(times->second) + " s";
   if (time < years && times->first - time > years)
     why +=
         ", and the message's stamp counts from when its sensor started: expected a driver that stamps by the "

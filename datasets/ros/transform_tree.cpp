@@ -66,6 +66,12 @@ std::vector<FrameParent> TransformTree::parents_of(const std::string& frame, con
   return parents;
 }
 
+bool TransformTree::are_joined(const std::string& root, const std::string& frame) const {
+  const std::vector<std::string> of_frame = chain_of(frame), of_root = chain_of(root);
+  return std::find_first_of(of_frame.begin(), of_frame.end(), of_root.begin(), of_root.end()) !=
+         of_frame.end();
+}
+
 std::set<std::string> TransformTree::way_between(const std::string& root, const std::string& frame) const {
   const std::vector<std::string> of_frame = chain_of(frame), of_root = chain_of(root);
   std::set<std::string> frames;
@@ -156,6 +162,7 @@ std::optional<PoseJump> TransformTree::jump_between(const std::string& root, con
 std::optional<std::pair<double, double>> TransformTree::times_between(const std::string& root,
                                                                       const std::string& frame) const {
   std::optional<std::pair<double, double>> times;
+  if (!are_joined(root, frame)) return times;
   for (const std::string& link : way_between(root, frame)) {
     const Edge* const edge = edge_of(link);
     if (edge == nullptr || edge->is_fixed || edge->poses.empty()) continue;

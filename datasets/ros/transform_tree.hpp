@@ -78,9 +78,12 @@ class TransformTree {
   std::vector<std::string> loop_above(const std::string& frame) const;
   /// All parents of a frame; first the one that counts.
   std::vector<FrameParent> parents_of(const std::string& frame, const std::string& root) const;
+  /// Whether the two have a frame in common: one of them, or one above both.
+  bool are_joined(const std::string& root, const std::string& frame) const;
   /// The frames whose poses join the two: up to their common one, or all above both where there is none.
   std::set<std::string> way_between(const std::string& root, const std::string& frame) const;
-  /// s, the first and the last time of the poses on this way, of all frames that move; nothing: none does.
+  /// s, the first and the last time at which all frames that move on this way have poses, the last before the
+  /// first where there is no such time; nothing: none moves, or the two are not joined.
   std::optional<std::pair<double, double>> times_between(const std::string& root,
                                                          const std::string& frame) const;
   /// Of a frame that moves; elsewhere 0.

@@ -18,18 +18,23 @@ struct Scalar {
   std::string value;
 };
 
-/// Of the files and the robot's description that a setup names.
+/// Whether a field's value names a file or a folder. @param above the key of the map that has the field
+bool names_file(const std::string& above, const std::string& key, const std::string& value) {
+  static const std::set<std::string> keys{"file", "poses", "joint_file", "mesh", "hull"};
+  if (above == "packages") return true;  // folders by the packages' names
+  if (above == "robot" && key == "name") return is_description_file(value);
+  return keys.contains(key) || (above == "robot" && key == "srdf");
+}
+
+/// Of the files and folders that a setup names.
 void collect_files(const YAML::Node& node, const std::string& above, const std::string& text,
                    std::vector<Scalar>& found) {
-  static const std::set<std::string> keys{"file", "poses", "joint_file", "mesh", "hull"};
   if (node.IsSequence())
     for (const YAML::Node& part : node) collect_files(part, above, text, found);
   if (!node.IsMap()) return;
   for (const auto& field : node) {
     const std::string key = field.first.Scalar();
-    const bool is_robot = above == "robot" && key == "name" && field.second.IsScalar() &&
-                          is_description_file(field.second.Scalar());
-    if (!field.second.IsScalar() || (!keys.contains(key) && !is_robot)) {
+    if (!field.second.IsScalar() || !names_file(above, key, field.second.Scalar())) {
       collect_files(field.second, key, text, found);
       continue;
     }

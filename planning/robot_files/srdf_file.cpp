@@ -302,10 +302,12 @@ std::vector<std::string> srdf_notes(const Robot& robot) {
   std::set<std::string> unknown(srdf.disabled_links.begin(), srdf.disabled_links.end());
   for (const auto* pairs : {&srdf.disabled, &srdf.enabled})
     for (const auto& [first, second] : *pairs) unknown.insert({first, second});
+  const std::vector<Srdf::EndEffector> effectors = end_effectors_of_group(robot, srdf);
   std::vector<std::string> hands;
-  for (const Srdf::EndEffector& effector : end_effectors_of_group(robot, srdf))
+  for (const Srdf::EndEffector& effector : effectors)
     hands.push_back(quote(effector.name) + " on link " + quote(effector.parent_link));
-  if (hands.size() > 1)
+  const std::string& tip = robot.links.at(static_cast<std::size_t>(robot.tip_link)).name;
+  if (hands.size() > 1 && effectors.front().parent_link == tip)
     notes.push_back(called + " has several end effectors of group " + quote(robot.group) +
                     ", and the first is the tip; --tip chooses another: " + listed(hands));
   for (const Link& link : robot.links) unknown.erase(link.name);

@@ -53,6 +53,7 @@ class CalibrateRobot : public testing::Test {
   void write_setup(const std::vector<BoardSetup>& boards) {
     folder_.write("pictures/times.csv", times_);
     folder_.write("joints.csv", joints_);
+    folder_.write("own.srdf", "<robot name='puma560'/>");
     CameraIntrinsics camera;
     camera.width = camera_.width;
     camera.height = camera_.height;
@@ -65,7 +66,8 @@ class CalibrateRobot : public testing::Test {
                   "title: mine\n" + camera_block(camera) + boards_block(boards) +
                       "errors: {camera: {focal: 0.0005, center_px: 0.3, distortion_px: 0.1}, boards: {scale: "
                       "0.0005, size: 0.001, place: 0.0001, turn: 0.001}}\n"
-                      "robot: {name: puma560, joint_file: joints.csv}\n"
+                      "robot: {name: puma560, srdf: own.srdf, packages: {meshes: pictures}, joint_file: "
+                      "joints.csv}\n"
                       "sensors: [{name: depth, link: tip}]\n");
   }
 
@@ -112,6 +114,9 @@ TEST_F(CalibrateRobot, CameraOnTheTipAndThePlaceOfTheRobotAreFoundWithinTheirErr
   const clearway::Setup found = load_setup(folder_.file("other/mine.yaml"));
   EXPECT_EQ(std::filesystem::canonical(found.robot->joint_file),
             std::filesystem::canonical(folder_ / "joints.csv"));
+  const std::string written = read_file(folder_.file("other/mine.yaml"));
+  for (const char* line : {"srdf: \"../own.srdf\"", "packages: {\"meshes\": \"../pictures\"}"})
+    EXPECT_NE(written.find(line), std::string::npos) << written;
   std::vector<std::string> as_json = command;
   as_json.push_back("--json");
   const Json json = Json::parse(run_command(as_json).out);

@@ -62,6 +62,19 @@ TEST(Teach, WhatIsWrongIsReportedInOneSentence) {
   expect("nothing", "e.jsonl', line 1 is not valid JSON at column 1");
 }
 
+TEST(Teach, TheSetupsRobotMovesWhatTheSetupSaysWhereAnEventChoosesIt) {
+  const TemporaryFolder folder;
+  const std::string setup = folder.write("s.yaml", "robot: {name: planar2, fixed: {elbow: 0.3}}\n");
+  const std::string events = folder.write(
+      "e.jsonl", "{\"time\": 0, \"action\": \"robot\", \"robot\": \"planar2\", \"near\": [0.1, 0.2]}");
+  const CommandRun run = run_command({"teach", "/usr/share/mrpt/datasets/localization_demo.rawlog", "--setup",
+                                      setup, "--events", events, "--out", folder.file("out")});
+  EXPECT_EQ(run.status, exit_bad_input);
+  EXPECT_NE(run.log.find("near: got 2 values, expected 1, one for each joint of robot 'planar2'"),
+            std::string::npos)
+      << run.log;
+}
+
 TEST(Teach, SecondsAreThoseOfALiveCamera) {
   for (const std::vector<std::string>& begin :
        {std::vector<std::string>{"teach", "--out", "nowhere"}, {"replay", "--out", "nowhere"}, {"track"}}) {

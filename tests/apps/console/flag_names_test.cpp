@@ -10,6 +10,7 @@ TEST(FlagNames, FlagsBecomeTheKeysOfFiles) {
   EXPECT_EQ(with_keys("with --padding 0.1 (metres): too large"), "with padding 0.1 (metres): too large");
   EXPECT_EQ(with_keys("expected one of them or --fix elbow=VALUE"),
             "expected one of them or fixed={'elbow': VALUE}");
+  EXPECT_EQ(with_keys("--package 'a', by --srdf or --xacro: x"), "packages 'a', by srdf or xacro: x");
 }
 
 TEST(FlagNames, OtherWordsStay) {

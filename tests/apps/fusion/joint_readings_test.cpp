@@ -7,8 +7,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "apps/fusion/moving_robot.hpp"
+#include "apps/fusion/scan_inserter.hpp"
+#include "mapping/free_space_map.hpp"
 #include "planning/robot/kinematics.hpp"
 #include "tests/datasets/complaint.hpp"
 #include "tests/worlds/temporary_folder.hpp"
@@ -151,13 +154,13 @@ TEST_F(RobotsAsRead, GrowByWhatTheJointsOutsideOfTheirGroupLeaveOpen) {
 }
 
 TEST_F(RobotsAsRead, KeepTheTipOfTheirGroup) {
-  const auto [robot, doubts] = robot_as_read(setup_, stream(all_));
+  const auto [robot, held_at, doubts] = robot_as_read(setup_, stream(all_));
   EXPECT_EQ(robot.links[static_cast<std::size_t>(robot.tip_link)].name, "upper");
   EXPECT_EQ(robot.dof(), all_.size());
 }
 
 TEST_F(RobotsAsRead, TellWhichJointsStayHeldAsTheStreamLacksThem) {
-  const auto [robot, doubts] = robot_as_read(setup_, stream({"shoulder", "elbow"}));
+  const auto [robot, held_at, doubts] = robot_as_read(setup_, stream({"shoulder", "elbow"}));
   EXPECT_EQ(robot.dof(), 2U);
   ASSERT_EQ(doubts.size(), 1U);
   EXPECT_NE(doubts[0].find("the recorded positions lack grip, lift, second:"), std::string::npos)
@@ -171,13 +174,74 @@ TEST_F(RobotsAsRead, HoldWhatIsInOtherUnitsOrReadNowAndThenAndSayWhy) {
   JointStream joints = stream({"shoulder", "elbow", "lift"});
   for (int k = 0; k < 50; ++k) joints.add(0.08 * k, {"grip"}, {255.0});  // steps of a driver
   for (int k = 0; k < 5; ++k) joints.add(1.0 * k, {"second"}, {0.3});
-  const auto [robot, doubts] = robot_as_read(setup_, joints);
+  const auto [robot, held_at, doubts] = robot_as_read(setup_, joints);
   EXPECT_EQ(robot.dof(), 3U);
   ASSERT_EQ(doubts.size(), 2U);
   EXPECT_EQ(doubts[0], "joint 'grip' is held at 0: its recorded positions cannot be (255 at 0 s)");
   EXPECT_EQ(doubts[1], "joint 'second' is held at 0: it was read too rarely for more than half of the time");
   const std::string sentence = complaint([&] { robot_as_read(setup_, stream({"elbow"})); });
   EXPECT_NE(sentence.find("have no joint 'shoulder'"), std::string::npos) << sentence;
+}
+
+TEST_F(RobotsAsRead, StandWhereTheyAreHeldWhileAJointOutsideOfTheirGroupIsNotKnown) {
+  settings("fixed: {grip: 0.02}\n");
+  JointStream joints = stream({"lift", "shoulder", "elbow", "second"});
+  for (double time = 1.5; time < 4.0; time += 0.02) joints.add(time, {"grip"}, {0.05});
+  const MovingRobot moving(setup_, joints);
+  ASSERT_EQ(moving.doubts().size(), 1U);
+  EXPECT_NE(moving.doubts()[0].find("joint 'grip' is held at 0.02 for 3"), std::string::npos)
+      << moving.doubts()[0];
+  const Body& finger = moving.robot().bodies[body_of(moving.robot(), "left")];
+  const auto place_at = [&](double time, double grip) {  // of the finger, by hand
+    const double lift = position("lift", time), turn = position("shoulder", time),
+                 bend = position("elbow", time);
+    return Eigen::Isometry3d(
+        Eigen::Translation3d(0, 0, lift) * Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()) *
+        Eigen::Translation3d(0.4, 0, 0) * Eigen::AngleAxisd(bend, Eigen::Vector3d::UnitZ()) *
+        Eigen::Translation3d(0.4, grip, 0));
+  };
+  for (const auto& [time, grip, is_known] : {std::tuple{0.7, 0.02, false}, std::tuple{2.0, 0.05, true}}) {
+    const Eigen::Isometry3d expected = place_at(time, grip);
+    const Eigen::Isometry3d& pose = moving.poses(time)->at(static_cast<std::size_t>(finger.link));
+    EXPECT_TRUE(pose.isApprox(expected, 1e-4)) << time;
+    EXPECT_EQ(moving.knows(time, finger.link), is_known) << "a camera there would have a place or none";
+    EXPECT_TRUE(moving.knows(time, moving.robot().tip_link));
+    Scan scan;
+    scan.time = time;
+    scan.points = {expected.translation().cast<float>(), {3, 3, 3}};
+    const MovingRobot::TakenOut taken = moving.take_out(scan);
+    EXPECT_EQ(taken.unknown, "") << time;
+    EXPECT_EQ(taken.points, 1U) << time;
+  }
+  EXPECT_FALSE(moving.poses(-1.0)) << "the group is not known";
+  Scan early;
+  early.time = -1.0;
+  EXPECT_NE(moving.take_out(early).unknown.find("joint 'shoulder'"), std::string::npos);
+}
+
+TEST_F(RobotsAsRead, GiveASensorNoPlaceWhileAJointThatMovesItIsNotKnown) {
+  JointStream joints = stream({"lift", "shoulder", "elbow"});
+  for (double time = 1.5; time < 4.0; time += 0.02) joints.add(time, {"grip"}, {0.05});
+  clearway::Setup setup;
+  setup.robot = setup_;
+  setup.sensors.resize(1);
+  setup.sensors[0].name = "eye";
+  setup.sensors[0].link = "left";
+  const MovingRobot moving(setup_, joints);
+  const BoardPoses boards(setup);
+  MapOptions options;
+  options.resolution = 0.1;
+  FreeSpaceMap map(options);
+  FusionCounts counts;
+  ScanInserter inserter(setup, map, counts, boards, &moving);
+  for (const double time : {0.5, 0.7, 2.0}) {
+    CloudFrame cloud;
+    cloud.points = {{2, 0, 0}};
+    inserter.take({time, "eye", cloud}, cloud);
+  }
+  inserter.finish();
+  EXPECT_EQ(counts.scans_without_pose, 2U);
+  EXPECT_EQ(counts.scans_inserted, 1U);
 }
 
 /// A gripper that publishes for itself is no reason not to paint with the arm; a part that it moves is

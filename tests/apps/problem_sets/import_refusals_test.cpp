@@ -34,6 +34,32 @@ TEST_F(Import, RequestsWithoutAGoalAreNotSaidToBeForAnotherRobot) {
             "orientation alone), expected at least one\n");
 }
 
+/// As every other joint that a start rounds; beyond that the sentence names the start, not a flag.
+TEST_F(Import, AStartMayRoundAJointThatSettingsHoldBeyondItsLimitAndNoMore) {
+  folder_.write("arm.yaml", "urdf: arm.urdf\nfixed: {grip: 0.01}\n");
+  const std::string scene = folder_.write("a.yaml", "world: {collision_objects: []}");
+  const auto import_at = [&](const std::string& grip, const Arguments& more = {}) {
+    std::string request = arm_request;
+    request.replace(request.find("[0.02,"), 6, "[" + grip + ",");
+    std::filesystem::remove_all(folder_ / "out");
+    return import("mbm", {scene, folder_.write("b.yaml", request)}, more);
+  };
+  const auto fixed = [&] { return load_suite(folder_.path() / "out/suite.yaml").experiments.at(0).fixed; };
+  for (const auto& [start, limit] : {std::pair{"0.1000003", 0.1}, std::pair{"-1e-7", 0.0}}) {
+    const CommandRun run = import_at(start);
+    ASSERT_EQ(run.status, exit_done) << run.log;
+    EXPECT_EQ(fixed(), (std::map<std::string, double>{{"grip", limit}}));
+  }
+  ASSERT_EQ(import_at("0.5", {"--fix", "grip=0.03"}).status, exit_done);
+  EXPECT_EQ(fixed(), (std::map<std::string, double>{{"grip", 0.03}}));
+  const CommandRun beyond = import_at("0.5");
+  EXPECT_EQ(beyond.status, exit_bad_input);
+  EXPECT_NE(beyond.log.find("start: joint 'grip' is at 0.5, expected a number within its limits 0 to 0.1"),
+            std::string::npos)
+      << beyond.log;
+  EXPECT_EQ(beyond.log.find("--fix"), std::string::npos) << beyond.log;
+}
+
 /// As MoveIt's benchmark suite writes a scene in which nothing stands.
 TEST_F(Import, ASceneWithoutAWorldIsAnEmptyOne) {
   const CommandRun run =

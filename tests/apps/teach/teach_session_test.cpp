@@ -316,6 +316,9 @@ TEST_F(TeachSessionOf, ARobotStandsWhereTheSetupHasIt) {
   ASSERT_EQ(act(TeachAction::robot, "arm6"), "");
   EXPECT_EQ(session_.robot()->robot().map_from_base.translation().z(), 0.1);
   EXPECT_NE(session_.robot()->robot().scale, 0.5);
+  setup_.robot->terms.fixed = {{"elbow", 0.3}};
+  ASSERT_EQ(act(TeachAction::robot, "planar2"), "");
+  EXPECT_EQ(session_.robot()->robot().dof(), 1U);
 }
 
 TEST_F(TeachSessionOf, AFailedPlanSaysWhyAndTheChoiceStays) {

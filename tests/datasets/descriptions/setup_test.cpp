@@ -182,6 +182,7 @@ TEST(Setup, ARobotsJointsMayHaveOtherNamesWhereTheyAreRecorded) {
     const std::string sentence = complaint([&] { robot(key); });
     EXPECT_NE(sentence.find("expected joint_file or joint_topic beside it"), std::string::npos) << sentence;
   }
+  EXPECT_TRUE(robot("paints: []")->paints.empty());
   EXPECT_NE(complaint([&] { robot("joint_error_deg: -1"); }).find("joint_error_deg"), std::string::npos);
 }
 

@@ -168,13 +168,13 @@ TEST_F(BagFramesTest, WhatHasNoPoseAtItsTimeSaysThatAndWhenThereAreSome) {
   const std::string late = warnings(0, 15.5, "sensor");
   EXPECT_NE(
       late.find("'sensor' is not known in 'map' at its time, 15.500 s: transforms of all frames between "
-                "the two go from 10.000 to 16.000 s, those of one around it more than 1 s apart"),
+                "the two cover 10.000 to 16.000 s, those of one around it more than 1 s apart"),
       std::string::npos)
       << late;
   EXPECT_EQ(late.find("from when its sensor started"), std::string::npos) << late;
   const std::string since_start = warnings(1.7e9, 1234.0, "sensor");
   EXPECT_NE(
-      since_start.find("at its time, 1234.000 s: transforms of all frames between the two go from "
+      since_start.find("at its time, 1234.000 s: transforms of all frames between the two cover "
                        "1700000010.000 to 1700000016.000 s, and the message's stamp counts from when its "
                        "sensor started"),
       std::string::npos)
@@ -183,6 +183,21 @@ TEST_F(BagFramesTest, WhatHasNoPoseAtItsTimeSaysThatAndWhenThereAreSome) {
   EXPECT_NE(loose.find("'loose' is not known in 'map': no chain of transforms joins the two"),
             std::string::npos)
       << loose;
+}
+
+TEST_F(BagFramesTest, PosesThatComeAtDifferentTimesAreSaidToHaveNoneTogether) {
+  ScanBag bag(folder_ / "a.mcap");
+  for (int i = 0; i <= 60; ++i) {
+    bag.transform(10 + 0.05 * i, "map", "base", base_at(10 + 0.05 * i));
+    bag.transform(20 + 0.05 * i, "base", "sensor", mount());
+  }
+  bag.cloud("/points", 15, "sensor", {{1, 2, 3}});
+  bag.sort();
+  const std::string warning = read(bag, "a.mcap").warnings;
+  EXPECT_NE(warning.find("transforms of all frames between the two cover no time together: some begin at "
+                         "20.000 s, others end at 13.000 s"),
+            std::string::npos)
+      << warning;
 }
 
 TEST_F(BagFramesTest, PosesOfTheirOwnTopicsCountAsThoseOfTf) {

@@ -46,6 +46,22 @@ TEST(TransformTree, LeavesOutWhatIsNoTransform) {
   EXPECT_TRUE(tree.root_from_frame("a", "b", 0.0, 0));
 }
 
+TEST(TransformTree, SaysWhenAllFramesOfAWayHavePosesAndOnlyOfOneThatJoins) {
+  TransformTree tree;
+  for (int time = 0; time <= 10; ++time) {
+    tree.add(transform(time, "map", "odom", pose(0, 0, 0)), false, time);
+    tree.add(transform(time + 4, "odom", "base", pose(0, 0, 0)), false, time);
+    tree.add(transform(time + 20, "base", "late", pose(0, 0, 0)), false, time);
+  }
+  tree.add(transform(0, "rig", "lidar", pose(0, 0, 1)), true, 0);
+  EXPECT_EQ(tree.times_between("map", "base"), (std::pair{4.0, 10.0}));
+  EXPECT_EQ(tree.times_between("odom", "base"), (std::pair{4.0, 14.0}));
+  EXPECT_EQ(tree.times_between("map", "late"), (std::pair{20.0, 10.0})) << "never all together";
+  EXPECT_FALSE(tree.times_between("odom", "lidar")) << "what moves above them joins them not";
+  EXPECT_FALSE(tree.are_joined("odom", "lidar"));
+  EXPECT_TRUE(tree.are_joined("late", "odom"));
+}
+
 /// A robot of two sensors that drives in its odometry, which stands nearly still in the map.
 TransformTree driving(double metres) {
   TransformTree tree;

@@ -34,6 +34,13 @@ TEST(MovedFiles, AreNamedAsTheOtherFolderSeesThemAndAllElseStays) {
             "  - {name: poses, mesh: \"../../b/m/cup.stl\"}\n");
 }
 
+TEST(MovedFiles, OfARobotAreItsSrdfAndFoldersOfPackagesToo) {
+  EXPECT_EQ(
+      with_files_from("robot: {name: arm, srdf: arm.srdf, group: srdf, packages: {name: ., b: /m}}\n", "/a",
+                      "/b"),
+      "robot: {name: arm, srdf: \"../a/arm.srdf\", group: srdf, packages: {name: \"../a/.\", b: /m}}\n");
+}
+
 TEST(MovedFiles, RobotsOfOursKeepTheirNames) {
   EXPECT_EQ(with_files_from("robot: {name: puma560}\n", "/a", "/b"), "robot: {name: puma560}\n");
 }

@@ -82,6 +82,30 @@ TEST(TipChoice, OfAGroupWithAGapIsBelowItsLastJoint) {
   EXPECT_EQ(tip_of(hand(finger("left") + wrist), groups, "arm"), "tool");
 }
 
+/// A note says that the first of several end effectors is the tip; where a chain says it there is none.
+TEST(TipChoice, OfAChainIsNoQuestionWhateverHangsOnIt) {
+  const std::string urdf = hand(fixed("palm", "flange") + fixed("flange", "camera"));
+  const std::string effectors =
+      "<group name='look'><link name='camera'/></group><group name='hold'><link name='flange'/></group>"
+      "<end_effector name='eye' parent_link='flange' group='look'/>"
+      "<end_effector name='gripper' parent_link='palm' group='hold'/>";
+  const auto note_of = [&](const std::string& group) {
+    TemporaryFolder folder;
+    RobotRequest request{folder.write("hand.urdf", urdf)};
+    folder.write("hand.srdf", "<robot name='hand'>" + group + effectors + "</robot>");
+    request.group = "arm";
+    std::string notes;
+    for (const std::string& note : robot_notes(load_robot(request))) notes += note;
+    return notes;
+  };
+  EXPECT_EQ(note_of("<group name='arm'><chain base_link='rail' tip_link='palm'/></group>"), "");
+  EXPECT_NE(note_of(slide_group)
+                .find("the first is the tip; --tip chooses another: 'eye' on link 'flange', "
+                      "'gripper' on link 'palm'"),
+            std::string::npos)
+      << note_of(slide_group);
+}
+
 TEST(TipChoice, OfAGroupIsNoFinger) {
   const std::string tcp = fixed("palm", "tcp");
   const std::string pads = fixed("left", "pad") + fixed("right", "other_pad");
