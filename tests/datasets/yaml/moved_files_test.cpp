@@ -35,10 +35,9 @@ TEST(MovedFiles, AreNamedAsTheOtherFolderSeesThemAndAllElseStays) {
 }
 
 TEST(MovedFiles, OfARobotAreItsSrdfAndFoldersOfPackagesToo) {
-  EXPECT_EQ(
-      with_files_from("robot: {name: arm, srdf: arm.srdf, group: srdf, packages: {name: ., b: /m}}\n", "/a",
-                      "/b"),
-      "robot: {name: arm, srdf: \"../a/arm.srdf\", group: srdf, packages: {name: \"../a/\", b: /m}}\n");
+  EXPECT_EQ(with_files_from("robot: {name: arm, srdf: arm.srdf, group: srdf, packages: {name: ., b: /m}}\n",
+                            "/a", "/b"),
+            "robot: {name: arm, srdf: \"../a/arm.srdf\", group: srdf, packages: {name: \"../a/\", b: /m}}\n");
 }
 
 TEST(MovedFiles, RobotsOfOursKeepTheirNames) {
