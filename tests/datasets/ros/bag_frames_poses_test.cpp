@@ -152,7 +152,6 @@ TEST_F(BagFramesTest, AFrameThatLeadsToNoSensorMayAlternate) {
   EXPECT_EQ(read(bag, "a.mcap").frames.size(), 4U);
 }
 
-/// A bag without tf: where the base is by messages of this type, where the sensor is on it by the setup.
 TEST_F(BagFramesTest, WhatHasNoPoseAtItsTimeSaysThatAndWhenThereAreSome) {
   const auto warnings = [&](double later, double stamp, const std::string& frame) {
     ScanBag bag(folder_ / "a.mcap");
@@ -200,6 +199,7 @@ TEST_F(BagFramesTest, PosesThatComeAtDifferentTimesAreSaidToHaveNoneTogether) {
       << warning;
 }
 
+/// A bag without tf: where the base is by messages of this type, where the sensor is on it by the setup.
 TEST_F(BagFramesTest, PosesOfTheirOwnTopicsCountAsThoseOfTf) {
   for (const char* name : {"a.mcap", "a.bag"}) {
     for (const std::string type : {"nav_msgs/Odometry", "geometry_msgs/TransformStamped",
