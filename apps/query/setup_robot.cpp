@@ -21,23 +21,6 @@ Robot in_place(const RobotSetup& setup, const Load& load) try {
   throw std::invalid_argument(said == sentence ? sentence : "setup, robot, " + said);
 }
 
-}  // namespace
-
-RobotChoice choice_of(const RobotSetup& setup) {
-  const RobotTermsSetup& terms = setup.terms;
-  RobotChoice choice;
-  choice.robot = setup.name;
-  choice.scale = setup.scale;
-  choice.srdf = terms.srdf;
-  choice.group = terms.group;
-  for (const auto& [joint, value] : terms.fixed) choice.fixed.push_back(joint + "=" + to_text(value));
-  for (const auto& [name, folder] : terms.packages) choice.packages.push_back(name + "=" + folder.string());
-  for (const auto& [name, value] : terms.xacro) choice.xacro.push_back(name + ":=" + value);
-  return choice;
-}
-
-namespace {
-
 /// By their names alone: in a session that is done again the files may be gone.
 bool is_same_robot(const std::string& one, const std::string& other) {
   const std::filesystem::path path = one;
@@ -54,6 +37,19 @@ void add_unsaid(const std::vector<std::string>& more, std::vector<std::string>& 
 }
 
 }  // namespace
+
+RobotChoice choice_of(const RobotSetup& setup) {
+  const RobotTermsSetup& terms = setup.terms;
+  RobotChoice choice;
+  choice.robot = setup.name;
+  choice.scale = setup.scale;
+  choice.srdf = terms.srdf;
+  choice.group = terms.group;
+  for (const auto& [joint, value] : terms.fixed) choice.fixed.push_back(joint + "=" + to_text(value));
+  for (const auto& [name, folder] : terms.packages) choice.packages.push_back(name + "=" + folder.string());
+  for (const auto& [name, value] : terms.xacro) choice.xacro.push_back(name + ":=" + value);
+  return choice;
+}
 
 RobotChoice with_terms_of(const RobotSetup& setup, RobotChoice asked) {
   if (!is_same_robot(asked.robot, setup.name)) return asked;
