@@ -16,6 +16,7 @@
 #include "apps/inspect/slice_image.hpp"
 #include "apps/pages/map_page.hpp"
 #include "datasets/bags/bag_source.hpp"
+#include "datasets/sources/scan_graph.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -167,7 +168,7 @@ struct InspectedMaps {
   explicit InspectedMaps(const InspectOptions& options);
 
   std::optional<Snapshot> loaded;  ///< as it was, where places in it are asked for
-  HandEditTally tally;
+  EditReport edits;
   MapLeaves leaves;  ///< as it is now
   KeptRecord kept;
   std::optional<Snapshot> other;
@@ -178,7 +179,7 @@ struct InspectedMaps {
 InspectedMaps::InspectedMaps(const InspectOptions& options)
     : loaded(needs_memory(options) ? std::optional<Snapshot>(load_map(options.map, options.cloud_resolution))
                                    : std::nullopt),
-      leaves(loaded ? MapLeaves(edited(options, *loaded, tally))
+      leaves(loaded ? MapLeaves(edited(options, *loaded, edits))
                     : MapLeaves::in_file(options.map, options.cloud_resolution)),
       kept(record_to_keep(options)) {
   if (!options.diff.empty()) other = load_map(options.diff, options.cloud_resolution);
@@ -196,14 +197,16 @@ void report_maps(const InspectOptions& options, const InspectedMaps& maps, Conso
   if (!options.paint.empty() && leaves.counts().painted + leaves.counts().conflict == 0)
     console.note("no ball of --paint holds a whole voxel of " + significant(1000.0 * leaves.resolution(), 3) +
                  " mm, so that nothing is painted");
-  console.note(hand_edit_remark(options, maps.tally));
+  console.note(maps.edits.clock_remark);
+  console.note(hand_edit_remark(options, maps.edits.tally));
 }
 
 Json answers(const InspectOptions& options, const Questions& asked, const InspectedMaps& maps,
              const Provenance* provenance) {
   const Snapshot& map = maps.map();
   Json json = describe_map(options, maps.leaves);
-  if (!options.occupy.empty() || !options.clear.empty()) json["edited"] = describe_hand_edit(maps.tally);
+  if (!options.occupy.empty() || !options.clear.empty())
+    json["edited"] = describe_hand_edit(maps.edits.tally);
   for (const Eigen::Vector3d& point : asked.points)
     json["at"].push_back(describe_point(map, provenance, point));
   for (const std::string& ray : options.rays) json["rays"].push_back(describe_ray(map, ray));
@@ -237,7 +240,7 @@ std::string draw(const InspectOptions& options, const Questions& asked, const In
 }  // namespace
 
 int run_inspect(const InspectOptions& options, Console& console) {
-  if (is_recording_name(options.map) || is_folder_without_map(options.map))
+  if (is_recording_name(options.map) || is_folder_without_map(options.map) || is_scan_graph(options.map))
     return inspect_recording(options, console);
   const Questions asked = read_questions(options, console.json);
   require_outputs(options);

@@ -65,7 +65,8 @@ void add_edits(CLI::App& command, InspectOptions& options) {
 Command add_inspect(CLI::App& app, Console& console) {
   auto options = std::make_shared<InspectOptions>();
   CLI::App* command = add_command(app, "inspect", "query, draw, compare and edit maps", console);
-  add_map(*command, options->map, options->cloud_resolution, "map", "; or a bag, rawlog or video, to list it")
+  add_map(*command, options->map, options->cloud_resolution, "map",
+          "; or a bag, rawlog, scan graph or video, to list it")
       ->required();
   add_repeatable(*command, "--at", options->at,
                  "print what the map knows of a point, and when it was last seen; repeatable", "X,Y,Z");

@@ -33,7 +33,8 @@ Command add_replay(CLI::App& app, Console& console) {
   CLI::App* command = add_command(
       app, "replay", "turn a recording into painted spheres, a fused map, plans and a report page", console);
   add_source(*command, options->recording, options->camera_seconds, "recording",
-             "MRPT rawlog; ROS bag (.bag, .mcap, .db3); video; .pcd, .ply, .bin, .png or .jpg: a file, or a "
+             "MRPT rawlog; ROS bag (.bag, .mcap, .db3); scan graph of OctoMap; video; .pcd, .ply, .bin, .png "
+             "or .jpg: a file, or a "
              "folder of "
              "them; folder of depth pictures");
   command

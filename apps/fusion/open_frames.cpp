@@ -15,6 +15,7 @@
 #include "datasets/pictures/picture_file.hpp"
 #include "datasets/pictures/picture_times.hpp"
 #include "datasets/pictures/video.hpp"
+#include "datasets/sources/scan_graph.hpp"
 #include "mapping/files/cloud_file.hpp"
 #include "mapping/files/velodyne_scan.hpp"
 #include "mapping/files/xyz_file.hpp"
@@ -323,12 +324,16 @@ std::unique_ptr<FrameSource> open_any(const fs::path& recording, const SourceOpt
     return open_pictures({recording}, recording.stem().string(), options);
   if (is_file && is_bag_file(recording)) return open_bag(recording, options);
   if (is_file && is_video_file(recording)) return open_video(recording, options);
+  if (is_scan_graph(recording)) return open_scan_graph(recording, options);
   const std::string kind = extension_of(recording);
   if (!is_file || kind.empty() || kind == ".rawlog" || kind == ".gz")
     return std::make_unique<Rawlog>(recording);
   try {
     return std::make_unique<Rawlog>(recording);
   } catch (const std::invalid_argument&) {
+    if (kind == ".bz2")
+      throw std::invalid_argument("recording " + quote_path(recording.string()) +
+                                  " is packed: expected it unpacked (`bunzip2`)");
     throw std::invalid_argument("recording " + quote_path(recording.string()) +
                                 " is of no kind that is read here; expected " + kinds_of_recordings);
   }

@@ -5,10 +5,12 @@
 #include "apps/inspect/hand_shapes.hpp"
 #include "apps/inspect/inspect_parts.hpp"
 #include "apps/inspect/map_folder.hpp"
+#include "datasets/sources/clock_seconds.hpp"
 #include "mapping/files/map_digest.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/files/painted_csv.hpp"
 #include "mapping/maps/map_edit.hpp"
+#include "mapping/stamps/seen_stamps.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/damaged_file.hpp"
 #include "mapping/system/input_file.hpp"
@@ -32,20 +34,37 @@ std::vector<PaintedVolume> painted_volumes(const std::filesystem::path& file, do
   return volumes;
 }
 
+/// Ages count back from the newest look of all, so that they hold only where all looks are of one clock.
+std::string clock_remark(const Snapshot& map, const Snapshot& other) {
+  const SeenStamps *a = map.seen(), *b = other.seen();
+  if (a == nullptr || b == nullptr || a->empty() || b->empty() || a->newest() == b->newest()) return {};
+  const bool dated = a->newest() >= clock_begins, other_dated = b->newest() >= clock_begins;
+  if (dated && other_dated) return {};
+  const std::string why = dated || other_dated ? "only one of the maps has times since 1970"
+                                               : "the times of both maps count from a start of their own";
+  return why +
+         ": unless both are of one clock, when a voxel was last seen, and so --seen-within, means "
+         "nothing in the merged map";
+}
+
 }  // namespace
 
-Snapshot edited(const InspectOptions& options, const Snapshot& map, HandEditTally& tally) {
+Snapshot edited(const InspectOptions& options, const Snapshot& map, EditReport& report) {
   if (is_edited(options) && options.save.empty())
     throw std::invalid_argument(
         "--merge, --paint, --clear, --occupy, --crop and --coarsen: expected --save DIR to write the new map "
         "to");
   Snapshot result = map;
-  if (!options.merge.empty()) result = merge(result, load_map(options.merge, options.cloud_resolution));
+  if (!options.merge.empty()) {
+    const Snapshot other = load_map(options.merge, options.cloud_resolution);
+    report.clock_remark = clock_remark(map, other);
+    result = merge(result, other);
+  }
   if (!options.paint.empty()) result = with_painted(result, painted_volumes(options.paint, map.resolution()));
   if (!options.clear.empty())
-    result = with_cleared_voxels(result, cells_inside(options.clear, map.resolution()), tally);
+    result = with_cleared_voxels(result, cells_inside(options.clear, map.resolution()), report.tally);
   if (!options.occupy.empty())
-    result = with_occupied_voxels(result, cells_met(options.occupy, map.resolution()), tally);
+    result = with_occupied_voxels(result, cells_met(options.occupy, map.resolution()), report.tally);
   if (!options.crop.empty()) {
     const std::vector<double> n = parse_numbers(options.crop, "--crop");
     if (n.size() != 6)

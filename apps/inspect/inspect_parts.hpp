@@ -60,9 +60,16 @@ void print_difference(const nlohmann::ordered_json& json, std::ostream& out);
 /// Whether --merge, --clear, --occupy, --crop or --coarsen make another map.
 bool is_edited(const InspectOptions& options);
 
-/// The map after these, in this order; as it is without them. @param[out] tally of --clear and --occupy
+/// What making another map leaves to tell.
+struct EditReport {
+  HandEditTally tally;  ///< of --clear and --occupy
+  std::string clock_remark =
+      {};  ///< doubts whether the times of MAP and --merge are of one clock; may be empty
+};
+
+/// The map after these, in this order; as it is without them. @param[out] report of what was done
 /// @throws std::invalid_argument.
-Snapshot edited(const InspectOptions& options, const Snapshot& map, HandEditTally& tally);
+Snapshot edited(const InspectOptions& options, const Snapshot& map, EditReport& report);
 
 /// What to tell when --occupy and --clear changed nothing; empty otherwise.
 std::string hand_edit_remark(const InspectOptions& options, const HandEditTally& tally);

@@ -15,6 +15,7 @@
 #include "datasets/pictures/picture_times.hpp"
 #include "datasets/poses/tum_poses.hpp"
 #include "datasets/sources/recording.hpp"
+#include "datasets/sources/scan_graph.hpp"
 #include "mapping/files/cloud_file.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/free_space_map.hpp"
@@ -258,6 +259,15 @@ TEST_F(MutatedReaders, what_lies_beside_kittis_scans) {
     });
     folder_.write(std::string("kitti/") + name, text);
   }
+}
+
+TEST_F(MutatedReaders, scan_graphs) {
+  for (const char* name : {"two.graph", "walk.log"})
+    expect_read_or_refused(name, source("tests/fuzz/corpus/scan_graph/" + std::string(name)),
+                           [](const auto& file) {
+                             const auto graph = open_scan_graph(file, {});
+                             while (graph->next()) continue;
+                           });
 }
 
 TEST_F(MutatedReaders, cameras) {

@@ -193,6 +193,28 @@ TEST_F(Inspect, KeepsAMapOfAnotherProgramThatIsInTheWay) {
   json({map_, "--crop=0,0,0,0.2,0.2,0.2", "--save", out});
 }
 
+TEST_F(Inspect, merging_maps_of_two_clocks_says_so) {
+  const auto map_seen_at = [&](const std::string& name, double time) {
+    FreeSpaceMap map({.resolution = 0.1});
+    Scan scan;
+    scan.time = time;
+    scan.points.emplace_back(0.5F, 0.0F, 0.0F);
+    map.insert(scan);
+    save_map(map.snapshot(), folder_.file(name));
+    return folder_.file(name);
+  };
+  const auto log_of = [&](double time, double other) {
+    return run_command({"inspect", map_seen_at("a", time), "--merge", map_seen_at("b", other), "--save",
+                        folder_.file("m")})
+        .log;
+  };
+  EXPECT_NE(log_of(40.0, 1764500000.0).find("only one of the maps has times since 1970"), std::string::npos);
+  EXPECT_NE(log_of(1764500000.0, 40.0).find("--seen-within, means nothing"), std::string::npos);
+  EXPECT_NE(log_of(40.0, 50.0).find("count from a start of their own"), std::string::npos);
+  EXPECT_EQ(log_of(40.0, 40.0), "");
+  EXPECT_EQ(log_of(1764500000.0, 1764600000.0), "");
+}
+
 TEST_F(Inspect, makes_new_maps_of_maps) {
   const std::string out = folder_.file("out");
   const Json merged = json({map_, "--merge", other_, "--save", out});
