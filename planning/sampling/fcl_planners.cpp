@@ -181,9 +181,13 @@ PlanResult FclPlanner::plan(const PlanProblem& problem) const {
   const ob::SpaceInformationPtr information = sampled_checks(query, *scene, settings_.resolution);
   const ob::ProblemDefinitionPtr definition = problem_definition(query, information);
   bool out_of_time = false;
+  bool has_path = false;
+  definition->setIntermediateSolutionCallback(
+      [&](const ob::Planner*, const std::vector<const ob::State*>&, ob::Cost) { has_path = true; });
+  const bool improves = improves_path(settings_.algorithm);
   const std::function<bool()> is_over = [&] {
     out_of_time = problem.out_of_time();
-    return out_of_time || query.samples >= settings_.max_samples;
+    return out_of_time || (query.samples >= settings_.max_samples && (has_path || !improves));
   };
   const ob::PlannerPtr planner =
       make_algorithm({.algorithm = settings_.algorithm, .range = settings_.range, .batch = settings_.batch},

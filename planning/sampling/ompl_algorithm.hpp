@@ -15,6 +15,12 @@ namespace clearway {
 
 enum class OmplAlgorithm { rrtconnect, est, prm, rrtstar, bitstar, kpiece };
 
+/// Whether it improves its path after the first; so many samples as are allowed for that end no search
+/// without one.
+inline bool improves_path(OmplAlgorithm algorithm) {
+  return algorithm == OmplAlgorithm::rrtstar || algorithm == OmplAlgorithm::bitstar;
+}
+
 /// What makes one; fields that the algorithm has no use for are left alone.
 struct OmplAlgorithmOptions {
   OmplAlgorithm algorithm = OmplAlgorithm::rrtconnect;

@@ -112,9 +112,14 @@ PlanResult OmplPlanner::plan(const PlanProblem& problem) const {
   const auto information = certified_space(query);
   const auto definition = problem_definition(query, information);
   TreePath found;
+  bool has_path = false;
+  definition->setIntermediateSolutionCallback([&](const ompl::base::Planner*,
+                                                  const std::vector<const ompl::base::State*>&,
+                                                  ompl::base::Cost) { has_path = true; });
+  const bool improves = improves_path(settings_.algorithm);
   const std::function<bool()> is_over = [&] {
     found.out_of_time = problem.out_of_time();
-    return found.out_of_time || query.samples >= settings_.max_samples;
+    return found.out_of_time || (query.samples >= settings_.max_samples && (has_path || !improves));
   };
   const auto planner =
       make_algorithm({.algorithm = settings_.algorithm, .range = settings_.range, .batch = settings_.batch},
