@@ -18,6 +18,7 @@
 #include "mapping/system/plain_text.hpp"
 #include "planning/check/path_check.hpp"
 #include "planning/files/gate_line.hpp"
+#include "planning/robot/joint_names.hpp"
 #include "planning/robot_files/srdf_file.hpp"
 #include "planning/survey/path_survey.hpp"
 
@@ -32,6 +33,7 @@ GateOptions gate_options(const GateCommandOptions& options, const Robot& robot) 
   gate.limits.reaction = options.reaction;
   gate.tolerance = options.tolerance;
   if (options.max_age) gate.max_age = *options.max_age;
+  if (options.max_duration) gate.limits.max_duration = *options.max_duration;
   require_parts(options.allow_outside, robot, "--allow-outside");
   gate.allow_outside = options.allow_outside;
   if (!options.start.empty()) gate.start = choose_configuration(options.start, "--start", robot, false);
@@ -67,6 +69,7 @@ void print_terms(const ConfigurationSpace& space, Console& console) {
               "; padding: " + describe_padding(space.options().padding, robot.position_accuracy));
   if (const std::string note = only_seen_sentence(robot.only_seen); !note.empty())
     console.warn("warning: " + note);
+  console.log("joints: " + listed(joint_names(robot)));
   for (const Load& load : robot.loads) console.log("load: " + load.name + " on " + load.link);
   const PathSurvey survey = survey_path(robot, space.map(), space.policies(), {});
   console.note({unknown_sentence(survey), integration_caveat(space.map())});
@@ -79,9 +82,26 @@ void report_start(const ConfigurationSpace& space, const GateOptions& terms, Con
 }
 
 GateVerdict judge(Gate& gate, const ChunkLine& line) {
-  if (line.is_read()) return gate.judge(line.chunk);
+  if (line.is_read()) return gate.judge(line.chunk, line.leaves_at);
   return {.reason = line.fault.reason, .sentence = line.fault.sentence};
 }
+
+/// Empty, or why not.
+std::string restart(Gate& gate, const ChunkLine& line) {
+  try {
+    gate.restart(line.restart);
+    return {};
+  } catch (const std::invalid_argument& error) {
+    const std::string sentence = error.what(), begin = "gate: start";
+    return sentence.starts_with(begin) ? "restart" + sentence.substr(begin.size()) : sentence;
+  }
+}
+
+/// What a line is answered. A line that restarts counts only where it is refused.
+struct LineAnswer {
+  std::string text;
+  bool counts, is_passed;
+};
 
 GateVerdict too_long(std::size_t most) {
   return {.reason = GateReason::line_too_long,
@@ -99,20 +119,32 @@ void report_inputs(const GateCommandOptions& options, const Robot& robot, const 
   console.note(hand_edit_caveat(map));
 }
 
-/// A verdict for each line, until there are no more, or nobody reads them.
-int judge_lines(Gate& gate, std::size_t max_line, Console& console) {
+LineAnswer answer(Gate& gate, const Robot& robot, const InputLine& text, std::size_t number,
+                  std::size_t max_line) {
+  ChunkLine line = text.is_too_long ? ChunkLine{} : parse_chunk_line(text.text);
+  take_order_of(robot, line);
+  if (line.restarts && line.is_read()) {
+    const std::string why_not = restart(gate, line);
+    return {restart_line(number, line.id, why_not), !why_not.empty(), false};
+  }
+  const GateVerdict verdict = text.is_too_long ? too_long(max_line) : judge(gate, line);
+  return {verdict_line(number, line.id, verdict), true, verdict.is_passed()};
+}
+
+/// An answer for each line, until there are no more, or nobody reads them.
+int answer_lines(Gate& gate, const Robot& robot, std::size_t max_line, Console& console) {
   LineReader lines(console.in(), max_line);
-  std::size_t number = 0, passed = 0;
+  std::size_t number = 0, chunks = 0, passed = 0;
   while (const std::optional<InputLine> text = lines.next()) {
-    const ChunkLine line = text->is_too_long ? ChunkLine{} : parse_chunk_line(text->text);
-    const GateVerdict verdict = text->is_too_long ? too_long(max_line) : judge(gate, line);
-    passed += verdict.is_passed();
-    console.out() << verdict_line(++number, line.id, verdict) << '\n';
+    const LineAnswer answered = answer(gate, robot, *text, ++number, max_line);
+    chunks += answered.counts;
+    passed += answered.is_passed;
+    console.out() << answered.text << '\n';
     if (!console.out().flush()) return exit_bad_input;  // nobody reads them any more; main reports it
   }
-  console.log(grouped(number) + " chunks: " + grouped(passed) + " passed, " + grouped(number - passed) +
+  console.log(grouped(chunks) + " chunks: " + grouped(passed) + " passed, " + grouped(chunks - passed) +
               " refused");
-  return passed == number ? exit_done : exit_no;
+  return passed == chunks ? exit_done : exit_no;
 }
 
 }  // namespace
@@ -136,7 +168,7 @@ int run_gate(const GateCommandOptions& options, Console& console) {
   print_terms(space, console);
   report_start(space, gate_terms, console);
   gate.publish(std::move(space), newest_look(options, map), history);
-  return judge_lines(gate, options.max_line, console);
+  return answer_lines(gate, robot, options.max_line, console);
 }
 
 }  // namespace clearway

@@ -19,7 +19,13 @@ Command add_gate(CLI::App& app, Console& console) {
       "blocks_as; last_seen_s; history where the map\nkeeps it); may_go: how far the arm may go all the same "
       "(until_s, its position there, where it stands_at after braking).\nA chunk passes if its motion and "
       "the braking after it are proved free, with the\nloads of --attach. It must start where the last "
-      "passed chunk ends, or where the robot has stopped after it.\n"
+      "passed chunk ends, or where the robot has stopped after it;\nwith \"leaves_at\": 8, at configuration "
+      "8 "
+      "of that chunk, whose rest is then not run. \"joints\": [\"elbow\", …] names the\njoints in the order "
+      "of "
+      "the positions; without it, it is that of `clearway robots ROBOT`. Wherever the robot was\nmoved by "
+      "other means, {\"restart\": [0, 0.5]} says where it stands (null: anywhere); its answer has "
+      "`restarted`.\n"
       "Times of one chunk are not compared with those of another: whoever runs them starts one when the last "
       "has ended, or\nthe robot stands. The map is read once; start gate anew for another.\n"
       "Exit status: 0 all chunks passed, 1 some were refused, 2 bad input.");
@@ -44,7 +50,9 @@ Command add_gate(CLI::App& app, Console& console) {
             "velocity limit of all joints, or one per joint, rad/s or m/s; default: the robot's own, else 1",
             "V");
   add_limit("--deceleration", options->deceleration,
-            "braking deceleration of all joints, or one per joint, rad/s^2 or m/s^2; default: 5", "A");
+            "braking deceleration of all joints, or one per joint, rad/s^2 or m/s^2; at most a joint's own "
+            "acceleration limit, where it has one; default: 5",
+            "A");
   command
       ->add_option("--reaction", options->reaction,
                    "reaction time at the last velocity before the robot brakes, seconds; default: 0")
@@ -59,6 +67,11 @@ Command add_gate(CLI::App& app, Console& console) {
       ->add_option("--max-age", options->max_age,
                    "refuse a chunk whose first time is more than S seconds from the map's newest "
                    "observation; both must use the same clock")
+      ->check(positive())
+      ->type_name("S");
+  command
+      ->add_option("--max-duration", options->max_duration,
+                   "refuse a chunk that lasts longer, seconds; default: 60")
       ->check(positive())
       ->type_name("S");
   command

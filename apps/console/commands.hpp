@@ -169,6 +169,7 @@ struct GateCommandOptions : PlacedRobotChoice {
   double reaction = 0.0;                        ///< seconds
   double tolerance = 1e-3;                      ///< of where a chunk starts, rad or m
   std::optional<double> max_age;                ///< seconds; none: unlimited
+  std::optional<double> max_duration;           ///< of a chunk, seconds; none: 60
   std::vector<std::string> allow_outside = {};  ///< parts that may leave the map's bounds, or "all"
   std::size_t max_line = 262144;                ///< bytes
 };

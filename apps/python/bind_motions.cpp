@@ -244,7 +244,8 @@ std::unique_ptr<GuardedGate> make_gate(const py::object& max_velocity, const py:
   return std::make_unique<GuardedGate>(std::move(options));
 }
 
-GateVerdict judge(GuardedGate& self, const py::object& times, const py::object& positions) {
+GateVerdict judge(GuardedGate& self, const py::object& times, const py::object& positions,
+                  const std::optional<std::size_t>& leaves_at) {
   MotionChunk chunk;
   if (dimensions_of(positions, "positions") != 2)
     throw std::invalid_argument("positions: expected real numbers of shape (n, dof)");
@@ -257,7 +258,7 @@ GateVerdict judge(GuardedGate& self, const py::object& times, const py::object& 
                                 ", got " + std::to_string(chunk.times.size()));
   const Unlocked released;
   const std::lock_guard lock(self.judging);
-  return self.gate.judge(chunk);
+  return self.gate.judge(chunk, leaves_at);
 }
 
 void bind_gate(py::module_& module) {
@@ -280,8 +281,11 @@ void bind_gate(py::module_& module) {
           "piece", [](const GateVerdict& self) { return self.piece ? to_text(*self.piece) : std::string(); },
           "The first piece of motion that is not proved; empty when there is none.")
       .field("parameter", &GateVerdict::parameter)
-      .field("obstruction", &GateVerdict::obstruction,
-             "There: which body, which voxel, joint or other body.");
+      .field("obstruction", &GateVerdict::obstruction, "There: which body, which voxel, joint or other body.")
+      .computed(
+          "evidence",
+          [](const GateVerdict& self) { return self.evidence ? self.evidence->sentence() : std::string(); },
+          "Where that voxel comes from, as a sentence; empty when there is none.");
   const GateOptions usual;
   py::class_<GuardedGate>(module, "Gate", doc("Gate"))
       .def(py::init(&make_gate), py::kw_only(), py::arg("max_velocity") = py::none(),
@@ -311,7 +315,8 @@ void bind_gate(py::module_& module) {
           },
           py::arg("space"), py::arg("taken") = py::none(), py::kw_only(),
           py::arg("loads") = std::vector<LegLoad>{}, doc("Gate::publish"))
-      .def("judge", &judge, py::arg("times"), py::arg("positions"),
+      .def("judge", &judge, py::arg("times"), py::arg("positions"), py::kw_only(),
+           py::arg("leaves_at") = py::none(),
            doc("Gate::judge", "times: (n,), seconds, growing. positions: (n, dof), 2 to 64 configurations."))
       .def(
           "restart",

@@ -9,6 +9,7 @@
 #include "mapping/system/plain_text.hpp"
 #include "planning/files/json_field.hpp"
 #include "planning/files/json_text.hpp"
+#include "planning/robot/joint_names.hpp"
 
 namespace clearway {
 namespace {
@@ -16,25 +17,38 @@ namespace {
 using Json = nlohmann::ordered_json;
 using PlainJson = nlohmann::json;
 
-constexpr std::array<std::string_view, 3> fields = {"id", "times", "positions"};
+constexpr std::array<std::string_view, 6> fields = {"id",     "times",     "positions",
+                                                    "joints", "leaves_at", "restart"};
+constexpr std::size_t times_field = 1, positions_field = 2, leaves_at_field = 4, restart_field = 5;
 
 /// Builds a chunk while nlohmann's parser reads its line. Each function returns false to stop it.
 class ChunkReader {
  public:
   ChunkReader(std::string_view text, ChunkLine& line) : text_(text), line_(line) {}
 
-  bool null() { return field_ == "id" ? id("null") : number(std::numeric_limits<double>::quiet_NaN()); }
+  bool null() {
+    if (field_ == "id") return id("null");
+    return (field_ == "restart" && depth_ == 1) || number(std::numeric_limits<double>::quiet_NaN());
+  }
   bool boolean(bool) { return wrong_value(); }
   bool number_integer(PlainJson::number_integer_t value) {
     return field_ == "id" ? id(std::to_string(value)) : number(static_cast<double>(value));
   }
   bool number_unsigned(PlainJson::number_unsigned_t value) {
+    if (field_ == "leaves_at" && depth_ == 1) {
+      line_.leaves_at = value;
+      return true;
+    }
     return field_ == "id" ? id(std::to_string(value)) : number(static_cast<double>(value));
   }
   bool number_float(PlainJson::number_float_t value, const std::string&) {
     return field_ == "id" ? wrong_value() : number(value);
   }
   bool string(std::string& value) {
+    if (field_ == "joints" && depth_ == 2) {
+      line_.joints.push_back(std::move(value));
+      return true;
+    }
     return field_ == "id" ? id(PlainJson(value).dump(-1, ' ', true)) : wrong_value();
   }
   bool binary(PlainJson::binary_t&) { return wrong_value(); }
@@ -47,7 +61,8 @@ class ChunkReader {
   bool key(std::string& name) {
     const auto known = std::find(fields.begin(), fields.end(), name);
     if (known == fields.end())
-      return refuse("the chunk has a field " + quote(name) + ", expected id, times and positions");
+      return refuse("the chunk has a field " + quote(name) +
+                    ", expected id, times, positions, joints, leaves_at or restart");
     bool& is_given = given_[static_cast<std::size_t>(known - fields.begin())];
     if (is_given) return refuse("the chunk has the field '" + name + "' twice");
     is_given = true;
@@ -55,8 +70,13 @@ class ChunkReader {
     return true;
   }
   bool end_object() {
-    for (const std::size_t i : {1U, 2U}) {
-      if (!given_[i]) return refuse("the chunk has no field '" + std::string(fields[i]) + "'");
+    line_.restarts = given_[restart_field];
+    for (const std::size_t i : {times_field, positions_field, leaves_at_field}) {
+      const std::string name = "'" + std::string(fields[i]) + "'";
+      if (line_.restarts && given_[i])
+        return refuse("the line restarts, expected no field " + name + " in it");
+      if (!line_.restarts && !given_[i] && i != leaves_at_field)
+        return refuse("the chunk has no field " + name);
     }
     field_ = {};
     --depth_;
@@ -64,7 +84,8 @@ class ChunkReader {
   }
 
   bool start_array(std::size_t) {
-    const bool fits = (field_ == "times" && depth_ == 1) || (field_ == "positions" && depth_ <= 2);
+    const bool is_list = field_ == "times" || field_ == "joints" || field_ == "restart";
+    const bool fits = (is_list && depth_ == 1) || (field_ == "positions" && depth_ <= 2);
     if (!fits || depth_ == 0) return wrong_value();
     ++depth_;
     values_.clear();
@@ -73,6 +94,9 @@ class ChunkReader {
   bool end_array() {
     --depth_;
     if (field_ == "times") line_.chunk.times = values_;
+    if (field_ == "restart")
+      line_.restart =
+          Eigen::Map<const Eigen::VectorXd>(values_.data(), static_cast<Eigen::Index>(values_.size()));
     if (field_ == "positions" && depth_ == 2)
       line_.chunk.positions.emplace_back(
           Eigen::Map<const Eigen::VectorXd>(values_.data(), static_cast<Eigen::Index>(values_.size())));
@@ -98,10 +122,13 @@ class ChunkReader {
     return true;
   }
   bool number(double value) {
-    const int wanted = field_ == "times" ? 2 : field_ == "positions" ? 3 : -1;
-    if (depth_ != wanted) return wrong_value();
+    if (depth_ != depth_of_numbers()) return wrong_value();
     values_.push_back(value);
     return true;
+  }
+
+  int depth_of_numbers() const {
+    return field_ == "times" || field_ == "restart" ? 2 : field_ == "positions" ? 3 : -1;
   }
 
   /// "positions[2][1]": of the value that comes next.
@@ -109,11 +136,16 @@ class ChunkReader {
     std::string name(field_);
     if (field_ == "positions" && depth_ >= 2)
       name += "[" + std::to_string(line_.chunk.positions.size()) + "]";
-    if (depth_ == (field_ == "times" ? 2 : 3)) name += "[" + std::to_string(values_.size()) + "]";
+    if (depth_ == depth_of_numbers()) name += "[" + std::to_string(values_.size()) + "]";
+    if (field_ == "joints" && depth_ == 2) name += "[" + std::to_string(line_.joints.size()) + "]";
     return name.empty() ? "the line" : name;
   }
   bool wrong_value() {
     const std::string wanted = field_ == "id"                         ? "a text or a whole number"
+                               : field_ == "leaves_at"                ? "a whole number from 0"
+                               : field_ == "restart" && depth_ == 1   ? "a list of numbers, or null"
+                               : field_ == "joints" && depth_ == 1    ? "a list of names"
+                               : field_ == "joints"                   ? "a name"
                                : field_ == "times" && depth_ == 1     ? "a list of numbers"
                                : field_ == "positions" && depth_ == 1 ? "a list of configurations"
                                : field_ == "positions" && depth_ == 2 ? "a list of numbers"
@@ -134,8 +166,7 @@ class ChunkReader {
     while (is_letter(end)) ++end;
     std::string word(text_.substr(begin, end - begin));
     for (char& c : word) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
-    const bool is_value_wanted = depth_ == (field_ == "times" ? 2 : field_ == "positions" ? 3 : -1);
-    return is_value_wanted && (word == "nan" || word == "inf" || word == "infinity");
+    return depth_ == depth_of_numbers() && (word == "nan" || word == "inf" || word == "infinity");
   }
 
   bool refuse(std::string sentence) { return refuse(GateReason::not_a_chunk, std::move(sentence)); }
@@ -147,7 +178,7 @@ class ChunkReader {
   std::string_view text_;
   ChunkLine& line_;
   std::string_view field_;  ///< whose value is read
-  std::array<bool, 3> given_{};
+  std::array<bool, fields.size()> given_{};
   int depth_ = 0;
   std::vector<double> values_;
 };
@@ -222,6 +253,35 @@ ChunkLine parse_chunk_line(std::string_view text) {
   const bool is_whole = PlainJson::sax_parse(text, &reader);
   if (!is_whole && line.is_read()) line.fault = {GateReason::not_a_chunk, "the line is not a chunk"};
   return line;
+}
+
+void take_order_of(const Robot& robot, ChunkLine& line) {
+  if (line.joints.empty() || !line.is_read()) return;
+  const std::vector<std::string> own = joint_names(robot);
+  std::vector<std::string> given = line.joints, wanted = own;
+  std::sort(given.begin(), given.end());
+  std::sort(wanted.begin(), wanted.end());
+  if (given != wanted) {
+    line.fault = {GateReason::not_a_chunk,
+                  "joints: expected each of " + listed(own) + " once, got " + listed(line.joints)};
+    return;
+  }
+  const auto reorder = [&](Configuration& q) {
+    if (q.size() != static_cast<Eigen::Index>(own.size())) return;  // told when it is judged
+    const Configuration sent = q;
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      const auto place = std::find(own.begin(), own.end(), line.joints[i]) - own.begin();
+      q[place] = sent[static_cast<Eigen::Index>(i)];
+    }
+  };
+  for (Configuration& q : line.chunk.positions) reorder(q);
+  if (line.restart) reorder(*line.restart);
+}
+
+std::string restart_line(std::size_t number, const std::string& id, const std::string& sentence) {
+  Json json{{"line", number}, {"id", Json::parse(id)}, {"restarted", sentence.empty()}};
+  if (!sentence.empty()) json["sentence"] = sentence;
+  return json.dump(-1, ' ', true, Json::error_handler_t::replace);
 }
 
 std::string verdict_line(std::size_t number, const std::string& id, const GateVerdict& verdict) {

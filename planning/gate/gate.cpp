@@ -38,13 +38,14 @@ bool has_same_joints(const Robot& a, const Robot& b) {
       [](const Joint& one, const Joint& other) { return one.name == other.name && one.kind == other.kind; });
 }
 
+/// @param where the robot is, as "where the last passed motion ends"
 std::string jump_sentence(const Robot& robot, const Configuration& from, const Configuration& to,
-                          double tolerance) {
+                          double tolerance, const std::string& where) {
   Eigen::Index worst = 0;
   (to - from).cwiseAbs().maxCoeff(&worst);
   return "positions[0] is not where the robot is: joint " +
          shortened(robot.joints[static_cast<std::size_t>(worst)].name) + " is " + short_text(to[worst], 6) +
-         ", where the last passed motion ends it is " + short_text(from[worst], 6) + ", expected within " +
+         ", " + where + " it is " + short_text(from[worst], 6) + ", expected within " +
          short_text(tolerance) + " (rad or m)";
 }
 
@@ -135,10 +136,13 @@ Gate::~Gate() = default;
 
 void Gate::restart(std::optional<Configuration> start) {
   if (const std::shared_ptr<const Map> map = maps_.get(); map != nullptr && start) {
+    if (const auto drawn = drawn_to_limits({{}, {*start}}, map->proof.space.robot()))
+      start = drawn->positions.front();
     const std::string violation = limit_violation(map->proof.space.robot(), *start);
     require(violation.empty(), "gate: start: " + violation);
   }
   standing_.clear();
+  passed_.clear();
   gripped_ = start;
   if (start) standing_.push_back(std::move(*start));
 }
@@ -162,45 +166,59 @@ std::uint64_t Gate::publish(ConfigurationSpace space, double taken,
   return ++published_;
 }
 
-GateVerdict Gate::judge(const MotionChunk& chunk) {
+GateVerdict Gate::judge(const MotionChunk& chunk, std::optional<std::size_t> leaves_at) {
+  const std::shared_ptr<const Map> map = maps_.get();
+  if (map == nullptr) return {.reason = GateReason::no_map, .sentence = "no map has come yet"};
+  const std::optional<MotionChunk> drawn = drawn_to_limits(chunk, map->proof.space.robot());
+  return judge_on(*map, drawn ? *drawn : chunk, leaves_at);
+}
+
+GateVerdict Gate::judge_on(const Map& map, const MotionChunk& chunk, std::optional<std::size_t> leaves_at) {
   GateVerdict verdict;
   const auto refused = [&](GateReason reason, std::string sentence) {
     verdict.reason = reason;
     verdict.sentence = std::move(sentence);
     return verdict;
   };
-  const std::shared_ptr<const Map> map = maps_.get();
-  if (map == nullptr) return refused(GateReason::no_map, "no map has come yet");
-  verdict.map = map->number;
-  const Robot& robot = map->proof.space.robot();
-  if (ChunkFault fault = find_fault(chunk, robot, map->limits); fault.reason != GateReason::none)
+  verdict.map = map.number;
+  const Robot& robot = map.proof.space.robot();
+  if (ChunkFault fault = find_fault(chunk, robot, map.limits); fault.reason != GateReason::none)
     return refused(fault.reason, std::move(fault.sentence));
-  const double age = chunk.times.front() - map->taken;
+  const double age = chunk.times.front() - map.taken;
   if (options_.max_age != std::numeric_limits<double>::infinity() && !(std::abs(age) <= options_.max_age))
     return refused(GateReason::stale_map, stale_sentence(age, options_.max_age));
   const Configuration& first = chunk.positions.front();
+  if (leaves_at && *leaves_at >= passed_.size())
+    return refused(GateReason::jump, "leaves_at is " + std::to_string(*leaves_at) + ", but " +
+                                         (passed_.empty() ? "no chunk was passed before"
+                                                          : "the last passed chunk has " +
+                                                                counted(passed_.size(), "configuration")));
   std::vector<Configuration> places, standing;  // nobody says which of them it is
-  for (const Configuration& place : standing_) {
+  for (const Configuration& place : leaves_at ? std::vector{passed_[*leaves_at]} : standing_) {
     require(place.size() == first.size(), "gate: start: " + limit_violation(robot, place));
     places.push_back(by_whole_turns(robot, place, first));
     if (gap(places.back(), first) <= options_.tolerance) standing.push_back(places.back());
   }
   if (!places.empty() && standing.empty())
     return refused(GateReason::jump,
-                   jump_sentence(robot, nearest_of(places, first), first, options_.tolerance));
+                   jump_sentence(robot, nearest_of(places, first), first, options_.tolerance,
+                                 leaves_at         ? "at leaves_at, " + std::to_string(*leaves_at) + ","
+                                 : passed_.empty() ? "where the robot was said to start"
+                                                   : "where the last passed motion ends"));
 
   if (const std::string lost = lost_grip(robot, chunk, gripped_, options_.tolerance); !lost.empty())
     return refused(GateReason::joint_limit, lost);
-  const std::vector<StraightPiece> pieces = straight_pieces(chunk, map->limits, standing);
-  const std::size_t unproved = first_unproved(map->proof, pieces);
+  const std::vector<StraightPiece> pieces = straight_pieces(chunk, map.limits, standing);
+  const std::size_t unproved = first_unproved(map.proof, pieces);
   if (unproved < pieces.size()) {
-    explain(map->proof, map->history.get(), map->limits, chunk, pieces[unproved], verdict);
+    explain(map.proof, map.history.get(), map.limits, chunk, pieces[unproved], verdict);
     return verdict;
   }
   const Configuration& end = chunk.positions.back();
-  const Configuration stop = stop_from(end, edge_velocity(chunk, chunk.positions.size() - 2), map->limits);
+  const Configuration stop = stop_from(end, edge_velocity(chunk, chunk.positions.size() - 2), map.limits);
   verdict.may_go = ProvedPart{chunk.times.back(), end, stop};
   standing_.assign({end, stop});
+  passed_ = chunk.positions;
   if (!gripped_) gripped_ = first;
   return verdict;
 }

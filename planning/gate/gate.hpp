@@ -86,8 +86,10 @@ struct GateVerdict {
 /// The next chunk starts, within the tolerance, where the last passed one ends, or where the robot stands
 /// after it; by whole turns of joints without limits it may differ, as encoders wrap between chunks, but not
 /// within one: there a wrap is a turn back. What the tolerance leaves open is proved, too, from both where
-/// both are within it. Times of one chunk are not compared with those of another. A refused chunk must not be
-/// run, not even in part: send the part as a chunk of its own.
+/// both are within it. Who leaves a passed chunk at one of its configurations for the next chunk, as
+/// controllers with a receding horizon do, says at which. Times of one chunk are not compared with those of
+/// another. A refused chunk must not be run, not even in part: send the part as a chunk of its own. Positions
+/// that single precision took beyond a joint's limit count as at it.
 ///
 /// Not promised: what was passed is not judged again when the map changes; velocities from one chunk to the
 /// next may jump (the stop after the last one is proved); no bound on the time that a verdict takes near
@@ -113,8 +115,11 @@ class Gate {
                         std::shared_ptr<const Provenance> history = nullptr);
 
   /// Judges a chunk, and remembers where the robot is after one that is passed.
+  /// @param leaves_at the configuration of the last passed chunk, counted from 0, at which the robot leaves
+  /// that for this one: then this one starts there, and the rest of that is not run. None: at its end, or
+  /// where the robot stands after it
   /// @throws std::invalid_argument when what `restart` was given does not fit the map's robot
-  GateVerdict judge(const MotionChunk& chunk);
+  GateVerdict judge(const MotionChunk& chunk, std::optional<std::size_t> leaves_at = std::nullopt);
 
   /// The robot was moved by other means: it stands at `start`; none: anywhere.
   /// @throws std::invalid_argument, and changes nothing, when `start` does not fit the robot of the newest
@@ -124,10 +129,13 @@ class Gate {
  private:
   struct Map;
 
+  GateVerdict judge_on(const Map& map, const MotionChunk& chunk, std::optional<std::size_t> leaves_at);
+
   GateOptions options_;
   Latest<Map> maps_;
   std::uint64_t published_ = 0;             ///< the publishing thread's
   std::vector<Configuration> standing_;     ///< where the next chunk may start; none: anywhere
+  std::vector<Configuration> passed_;       ///< of the last passed chunk; none: none was passed since restart
   std::optional<Configuration> gripped_{};  ///< since the start: where the joints that hold loads stand
 };
 

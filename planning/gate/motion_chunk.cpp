@@ -187,14 +187,16 @@ JointLimits joint_limits(const Robot& robot, const MotionLimits& limits) {
                   .deceleration = for_each_joint(limits.deceleration, robot, "deceleration"),
                   .reaction = limits.reaction,
                   .max_duration = limits.max_duration};
-  for (std::size_t j = 0; j < robot.dof(); ++j)
-    all.max_velocity[static_cast<Eigen::Index>(j)] = velocity_limit(robot, j);
-  if (limits.max_velocity.empty()) return all;
-  const Eigen::VectorXd given = for_each_joint(limits.max_velocity, robot, "max_velocity");
+  const bool is_given = !limits.max_velocity.empty();
+  const Eigen::VectorXd given =
+      is_given ? for_each_joint(limits.max_velocity, robot, "max_velocity") : Eigen::VectorXd();
   for (std::size_t j = 0; j < robot.dof(); ++j) {
+    const Joint& joint = robot.joints[j];
     const auto at = static_cast<Eigen::Index>(j);
-    const bool has_own = robot.joints[j].max_velocity > 0.0;
-    all.max_velocity[at] = has_own ? std::min(all.max_velocity[at], given[at]) : given[at];
+    const double own = velocity_limit(robot, j);
+    all.max_velocity[at] = !is_given ? own : joint.max_velocity > 0.0 ? std::min(own, given[at]) : given[at];
+    if (joint.max_acceleration > 0.0)
+      all.deceleration[at] = std::min(all.deceleration[at], joint.max_acceleration);
   }
   return all;
 }
@@ -206,6 +208,23 @@ ChunkFault find_fault(const MotionChunk& chunk, const Robot& robot, const JointL
     return fault;
   if (ChunkFault fault = limit_fault(chunk, robot); fault.reason != GateReason::none) return fault;
   return velocity_fault(chunk, robot, limits);
+}
+
+std::optional<MotionChunk> drawn_to_limits(const MotionChunk& chunk, const Robot& robot) {
+  constexpr double rounding = 0x1p-23;  // of single precision: once as the limit, once as the position
+  std::optional<MotionChunk> drawn;
+  for (std::size_t i = 0; i < chunk.positions.size(); ++i) {
+    const Configuration& q = chunk.positions[i];
+    if (static_cast<std::size_t>(q.size()) != robot.dof()) return std::nullopt;
+    for (std::size_t j = 0; j < robot.dof(); ++j) {
+      const auto at = static_cast<Eigen::Index>(j);
+      const double limit = std::clamp(q[at], robot.joints[j].lower, robot.joints[j].upper);
+      if (limit == q[at] || !(std::abs(q[at] - limit) <= std::abs(limit) * rounding)) continue;
+      if (!drawn) drawn = chunk;
+      drawn->positions[i][at] = limit;
+    }
+  }
+  return drawn;
 }
 
 Eigen::VectorXd edge_velocity(const MotionChunk& chunk, std::size_t edge) {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,10 +24,11 @@ struct MotionChunk {
 /// all joints, or one for each.
 struct MotionLimits {
   /// At most these, and at most the robot's own. Empty: the robot's own, and 1.0 where it has none.
-  std::vector<double> max_velocity = {};     ///< each > 0
-  std::vector<double> deceleration = {5.0};  ///< with which the joints brake, > 0
-  double reaction = 0.0;                     ///< seconds at the last velocity before they begin to, >= 0
-  double max_duration = 60.0;                ///< of a chunk, seconds, > 0
+  std::vector<double> max_velocity = {};  ///< each > 0
+  /// With which the joints brake, at most their own acceleration limit where they have one, > 0.
+  std::vector<double> deceleration = {5.0};
+  double reaction = 0.0;       ///< seconds at the last velocity before they begin to, >= 0
+  double max_duration = 60.0;  ///< of a chunk, seconds, > 0
 };
 
 /// Why a chunk is passed or refused.
@@ -73,6 +75,10 @@ JointLimits joint_limits(const Robot& robot, const MotionLimits& limits);
 /// What is wrong with a chunk before any map is asked: number and size of its configurations, values that are
 /// not finite, times that repeat or go back, its duration, joint limits, velocities. The first in this order.
 ChunkFault find_fault(const MotionChunk& chunk, const Robot& robot, const JointLimits& limits);
+
+/// The chunk with each position at its joint's limit that is beyond it by no more than what single precision
+/// rounds, as learned policies send them; none: there is no such position, or sizes do not fit the robot.
+std::optional<MotionChunk> drawn_to_limits(const MotionChunk& chunk, const Robot& robot);
 
 /// Joint rates from configuration `edge` to the next. @pre find_fault finds none
 Eigen::VectorXd edge_velocity(const MotionChunk& chunk, std::size_t edge);

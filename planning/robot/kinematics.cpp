@@ -125,10 +125,12 @@ std::string limit_violation(const Robot& robot, const Configuration& q) {
       text << "joint " << shortened(joint.name) << " is " << value << ", expected a finite number";
     } else if (value < joint.lower) {
       text << "joint " << shortened(joint.name) << " is " << text_beside(value, joint.lower) << unit
-           << ", below its lower limit " << joint.lower << unit << whose_limit(robot, j, false);
+           << ", below its lower limit " << text_beside(joint.lower, value) << unit
+           << whose_limit(robot, j, false);
     } else if (value > joint.upper) {
       text << "joint " << shortened(joint.name) << " is " << text_beside(value, joint.upper) << unit
-           << ", above its upper limit " << joint.upper << unit << whose_limit(robot, j, true);
+           << ", above its upper limit " << text_beside(joint.upper, value) << unit
+           << whose_limit(robot, j, true);
     } else if (std::abs(value) > largest_joint_value) {
       text << "joint " << shortened(joint.name) << " is " << value << unit
            << ", expected at most 1000000 either way of a joint without limits";

@@ -90,6 +90,7 @@ TEST_F(GateCommand, AnswersEachLineWithOneAndGoesOnAfterBadOnes) {
   EXPECT_EQ(run.status, exit_no) << run.log;
   EXPECT_EQ(run.log,
             "policy: all parts not_occupied; padding: 0 mm, less than the robot's position accuracy of 1 mm\n"
+            "joints: x, y\n"
             "note: unknown space counts as free for base (policy not_occupied)\n"
             "8 chunks: 2 passed, 6 refused\n");
   const std::vector<Json> lines = verdicts(run);
@@ -197,6 +198,30 @@ TEST_F(GateCommand, SaysAtTheStartWhatItsVerdictsRestOn) {
   EXPECT_EQ(gate("", {"--policy", "known_free"}).log.find("unknown space"), std::string::npos);
 }
 
+TEST_F(GateCommand, AStreamWithARecedingHorizonGoesOnAndRestarts) {
+  const CommandRun run = gate(pass + "\n" +
+                              R"({"id":1,"leaves_at":1,"times":[0,0.1],"positions":[[0.1,0],[0.15,0]]})"
+                              "\n"
+                              R"({"id":2,"restart":[0.3,0]})"
+                              "\n"
+                              R"({"id":3,"joints":["y","x"],"times":[0,0.1],"positions":[[0,0.3],[0,0.35]]})"
+                              "\n"
+                              R"({"id":4,"restart":[1e9,0]})"
+                              "\n"
+                              R"({"id":5,"restart":null})"
+                              "\n" +
+                              pass + "\n");
+  EXPECT_EQ(run.status, exit_no) << run.log;
+  EXPECT_NE(run.log.find("5 chunks: 4 passed, 1 refused"), std::string::npos) << run.log;
+  const std::vector<Json> lines = verdicts(run);
+  ASSERT_EQ(lines.size(), 7U);
+  for (const std::size_t i : {0, 1, 3, 6}) EXPECT_EQ(lines[i]["passed"], true) << lines[i];
+  EXPECT_EQ(lines[2], (Json{{"line", 3}, {"id", 2}, {"restarted", true}}));
+  EXPECT_EQ(lines[4]["restarted"], false);
+  EXPECT_EQ(lines[4]["sentence"].get<std::string>().find("restart: joint"), 0U) << lines[4];
+  EXPECT_EQ(lines[5]["restarted"], true);
+}
+
 TEST_F(GateCommand, TheSameChunksGiveTheSameBytes) {
   const std::string lines = pass + "\n" + blocked + "\n{}\n";
   EXPECT_EQ(gate(lines).out, gate(lines).out);
@@ -218,6 +243,7 @@ TEST_F(GateCommand, KeepsWhatItsFlagsState) {
   EXPECT_EQ(reason(pass, {"--max-age", "4"}), "stale_map");  // seen at 5 s
   EXPECT_EQ(reason(pass, {"--max-age", "6"}), "none");
   EXPECT_EQ(reason(pass, {"--policy", "known_free"}), "blocked");
+  EXPECT_EQ(reason(pass, {"--max-duration", "0.1"}), "lasts_too_long");
 }
 
 TEST_F(GateCommand, RefusesFlagsThatFitNothingInOneSentence) {

@@ -67,6 +67,48 @@ TEST(GateLine, WhatIsNotAChunkIsAFaultWithASentence) {
   }
 }
 
+TEST(GateLine, ReadsNamesOfJointsAndWhereTheRobotLeavesOrRestarts) {
+  ChunkLine line = parse_chunk_line(
+      R"({"joints": ["y", "x"], "leaves_at": 8, "times": [0, 1], "positions": [[1, 2], [3, 4]]})");
+  ASSERT_TRUE(line.is_read()) << line.fault.sentence;
+  EXPECT_EQ(line.leaves_at, 8U);
+  EXPECT_FALSE(line.restarts);
+  const Robot robot = load_robot("point");
+  ASSERT_EQ(robot.joints[0].name, "x");
+  take_order_of(robot, line);
+  EXPECT_EQ(line.chunk.positions[1], Eigen::Vector2d(4, 3));
+  line = parse_chunk_line(R"({"id": "r", "joints": ["y", "x"], "restart": [1, 2]})");
+  ASSERT_TRUE(line.is_read()) << line.fault.sentence;
+  EXPECT_TRUE(line.restarts);
+  take_order_of(robot, line);
+  EXPECT_EQ(line.restart, Configuration(Eigen::Vector2d(2, 1)));
+  line = parse_chunk_line(R"({"restart": null})");
+  EXPECT_TRUE(line.is_read() && line.restarts && !line.restart);
+  for (const char* names : {R"(["x"])", R"(["x", "x"])", R"(["x", "z"])", R"(["x", "y", "y"])"}) {
+    line = parse_chunk_line(R"({"times": [0, 1], "positions": [[1, 2], [3, 4]], "joints": )" +
+                            std::string(names) + "}");
+    take_order_of(robot, line);
+    EXPECT_EQ(line.fault.reason, GateReason::not_a_chunk) << names;
+    EXPECT_NE(line.fault.sentence.find("expected each of x, y once"), std::string::npos)
+        << line.fault.sentence;
+  }
+  for (const auto& [text, words] :
+       {std::pair{R"({"restart": [0], "times": [1]})", "restarts, expected no field 'times'"},
+        {R"({"restart": [0], "leaves_at": 1})", "no field 'leaves_at'"},
+        {R"({"restart": 1})", "restart: expected a list of numbers, or null"},
+        {R"({"restart": [[1]]})", "restart[0]: expected a number"},
+        {R"({"leaves_at": -1})", "leaves_at: expected a whole number from 0"},
+        {R"({"leaves_at": 1.5})", "leaves_at: expected a whole number from 0"},
+        {R"({"leaves_at": null})", "leaves_at: expected a whole number from 0"},
+        {R"({"joints": "x"})", "joints: expected a list of names"},
+        {R"({"joints": ["x", 1]})", "joints[1]: expected a name"}}) {
+    const ChunkLine wrong = parse_chunk_line(text);
+    EXPECT_EQ(wrong.fault.reason, GateReason::not_a_chunk) << text;
+    EXPECT_NE(wrong.fault.sentence.find(words), std::string::npos) << text << ": " << wrong.fault.sentence;
+  }
+  EXPECT_EQ(parse_chunk_line(R"({"restart": [0, NaN]})").fault.reason, GateReason::not_finite);
+}
+
 TEST(GateLine, NumbersThatAreNoneAreNotFinite) {
   const std::vector<std::pair<std::string, std::string>> faults = {
       {R"({"times": [0, NaN]})", "times[1] is not finite"},

@@ -69,6 +69,41 @@ TEST(Gate, PassesAMotionOnlyWhenItsStopIsFree) {
   EXPECT_NEAR(refused.parameter, 0.3 / 0.4, 1e-3);
 }
 
+TEST(Gate, AChunkMayLeaveTheLastOneAtAConfigurationThatItNames) {
+  Gate gate(with_limits(5.0));
+  gate.publish(before_wall());
+  const GateVerdict early = gate.judge(along_x({0.2, 0.25}), 0);
+  EXPECT_EQ(early.reason, GateReason::jump);
+  EXPECT_NE(early.sentence.find("no chunk was passed"), std::string::npos) << early.sentence;
+  ASSERT_TRUE(gate.judge(along_x({0.0, 0.1, 0.2, 0.3, 0.4})).is_passed());
+  EXPECT_EQ(gate.judge(along_x({0.2, 0.25})).reason, GateReason::jump) << "it is said where it is left";
+  EXPECT_EQ(gate.judge(along_x({0.2, 0.25}), 3).reason, GateReason::jump);
+  EXPECT_NE(gate.judge(along_x({0.2, 0.25}), 5).sentence.find("has 5 configurations"), std::string::npos);
+  EXPECT_EQ(gate.judge(along_x({0.2, 5.0}), 2).reason, GateReason::velocity_limit);
+  ASSERT_TRUE(gate.judge(along_x({0.2005, 0.25, 0.3}), 2).is_passed()) << "after refusals, too, and joined";
+  EXPECT_EQ(gate.judge(along_x({0.4, 0.45})).reason, GateReason::jump) << "the rest is not run";
+  EXPECT_TRUE(gate.judge(along_x({0.3, 0.35})).is_passed());
+  gate.restart(Eigen::Vector2d(0.0, 0.0));
+  EXPECT_EQ(gate.judge(along_x({0.3, 0.35}), 0).reason, GateReason::jump);
+  EXPECT_NE(gate.judge(along_x({0.3, 0.35})).sentence.find("where the robot was said to start it is 0"),
+            std::string::npos);
+}
+
+/// A hand that is passed at its limit, as a policy of single precision sends it.
+TEST(Gate, ChunksOfSinglePrecisionAtALimitAreProvedThere) {
+  Robot robot = disc();
+  robot.joints[0].upper = 0.4;
+  Gate gate(with_limits(5.0));
+  gate.publish({robot, before_wall().map(), {.critical_by_default = false}});
+  const auto at_limit = static_cast<double>(0.4F);
+  ASSERT_GT(at_limit, 0.4);
+  const GateVerdict verdict = gate.judge(along_x({at_limit, at_limit}));
+  ASSERT_TRUE(verdict.is_passed()) << verdict.sentence;
+  EXPECT_EQ(verdict.may_go->position[0], 0.4);
+  gate.restart(Eigen::Vector2d(at_limit, 0.0));
+  EXPECT_TRUE(gate.judge(along_x({0.4, 0.3})).is_passed());
+}
+
 /// As many joints are not the same joints: the arm's last radians would be the disc's metres.
 TEST(Gate, AMapOfAnotherRobotIsRefused) {
   Gate gate(with_limits(5.0));
@@ -225,7 +260,7 @@ TEST(Gate, AChunkStartsWhereTheLastPassedOneEndsOrStands) {
   const GateVerdict jump = gate.judge(along_x({-0.45, -0.4}));
   EXPECT_EQ(jump.reason, GateReason::jump);
   EXPECT_NE(
-      jump.sentence.find("is -0.45, where the last passed motion ends it is 0.2, expected within 0.001"),
+      jump.sentence.find("is -0.45, where the robot was said to start it is 0.2, expected within 0.001"),
       std::string::npos)
       << jump.sentence;
   GateOptions options = with_limits(5.0);

@@ -128,6 +128,37 @@ TEST_F(Chunk, KeepsTheSmallerOfTheRobotsVelocityAndTheOneAskedFor) {
   EXPECT_EQ(joint_limits(robot_, {.deceleration = {2.0, 3.0}}).deceleration, Eigen::Vector2d(2.0, 3.0));
 }
 
+TEST_F(Chunk, BrakesNoHarderThanTheRobotCan) {
+  robot_.joints[0].max_acceleration = 0.5;
+  robot_.joints[1].max_acceleration = 0.0;  // its file gives none
+  EXPECT_EQ(joint_limits(robot_, {}).deceleration, Eigen::Vector2d(0.5, 5.0));
+  EXPECT_EQ(joint_limits(robot_, {.deceleration = {0.25, 0.75}}).deceleration, Eigen::Vector2d(0.25, 0.75));
+  EXPECT_EQ(joint_limits(robot_, {.deceleration = {9.0}}).deceleration, Eigen::Vector2d(0.5, 9.0));
+}
+
+TEST_F(Chunk, PositionsOfSinglePrecisionAtALimitAreDrawnToIt) {
+  Random random(5);
+  for (int i = 0; i < 300; ++i) {
+    const double limit = random.between(0.01, 7.0) * (i % 2 == 0 ? 1.0 : -1.0);
+    (limit > 0.0 ? robot_.joints[0].upper : robot_.joints[0].lower) = limit;
+    MotionChunk chunk = good_;
+    for (Configuration& q : chunk.positions) q[0] = static_cast<double>(static_cast<float>(limit));
+    const std::optional<MotionChunk> drawn = drawn_to_limits(chunk, robot_);
+    ASSERT_EQ(drawn.has_value(), std::abs(chunk.positions[0][0]) > std::abs(limit)) << limit;
+    if (drawn) {
+      EXPECT_EQ(drawn->positions[1][0], limit);
+      EXPECT_EQ(find_fault(*drawn, robot_, limits_).reason, GateReason::none);
+    }
+    chunk.positions[1][0] = limit * (1.0 + 3e-7);
+    EXPECT_NE(find_fault(drawn_to_limits(chunk, robot_).value_or(chunk), robot_, limits_).reason,
+              GateReason::none);
+    (limit > 0.0 ? robot_.joints[0].upper : robot_.joints[0].lower) = limit > 0.0 ? 10.0 : -10.0;
+  }
+  MotionChunk odd = good_;
+  odd.positions[1] = Eigen::Vector3d(1, 2, 3);
+  EXPECT_FALSE(drawn_to_limits(odd, robot_));
+}
+
 TEST_F(Chunk, LimitsOutOfRangeAreRefused) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::vector<MotionLimits> wrong = {
