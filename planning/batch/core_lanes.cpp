@@ -30,18 +30,21 @@ LaneBits near_lanes(const SphereRobot& robot, const SphereRobot::Group& group, c
   });
 }
 
-/// Lanes in which a sphere that lies in a body reaches into what blocks the body.
-LaneBits pierced_lanes(const SphereRobot& robot, const SphereRobot::Group& group, const LaneFloats* pose) {
+/// Lanes of those in use in which a sphere that lies in a body reaches into what blocks the body; all of them
+/// unless there are enough sooner.
+LaneBits pierced_lanes(const SphereRobot& robot, const SphereRobot::Group& group, const PieceLanes& lanes,
+                       LaneBits enough) {
   const SphereRobot::Field& field = robot.fields[static_cast<std::size_t>(group.field)];
-  unsigned found = 0;
-  for (int i = group.first_core; i < group.last_core; ++i) {
+  const LaneFloats* pose = &lanes.pose[12 * static_cast<std::size_t>(group.frame)];
+  LaneBits found = 0;
+  for (int i = group.first_core; i < group.last_core && (found & enough) == 0; ++i) {
     const SphereRobot::FloatSphere& core = robot.cores[static_cast<std::size_t>(i)];
     const Vector sure = all(core.radius + robot.padding - robot.slack);
-    found |= in_all_lanes([&](std::size_t lane) HWY_ATTR {
-      return bits(hn::Lt(sight(field, placed(pose, core, lane)).upper, sure));
-    });
+    found |= lanes.active & in_all_lanes([&](std::size_t lane) HWY_ATTR {
+               return bits(hn::Lt(sight(field, placed(pose, core, lane)).upper, sure));
+             });
   }
-  return static_cast<LaneBits>(found);
+  return found;
 }
 
 LaneBits find_touching(const SphereRobot& robot, PieceLanes& lanes, LaneBits enough) {
@@ -52,7 +55,7 @@ LaneBits find_touching(const SphereRobot& robot, PieceLanes& lanes, LaneBits eno
   for (const SphereRobot::Group& group : robot.groups) {
     const LaneFloats* pose = &lanes.pose[12 * static_cast<std::size_t>(group.frame)];
     if (group.first_core == group.last_core || (near_lanes(robot, group, pose) & lanes.active) == 0) continue;
-    found |= static_cast<LaneBits>(pierced_lanes(robot, group, pose) & lanes.active);
+    found |= pierced_lanes(robot, group, lanes, enough);
     if ((found & enough) != 0) break;
   }
   return found;

@@ -29,18 +29,6 @@ HWY_INLINE Point placed(const PackedPoses& poses, const SphereTree::FloatSphere&
   return {along(0), along(1), along(2)};
 }
 
-/// Of the lanes from k on those that a list of so many has.
-HWY_INLINE unsigned lanes_in_use(std::size_t count, std::size_t k) {
-  return count - k >= hn::Lanes(Tag()) ? all_bits : (1U << (count - k)) - 1U;
-}
-
-HWY_INLINE void pack(Vector numbers, Mask mask, float* to) {
-  hn::StoreU(hn::Compress(numbers, mask), Tag(), to);
-}
-HWY_INLINE void pack(hn::Vec<WholeTag> numbers, Mask mask, std::int32_t* to) {
-  hn::StoreU(hn::Compress(numbers, hn::RebindMask(WholeTag(), mask)), WholeTag(), to);
-}
-
 HWY_INLINE void append_places(std::size_t row, std::size_t lane, unsigned lanes, PackedPoses& to) {
   const auto first = static_cast<std::int32_t>(row * lane_count + lane);
   pack(hn::Iota(WholeTag(), first), mask_of(lanes), to.place + to.count);

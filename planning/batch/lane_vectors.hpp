@@ -76,6 +76,19 @@ HWY_INLINE Mask mask_of(unsigned lanes) {
   return hn::LoadMaskBits(Tag(), bytes);
 }
 
+/// Of the lanes from k on those that a list of so many has.
+HWY_INLINE unsigned lanes_in_use(std::size_t count, std::size_t k) {
+  return count - k >= hn::Lanes(Tag()) ? all_bits : (1U << (count - k)) - 1U;
+}
+
+/// The numbers of the mask's lanes side by side; a whole register is written.
+HWY_INLINE void pack(Vector numbers, Mask mask, float* to) {
+  hn::StoreU(hn::Compress(numbers, mask), Tag(), to);
+}
+HWY_INLINE void pack(Whole numbers, Mask mask, std::int32_t* to) {
+  hn::StoreU(hn::Compress(numbers, hn::RebindMask(WholeTag(), mask)), WholeTag(), to);
+}
+
 }  // namespace clearway::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -17,6 +17,7 @@
 
 #include "planning/batch/lane_frames.hpp"
 #include "planning/batch/lane_sight.hpp"
+#include "planning/batch/lane_spots.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace clearway::HWY_NAMESPACE {
@@ -70,51 +71,34 @@ class Look {
     return plus(load_point(twist + 3, lane), cross(load_point(twist, lane), point));
   }
 
-  /// Which of the lanes that are asked for are not proved clear by a sphere, of those that begin at `lane`.
-  struct Finding {
-    unsigned open = 0, blocked = 0, stuck = 0;
-  };
-  /// @tparam is_close looks closer where one cell does not decide
-  template <bool is_close>
-  HWY_INLINE Finding look_at_sphere(int frame, const SphereRobot::Field& field, const FloatSphere& sphere,
-                                    float inner, unsigned asked, std::size_t lane, Floats* keep) const {
-    const Point point = placed(frame, sphere, lane);
-    if (keep != nullptr) store_point(point, keep, lane);
-    Sight seen = sight(field, point);
-    const float reach = sphere.radius + robot_.padding + robot_.slack;
-    Vector need = all(reach);
-    if (moving) {
-      const Vector speed = hn::Sqrt(squared(velocity(frame, point, lane)));
-      need = hn::Add(need, hn::Add(hn::Mul(speed, all(rounded_up)),
-                                   load(lanes_.bend[static_cast<std::size_t>(frame)], lane)));
-    }
-    Finding finding;
-    finding.open = bits(hn::Not(hn::Ge(seen.lower, need)));  // what is no number is not proved
-    if ((finding.open & asked) == 0) return {};
-    if (is_close) {
-      seen = close_sight(field, point);
-      finding.open = bits(hn::Not(hn::Ge(seen.lower, need)));
-    }
-    const auto resolution = static_cast<float>(field.bytes->resolution);
-    finding.stuck = bits(hn::Lt(seen.lower, all(reach + 0.1F * resolution)));
-    if (inner > 0.0F) finding.blocked = bits(hn::Lt(seen.upper, all(inner + robot_.padding - robot_.slack)));
-    return finding;
+  /// How far from what blocks it a sphere's middle has to be in the middle of the piece.
+  HWY_INLINE Vector needed(int frame, const FloatSphere& sphere, const Point& point, std::size_t lane) const {
+    const Vector need = all(reach_of(sphere));
+    if (!moving) return need;
+    const Vector speed = hn::Sqrt(squared(velocity(frame, point, lane)));
+    return hn::Add(need, hn::Add(hn::Mul(speed, all(rounded_up)),
+                                 load(lanes_.bend[static_cast<std::size_t>(frame)], lane)));
   }
+  float reach_of(const FloatSphere& sphere) const { return sphere.radius + robot_.padding + robot_.slack; }
 
   /// Of the lanes, those in which a sphere is not proved clear.
   Lanes near(const SphereRobot::Group& group, const FloatSphere& sphere, Lanes asked) const {
     const SphereRobot::Field& field = robot_.fields[static_cast<std::size_t>(group.field)];
     unsigned open = 0;
     for (std::size_t lane = 0; lane < lane_count; lane += hn::Lanes(Tag())) {
-      const unsigned here = asked >> lane & all_bits;
-      if (here == 0) continue;
-      open |= look_at_sphere<false>(group.frame, field, sphere, 0.0F, here, lane, nullptr).open << lane;
+      if ((asked >> lane & all_bits) == 0) continue;
+      const Point point = placed(group.frame, sphere, lane);
+      const Vector need = needed(group.frame, sphere, point, lane);
+      open |= not_proved(sight(field, point), need) << lane;
     }
     return static_cast<Lanes>(open & asked);
   }
+  static HWY_INLINE unsigned not_proved(const Sight& seen, Vector need) {
+    return bits(hn::Not(hn::Ge(seen.lower, need)));  // also what is no number
+  }
 
   void look_at(const SphereRobot::Group& group) {
-    const SphereRobot::Field& field = robot_.fields[static_cast<std::size_t>(group.field)];
+    field_ = &robot_.fields[static_cast<std::size_t>(group.field)];
     const Lanes here = near(group, group.bound, lanes_.active);
     if (here == 0) return;
     for (int i = group.first; i < group.last; ++i) {
@@ -123,25 +107,72 @@ class Look {
       Lanes asked = here & lanes_.wanted[member];
       if (asked != 0 && cluster.last - cluster.first > 1) asked = near(group, cluster.bound, asked);
       if (asked == 0) continue;
-      for (int sphere = cluster.first; sphere < cluster.last; ++sphere)
-        look_at_sphere(group, field, sphere, asked);
+      for (int sphere = cluster.first; sphere < cluster.last; ++sphere) {
+        ask_for_sphere(group.frame, sphere, asked);
+        if (is_enough()) return;
+      }
     }
+    look_at_asked(asked_.count);
+    look_at_doubts(doubts_.count);
   }
 
-  void look_at_sphere(const SphereRobot::Group& group, const SphereRobot::Field& field, int index,
-                      Lanes asked) {
+  void ask_for_sphere(int frame, int index, Lanes asked) {
     const auto i = static_cast<std::size_t>(index);
-    const auto member = static_cast<std::size_t>(robot_.member[i]);
     for (std::size_t lane = 0; lane < lane_count; lane += hn::Lanes(Tag())) {
       const unsigned here = asked >> lane & all_bits;
       if (here == 0) continue;
-      const Finding finding = look_at_sphere<true>(group.frame, field, robot_.spheres[i], robot_.inner[i],
-                                                   here, lane, &lanes_.place[3 * i]);
+      const Point point = placed(frame, robot_.spheres[i], lane);
+      store_point(point, &lanes_.place[3 * i], lane);
       lanes_.is_placed[i] |= static_cast<Lanes>(1U << (lane / hn::Lanes(Tag())));
-      fail(member, finding, here, lane);
+      asked_.add(point, needed(frame, robot_.spheres[i], point, lane), here, lane, index);
     }
+    if (asked_.count >= lane_count) look_at_asked(lane_count);
   }
 
+  /// At the last ones; those that their own cells do not prove clear are doubts.
+  void look_at_asked(std::size_t last) {
+    const std::size_t first = asked_.count - last;
+    for (std::size_t k = first; k < asked_.count; k += hn::Lanes(Tag())) {
+      const unsigned near =
+          not_proved(sight(*field_, asked_.point(k)), asked_.needed(k)) & lanes_in_use(asked_.count, k);
+      if (near != 0) doubts_.add(asked_, k, near);
+    }
+    asked_.count = first;
+    if (doubts_.count >= lane_count) look_at_doubts(lane_count);
+  }
+
+  /// Closer, at the last ones.
+  void look_at_doubts(std::size_t last) {
+    const std::size_t first = doubts_.count - last;
+    for (std::size_t k = first; k < doubts_.count; k += hn::Lanes(Tag())) {
+      const Sight seen = close_sight(*field_, doubts_.point(k));
+      const unsigned near = not_proved(seen, doubts_.needed(k)) & lanes_in_use(doubts_.count, k);
+      alignas(64) float lower[lane_count], upper[lane_count];
+      hn::Store(seen.lower, Tag(), lower);
+      hn::Store(seen.upper, Tag(), upper);
+      for (unsigned left = near; left != 0; left &= left - 1U) {
+        const auto i = static_cast<std::size_t>(std::countr_zero(left));
+        fail(doubts_.sphere[k + i], static_cast<std::size_t>(doubts_.lane[k + i]), lower[i], upper[i]);
+      }
+    }
+    doubts_.count = first;
+  }
+
+  /// @param lower, upper what is known of the distance to what blocks the sphere
+  void fail(int sphere, std::size_t lane, float lower, float upper) {
+    const auto i = static_cast<std::size_t>(sphere);
+    const auto resolution = static_cast<float>(field_->bytes->resolution);
+    const float inner = robot_.inner[i];
+    Finding finding{.open = 1};
+    finding.stuck = lower < reach_of(robot_.spheres[i]) + 0.1F * resolution ? 1U : 0U;
+    if (inner > 0.0F) finding.blocked = upper < inner + robot_.padding - robot_.slack ? 1U : 0U;
+    fail(static_cast<std::size_t>(robot_.member[i]), finding, 1U, lane);
+  }
+
+  /// Of the lanes of a register.
+  struct Finding {
+    unsigned open = 0, blocked = 0, stuck = 0;
+  };
   void fail(std::size_t member, const Finding& finding, unsigned here, std::size_t lane) {
     const unsigned open = finding.open & here;
     if (open == 0) return;
@@ -291,6 +322,8 @@ class Look {
 
   const SphereRobot& robot_;
   PieceLanes& lanes_;
+  const SphereRobot::Field* field_ = nullptr;  ///< of what is asked and in doubt
+  Spots asked_, doubts_;
   const std::size_t used_ = static_cast<std::size_t>(std::bit_width(lanes_.active));  ///< lanes
 };
 
