@@ -29,7 +29,7 @@ struct Spots {
   Vector needed(std::size_t k) const { return at(need, k); }
 
   /// The lanes of a register whose first one is `first`.
-  /// @param needs how far from what blocks the middle has to be, metres
+  /// @param needs what the distance of the middle to what blocks it is compared with, metres
   HWY_INLINE void add(const Point& point, Vector needs, unsigned lanes, std::size_t first, int of) {
     const auto numbers = hn::Iota(WholeTag(), static_cast<std::int32_t>(first));
     append(point, needs, numbers, hn::Set(WholeTag(), of), lanes);
