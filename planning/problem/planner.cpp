@@ -74,6 +74,7 @@ std::string refusal(const ConfigurationSpace& space, const Configuration& q) {
     return "it has " + counted(q.size(), "value") + ", expected " + std::to_string(dof) + " for robot " +
            space.robot().name;
   }
+  if (space.is_free(q)) return limit_violation(space.robot(), q);  // several times as fast as the reason
   const Verdict verdict = space.check(q);
   if (verdict.is_free()) return limit_violation(space.robot(), q);  // joints without limits have one, too
   const bool is_past_limit = verdict.obstruction == Obstruction::joint_limit;
