@@ -13,16 +13,22 @@ struct Distal {
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  ///< sum of mass * position, base frame
 };
 
+/// pose * point, without a fourth coordinate.
+Eigen::Vector3d placed(const Eigen::Isometry3d& pose, const Eigen::Vector3d& point) {
+  const auto column = [&](int i) { return pose.matrix().col(i).head<3>(); };
+  return column(0) * point.x() + column(1) * point.y() + column(2) * point.z() + column(3);
+}
+
 /// Distal masses of every link (the link itself included). Links are stored parents first.
 void distal_masses(const Robot& robot, const LinkPoses& poses, double payload, std::vector<Distal>& distal) {
   distal.assign(robot.links.size(), {});
   for (std::size_t i = robot.links.size(); i-- > 0;) {
     const Link& link = robot.links[i];
     distal[i].mass += link.mass;
-    distal[i].moment += link.mass * (poses[i] * link.center_of_mass);
+    distal[i].moment += link.mass * placed(poses[i], link.center_of_mass);
     if (static_cast<int>(i) == robot.tip_link) {
       distal[i].mass += payload;
-      distal[i].moment += payload * (poses[i] * robot.link_from_tip.translation());
+      distal[i].moment += payload * placed(poses[i], robot.link_from_tip.translation());
     }
     if (link.parent >= 0) {
       distal[static_cast<std::size_t>(link.parent)].mass += distal[i].mass;
@@ -37,11 +43,14 @@ struct JointForces {
   Eigen::VectorXd gravity;   ///< what holds the arm still: -W.(z x rho) or -W.z; |gravity| = F_T r_j or F_T
 };
 
-JointForces joint_forces(const Robot& robot, const CostOptions& options, const LinkPoses& poses) {
-  thread_local std::vector<Distal> distal;  // a search asks for the forces of thousands of configurations
+/// Valid until this thread asks again: a search asks for the forces of thousands of configurations.
+const JointForces& joint_forces(const Robot& robot, const CostOptions& options, const LinkPoses& poses) {
+  thread_local std::vector<Distal> distal;
+  thread_local JointForces forces;
   distal_masses(robot, poses, options.payload_mass, distal);
   const auto n = static_cast<Eigen::Index>(robot.dof());
-  JointForces forces{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n)};
+  forces.friction.setZero(n);
+  forces.gravity.setZero(n);
   for (std::size_t i = 0; i < robot.links.size(); ++i) {
     const Link& link = robot.links[i];
     if (link.joint < 0 || distal[i].mass <= 0.0) continue;
@@ -85,12 +94,15 @@ Configuration PathCost::full_size(const Configuration& q) const {
 
 Eigen::VectorXd PathCost::generalized_forces(const Configuration& q) const {
   thread_local LinkPoses poses;
-  forward_kinematics(robot_, full_size(q), poses);
+  if (scale_ == 1.0)
+    forward_kinematics(robot_, q, poses);
+  else
+    forward_kinematics(robot_, full_size(q), poses);
   return generalized_forces(poses);
 }
 
 Eigen::VectorXd PathCost::generalized_forces(const LinkPoses& poses) const {
-  const JointForces forces = joint_forces(robot_, options_, poses);
+  const JointForces& forces = joint_forces(robot_, options_, poses);
   return forces.friction + forces.gravity.cwiseAbs();
 }
 
