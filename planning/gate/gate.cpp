@@ -49,6 +49,16 @@ std::string jump_sentence(const Robot& robot, const Configuration& from, const C
          short_text(tolerance) + " (rad or m)";
 }
 
+/// Where a chunk seems to go on from within the last passed one; empty: nowhere.
+std::string leaving_hint(const std::vector<Configuration>& passed, const Configuration& first,
+                         double tolerance) {
+  for (std::size_t i = 0; i < passed.size(); ++i)
+    if (gap(passed[i], first) <= tolerance)
+      return "; it is where configuration " + std::to_string(i) +
+             " of that is: leaves_at says that the robot leaves it there";
+  return {};
+}
+
 std::string stale_sentence(double age, double max_age) {
   return age > 0.0
              ? "the newest map is " + short_text(age) + " s older than the chunk, expected at most " +
@@ -204,7 +214,8 @@ GateVerdict Gate::judge_on(const Map& map, const MotionChunk& chunk, std::option
                    jump_sentence(robot, nearest_of(places, first), first, options_.tolerance,
                                  leaves_at         ? "at leaves_at, " + std::to_string(*leaves_at) + ","
                                  : passed_.empty() ? "where the robot was said to start"
-                                                   : "where the last passed motion ends"));
+                                                   : "where the last passed motion ends") +
+                       (leaves_at ? "" : leaving_hint(passed_, first, options_.tolerance)));
 
   if (const std::string lost = lost_grip(robot, chunk, gripped_, options_.tolerance); !lost.empty())
     return refused(GateReason::joint_limit, lost);

@@ -267,6 +267,7 @@ TEST_F(MutatedReaders, scan_graphs) {
                            [](const auto& file) {
                              const auto graph = open_scan_graph(file, {});
                              while (graph->next()) continue;
+                             if (const auto damage = graph->damage()) throw std::invalid_argument(*damage);
                            });
 }
 
