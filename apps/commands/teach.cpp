@@ -1,5 +1,9 @@
+#include <string.h>
+
+#include <atomic>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <ostream>
 #include <stdexcept>
 
@@ -11,6 +15,7 @@
 #include "apps/inspect/map_folder.hpp"
 #include "apps/overlay/replay_pictures.hpp"
 #include "apps/pages/report.hpp"
+#include "apps/teach/session_folder.hpp"
 #include "apps/teach/shown_session.hpp"
 #include "apps/teach/taught_folder.hpp"
 #include "apps/teach/teach_input.hpp"
@@ -22,6 +27,8 @@
 #include "mapping/files/map_digest.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
+#include "mapping/system/atomic_folder.hpp"
+#include "mapping/system/interruption.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -118,16 +125,37 @@ void require_pictures_of(const RecordedSession& recorded, const TeachCommand& co
   require_apart_from(recorded, command);
 }
 
+/// Whether frames come as they are taken, or as if they did: what nobody can repeat.
+bool is_live(const TeachInput& input, const TeachScreen* screen) {
+  return screen != nullptr || is_camera_name(input.recorded.source);
+}
+
+/// What helps with a session that was not finished.
+std::string done_again(const fs::path& session) {
+  return "`clearway replay " + quote_path(session.string()) + " --out DIR` makes its map and plans";
+}
+
+/// What lies beside --out of a live session that was killed.
+void require_nothing_unfinished(const TeachCommand& command) {
+  const fs::path session = AtomicFolder::partial_of(command.out) / "session";
+  std::error_code error;
+  if (!is_session_folder(session) || fs::is_empty(session / "events.jsonl", error)) return;
+  throw std::invalid_argument("--out: " + quote_path(session.parent_path().string()) +
+                              " holds a session that was not finished; " + done_again(session) +
+                              "; expected another folder, or that one moved or removed");
+}
+
 /// A session that is led by its events, or by keys of its window, with its film.
 class LedSession {
  public:
   /// @param screen null: no window @param folder that its maps and frames go to
-  LedSession(const TeachCommand& command, TeachInput& input, TeachScreen* screen, const fs::path& folder,
+  LedSession(const TeachCommand& command, TeachInput& input, TeachScreen* screen, AtomicFolder& folder,
              Console& console)
       : command_(command),
         input_(input),
         screen_(screen),
         folder_(folder),
+        session_folder_(folder.path() / "session"),
         console_(console),
         session_(events(), options()),
         shown_(session_, screen, command.video, words_of(input.keys)) {}
@@ -136,6 +164,8 @@ class LedSession {
   Fusion fuse();
   /// Keeps what it takes to do the session again. Returns the recording that this is done with.
   fs::path save() const;
+  /// From now on the first signal ends the process: the session is published.
+  void let_signals_end() { orderly_.reset(); }
 
   const TeachSession& session() const { return session_; }
   const std::vector<PagePicture>& pictures() const { return shown_.pictures(); }
@@ -145,14 +175,21 @@ class LedSession {
   TeachOptions options();
   /// The frames of a camera, or of what is shown at its own pace, some of which are left out.
   fs::path frames_file() const;
+  RecordedSession recorded() const;
+  void keep(const TaughtEvent& reported);
+  void begin_live();
 
   const TeachCommand& command_;
   TeachInput& input_;
   TeachScreen* screen_;
-  const fs::path folder_;
+  AtomicFolder& folder_;
+  const fs::path session_folder_;
   Console& console_;
   TeachSession session_;
   ShownSession shown_;
+  std::optional<GrowingEvents> growing_;  ///< of a live session
+  std::atomic<int> signal_ = 0;           ///< that the session ends for; 0: none
+  std::optional<OrderlyEnd> orderly_;
 };
 
 TeachSession::EventSource LedSession::events() {
@@ -168,13 +205,41 @@ TeachOptions LedSession::options() {
           .time_limit = input_.recorded.time_limit,
           .waits_for_plans = !input_.events_file.empty(),
           .save = [this](const std::string& name,
-                         const Snapshot& map) { save_map(map, folder_ / "maps" / name); },
-          .report = [this](const TaughtEvent& reported) { console_.log(line_of(reported)); }};
+                         const Snapshot& map) { save_map(map, folder_.path() / "maps" / name); },
+          .report = [this](const TaughtEvent& reported) { keep(reported); }};
+}
+
+/// What is in the map is work that a person would have to do again.
+void LedSession::keep(const TaughtEvent& reported) {
+  if (const int signal = signal_.exchange(0); signal != 0)
+    console_.warn("clearway: SIG" + std::string(sigabbrev_np(signal)) +
+                  " ends the session, which is saved as it is; a second signal leaves it unfinished");
+  console_.log(line_of(reported));
+  if (!growing_) return;
+  growing_->add(session_.events());
+  if (session_.map_version() > 0)
+    folder_.note_progress("the session so far is",
+                          done_again(AtomicFolder::partial_of(command_.out) / "session"));
 }
 
 fs::path LedSession::frames_file() const {
-  const bool is_live = screen_ != nullptr || is_camera_name(input_.recorded.source);
-  return is_live ? folder_ / "session" / "source" / "frames.rawlog" : fs::path();
+  return is_live(input_, screen_) ? session_folder_ / "source" / "frames.rawlog" : fs::path();
+}
+
+RecordedSession LedSession::recorded() const {
+  RecordedSession recorded = input_.recorded;
+  if (const fs::path frames = frames_file(); !frames.empty()) recorded.source = frames;
+  return recorded;
+}
+
+/// What a live session needs to be done again is there before its first frame.
+void LedSession::begin_live() {
+  save_session(recorded(), input_.keeper.kept(), session_folder_);
+  growing_.emplace(session_folder_);
+  orderly_.emplace([this](int signal) {
+    signal_ = signal;
+    session_.ask_to_end();
+  });
 }
 
 Fusion LedSession::fuse() {
@@ -187,6 +252,7 @@ Fusion LedSession::fuse() {
                               .setup = input_.setup.setup,
                               .is_paced = screen_ != nullptr,
                               .frames_file = frames_file()};
+  if (is_live(input_, screen_)) begin_live();
   Fusion fusion = clearway::fuse(input_.recorded.source, options, console_.bar("teaching"));
   shown_.finish_film();
   if (screen_) report_times(screen_->times(), console_);
@@ -194,11 +260,10 @@ Fusion LedSession::fuse() {
 }
 
 fs::path LedSession::save() const {
-  RecordedSession recorded = input_.recorded;
-  if (const fs::path frames = frames_file(); !frames.empty()) recorded.source = frames;
-  save_session(recorded, input_.keeper.kept(), folder_ / "session");
-  save_session_events(session_.events(), folder_ / "session");
-  return recorded.source;
+  const RecordedSession session = recorded();
+  save_session(session, input_.keeper.kept(), session_folder_);
+  save_session_events(session_.events(), session_folder_);
+  return session.source;
 }
 
 /// What became of a session's events and plans.
@@ -261,22 +326,9 @@ int exit_of(const Fusion& fusion, const TeachOutcome& outcome, Console& console)
   return exit_no;
 }
 
-}  // namespace
-
-int run_teach(const TeachCommand& command, Console& console) {
-  TeachInput input(command);
-  require_pictures_of(input.recorded, command);
-  const std::unique_ptr<TeachScreen> screen = open_screen(command, console);
-  if (!screen && input.events_file.empty())
-    throw std::invalid_argument(
-        "teach: without a window nobody acts; expected --events FILE (see datasets/FORMATS.md)");
-  require_no_session(command.out);
-  require_no_foreign_map("--out", command.out);
-  AtomicFolder folder(command.out,
-                      written_into(command.out));  // refuses before the work what cannot be written
-  for (const char* part : {"plans", "session/source"}) fs::create_directories(folder.path() / part);
-
-  LedSession led(command, input, screen.get(), folder.path(), console);
+/// From the first frame to the folder that is published.
+int teach(const TeachCommand& command, const TeachInput& input, AtomicFolder& folder, LedSession& led,
+          Console& console) {
   Fusion fusion = led.fuse();
   const fs::path recording = fs::weakly_canonical(led.save()).filename();
 
@@ -291,6 +343,7 @@ int run_teach(const TeachCommand& command, Console& console) {
   report.teaching = teaching_json(led.session(), plans, map_sha256(report.map));
   const std::string json = save_report(report, folder.path());
   publish_map_folder(folder, report.map);
+  led.let_signals_end();
   if (!command.overlay.empty())
     draw_replay(input.recorded.source, fusion, report.map, report.plans, {command.overlay, {}},
                 console.bar("drawing"));
@@ -302,6 +355,33 @@ int run_teach(const TeachCommand& command, Console& console) {
   else
     print_session(report, led.session().events(), outcome, command.out / "report.html", console.out());
   return exit_of(fusion, outcome, console);
+}
+
+}  // namespace
+
+int run_teach(const TeachCommand& command, Console& console) {
+  TeachInput input(command);
+  require_pictures_of(input.recorded, command);
+  const std::unique_ptr<TeachScreen> screen = open_screen(command, console);
+  if (!screen && input.events_file.empty())
+    throw std::invalid_argument(
+        "teach: without a window nobody acts; expected --events FILE (see datasets/FORMATS.md)");
+  require_no_session(command.out);
+  require_no_foreign_map("--out", command.out);
+  const bool is_kept = is_live(input, screen.get());
+  if (is_kept) require_nothing_unfinished(command);
+  // Refuses before the work what cannot be written.
+  AtomicFolder folder(command.out, written_into(command.out),
+                      is_kept ? Unpublished::kept : Unpublished::removed);
+  for (const char* part : {"plans", "session/source"}) fs::create_directories(folder.path() / part);
+  LedSession led(command, input, screen.get(), folder, console);
+  try {
+    return teach(command, input, folder, led, console);
+  } catch (const std::runtime_error& error) {
+    const std::string left = folder.unfinished_work();
+    if (left.empty()) throw;
+    throw std::runtime_error(std::string(error.what()) + "; " + left);
+  }
 }
 
 }  // namespace clearway

@@ -130,7 +130,8 @@ struct FusionOptions {
   std::optional<Setup> setup{};        ///< as read from setup_file, which is then not read again
   bool is_paced =
       false;  ///< frames come at the recording's own pace, and images that come too late are left out
-  std::filesystem::path frames_file{};  ///< rawlog that takes every frame before it is used; empty: none
+  std::filesystem::path
+      frames_file{};  ///< new rawlog that takes every frame before it is used, and keeps them; empty: none
 };
 
 /// A recording turned into a map.

@@ -11,7 +11,10 @@ constexpr std::size_t most_unwritten = 64;  ///< frames; a disk that is slower f
 
 RecordedFrames::RecordedFrames(std::unique_ptr<FrameSource> frames, const std::filesystem::path& file,
                                const Setup& setup)
-    : frames_(std::move(frames)), setup_(setup), writer_(file), worker_([this] { write_frames(); }) {}
+    : frames_(std::move(frames)),
+      setup_(setup),
+      writer_(file, UnfinishedRecording::kept),
+      worker_([this] { write_frames(); }) {}
 
 RecordedFrames::~RecordedFrames() {
   if (worker_.joinable()) hand_over(std::nullopt);

@@ -17,7 +17,7 @@ namespace clearway {
 /// The frames of a source, each with its time as a rawlog keeps it (100 ns), and written to one by a thread
 /// of its own: whoever reads the rawlog gets the same images and times. Clouds keep their points, their
 /// places and the setup's name of their sensor. Odometry is left out: frames have it in their places already,
-/// and a reader of the rawlog would add it once more.
+/// and a reader of the rawlog would add it once more. Without `finish` the rawlog ends where the frames did.
 class RecordedFrames final : public FrameSource {
  public:
   /// @param setup has the sensors; it must outlive this

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <stdexcept>
 
 #include "datasets/yaml/yaml_gate.hpp"
@@ -122,6 +123,18 @@ Json save_inputs(const std::map<std::string, std::string>& inputs, const fs::pat
   return list;
 }
 
+/// What an earlier save has left in files/ that is not in the list.
+void remove_others(const Json& list, const fs::path& folder) {
+  std::set<fs::path> kept;
+  for (const Json& entry : list) kept.insert(folder / entry["file"].get<std::string>());
+  std::error_code error;
+  for (const auto& number : fs::directory_iterator(folder / "files", error)) {
+    for (const auto& entry : fs::directory_iterator(number))
+      if (!kept.contains(entry.path())) fs::remove(entry.path(), error);
+    fs::remove(number.path(), error);  // if it is empty
+  }
+}
+
 /// A path in the session's folder. @throws std::invalid_argument for one that leads out of it
 fs::path inner_path(const JsonField& field) {
   const fs::path path = field.text();
@@ -159,8 +172,8 @@ void save_session(const RecordedSession& session, const std::map<std::string, st
                   const fs::path& folder) {
   const fs::path source =
       fs::path("source") / plain(fs::weakly_canonical(session.source).filename().string());
-  if (!fs::exists(folder / source)) take_source(session.source, folder / source);
   const fs::path kept = folder / source;
+  if (session.source != kept && !fs::exists(kept)) take_source(session.source, kept);
   const Json json{
       {"format", format},
       {"source", source.string()},
@@ -174,6 +187,7 @@ void save_session(const RecordedSession& session, const std::map<std::string, st
       {"files", save_inputs(inputs, folder)}};
   save_file(folder / "session.json", json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
   if (!session.setup_text.empty()) save_file(folder / "setup.yaml", session.setup_text);
+  remove_others(json["files"], folder);
 }
 
 void save_session_events(const std::vector<TaughtEvent>& events, const fs::path& folder) {
@@ -181,6 +195,18 @@ void save_session_events(const std::vector<TaughtEvent>& events, const fs::path&
   for (const TaughtEvent& event : events)
     if (!event.is_late) text += to_json_line(event.event) + "\n";
   save_file(folder / "events.jsonl", text);
+}
+
+GrowingEvents::GrowingEvents(const fs::path& folder)
+    : file_(folder / "events.jsonl"),
+      open_(::open(file_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666)) {
+  if (!open_.is_open()) fail_to_write(file_);
+}
+
+void GrowingEvents::add(const std::vector<TaughtEvent>& events) {
+  for (; written_ < events.size(); ++written_)
+    if (const TaughtEvent& event = events[written_]; !event.is_late)
+      write_all(open_, to_json_line(event.event) + "\n", file_);
 }
 
 RecordedSession load_session(const fs::path& folder) {

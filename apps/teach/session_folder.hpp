@@ -8,6 +8,7 @@
 
 #include "apps/fusion/open_frames.hpp"
 #include "apps/teach/teach_session.hpp"
+#include "mapping/system/file_descriptor.hpp"
 
 namespace clearway {
 
@@ -33,14 +34,28 @@ bool is_session_folder(const std::filesystem::path& folder);
 void require_no_session(const std::filesystem::path& out);
 
 /// Writes session.json, setup.yaml and `inputs`, what was read besides (InputKeeper::kept), and takes the
-/// source into the folder: as a copy, above 256 MB as hard links where the disk allows it. A camera's frames
-/// have to be there already.
+/// source into the folder: as a copy, above 256 MB as hard links where the disk allows it. Live frames are
+/// recorded there: before they are all there, and after, the same call writes what is known.
 /// @throws std::runtime_error naming the file that cannot be written
 void save_session(const RecordedSession& session, const std::map<std::string, std::string>& inputs,
                   const std::filesystem::path& folder);
 
 /// events.jsonl: what was done or refused, but for what came too late, in order.
 void save_session_events(const std::vector<TaughtEvent>& events, const std::filesystem::path& folder);
+
+/// The same file while a session goes on: what is written outlives the process, however it ends.
+class GrowingEvents {
+ public:
+  /// @throws std::runtime_error naming the file that cannot be written, as `add` does
+  explicit GrowingEvents(const std::filesystem::path& folder);
+  /// @param events of the session up to now, of which the new ones are written
+  void add(const std::vector<TaughtEvent>& events);
+
+ private:
+  std::filesystem::path file_;
+  FileDescriptor open_;
+  std::size_t written_ = 0;
+};
 
 /// @throws std::invalid_argument naming the file and the field that is wrong
 RecordedSession load_session(const std::filesystem::path& folder);

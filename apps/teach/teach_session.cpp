@@ -56,6 +56,7 @@ bool TeachSession::before(double since_start) {
   else
     take_plan(false);
   if (doing_ == Doing::playing && now_ > play_begin_ + play_seconds_) doing_ = Doing::nothing;
+  if (is_asked_to_end()) apply({.time = now_, .action = TeachAction::quit});
   return doing_ != Doing::ended;
 }
 
@@ -165,6 +166,8 @@ const Snapshot& TeachSession::present_map() {
 void TeachSession::apply(const TeachEvent& event) {
   now_ = std::max(now_, event.time);
   if (options_.waits_for_plans) take_plan(true);
+  if (is_asked_to_end() && event.action != TeachAction::quit)
+    return;  // it may rest on a plan that was stopped
   TaughtEvent reported{event, TeachState::ready, {}, {}, false};
   reported.refusal = refusal_of_state(event.action);
   reported.is_late = doing_ == Doing::planning && !reported.refusal.empty();

@@ -100,7 +100,7 @@ struct TeachOptions {
 /// | marking | object_off, undo, save, quit |
 /// | planning | quit |
 /// | playing | as planned; all but play, approve and save end it |
-/// `quit` stops the plan that is being made, if nothing waits for plans.
+/// `quit` stops the plan that is being made, if nothing waits for plans; ask_to_end() stops it always.
 /// `plan` needs a start and a goal, `play` and `approve` a plan that is proved; `start`, what follows, and
 /// `attach` a robot; `detach` a load.
 class TeachSession final : public FusionGuide {
@@ -119,6 +119,10 @@ class TeachSession final : public FusionGuide {
   void see(const SeenImage& image) override;
   /// The events that are left, and the plan that is being made.
   void end() override;
+
+  /// From another thread: before the next frame the session quits, with an event. What was to come before it
+  /// is left out, and so is a plan that is being made.
+  void ask_to_end() { is_stopped_->store(true); }
 
   TeachState state() const;
   /// Where the virtual robot is to be drawn: led by the probe, or along the plan that is played.
@@ -180,7 +184,6 @@ class TeachSession final : public FusionGuide {
   };
   struct Job {
     std::future<Answer> result;
-    std::shared_ptr<std::atomic<bool>> is_stopped;
     std::optional<Answer> reported{};  ///< already, before an event or the end takes it
     bool is_ready() const {
       return reported || result.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
@@ -193,6 +196,7 @@ class TeachSession final : public FusionGuide {
   };
 
   [[noreturn]] static void refuse(const std::string& sentence);
+  bool is_asked_to_end() const { return is_stopped_->load() && doing_ != Doing::ended; }
   void apply(const TeachEvent& event);
   std::string refusal_of_state(TeachAction action) const;
   void act(const TeachEvent& event, std::string& remark);
@@ -269,6 +273,8 @@ class TeachSession final : public FusionGuide {
   bool is_base_hidden_ = false;  ///< in the last image
   Choice choice_;
   std::deque<Undo> undos_;  ///< the last thousand
+  /// Plans end, since the session does.
+  const std::shared_ptr<std::atomic<bool>> is_stopped_ = std::make_shared<std::atomic<bool>>(false);
   std::optional<Job> job_;
   std::deque<TaughtPlan> plans_;  ///< which stay where they are
   std::set<std::string> saved_;   ///< maps

@@ -170,12 +170,11 @@ void TeachSession::begin_plan(const TeachEvent& event) {
   for (const TaughtPlace& goal : goals()) plan.goals.push_back(goal.q);
   plan.robot = robot_->choice();
   plan.space = robot_->space(present_map(), map_version());
-  const auto is_stopped = std::make_shared<std::atomic<bool>>(false);
   PlanQuery query{
       .space = *plan.space,
       .start = plan.start,
       .goals = plan.goals,
-      .planner = std::make_shared<StoppablePlanner>(make_planner(event.planner, event.options), is_stopped),
+      .planner = std::make_shared<StoppablePlanner>(make_planner(event.planner, event.options), is_stopped_),
       .seed = options_.seed,
       .time_limit = options_.time_limit,
       .loads = loads_of_legs(goals()),
@@ -187,7 +186,6 @@ void TeachSession::begin_plan(const TeachEvent& event) {
     query.gravity = setup_->robot->gravity;
   }
   Job job;
-  job.is_stopped = is_stopped;
   job.result = std::async(std::launch::async, [plan, query, pick = choice_.pick]() mutable -> Answer {
     try {
       TaughtPlan taught = answered(std::move(plan), query, pick);
@@ -246,7 +244,7 @@ void TeachSession::take_plan(bool wait) {
 
 /// What was asked for by hand ends with the session, and does not keep it.
 void TeachSession::stop_plan() {
-  if (job_) job_->is_stopped->store(true);
+  is_stopped_->store(true);
   take_plan(true);
 }
 

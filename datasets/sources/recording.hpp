@@ -156,15 +156,21 @@ struct RecordingSum {
   std::uint32_t crc32 = 0;
 };
 
-/// Writes a gz rawlog, each record under a checksum of its own (record_seal.hpp), whole or not at all
-/// (AtomicFile): an interrupted recording leaves nothing under its name. Each frame is flushed as it is
-/// written: what a crash leaves under a temporary name can be read up to the last frame, until the next file
-/// written there removes it. The same frames give the same bytes.
+/// What becomes of a recording that is not finished.
+enum class UnfinishedRecording {
+  removed,  ///< it leaves nothing under its name (AtomicFile); of a crash, a temporary file until the next
+            ///< one
+  kept      ///< it is there under its name from the beginning, to be read up to its last frame
+};
+
+/// Writes a gz rawlog, each record under a checksum of its own (record_seal.hpp). Each frame is flushed as it
+/// is written. The same frames give the same bytes.
 class RecordingWriter {
  public:
-  /// @throws std::runtime_error when the folder or the file cannot be written.
-  explicit RecordingWriter(const std::filesystem::path& file);
-  /// Without `finish` nothing is left.
+  /// @throws std::runtime_error when the folder or the file cannot be written; one to be kept may not be
+  /// there
+  explicit RecordingWriter(const std::filesystem::path& file,
+                           UnfinishedRecording unfinished = UnfinishedRecording::removed);
   ~RecordingWriter();
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;
@@ -175,9 +181,10 @@ class RecordingWriter {
   void write(const Frame& frame);
   /// Appends a depth image; reads back as a cloud of kind "depth". Ranges beyond 65534 units are dropped.
   void write(double time, const std::string& sensor, const DepthImage& depth);
-  /// Ends the log, still under its temporary name. Nothing may be written afterwards but by `finish`.
+  /// Ends the log, which `finish` publishes. Nothing may be written afterwards but by `finish`.
   RecordingSum end();
-  /// Ends the log, syncs it to the disk and gives it its name. Nothing may be written afterwards.
+  /// Ends the log, syncs it to the disk and gives it its name, if it lacks that. Nothing may be written
+  /// afterwards.
   void finish();
 
  private:

@@ -1,8 +1,10 @@
+#include <fcntl.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/obs/CObservationComment.h>
 #include <mrpt/obs/CObservationImage.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/serialization/CArchive.h>
+#include <unistd.h>
 #include <zlib.h>
 
 #include <cmath>
@@ -12,6 +14,7 @@
 #include "datasets/sources/record_seal.hpp"
 #include "datasets/sources/recording.hpp"
 #include "mapping/system/atomic_file.hpp"
+#include "mapping/system/file_descriptor.hpp"
 
 namespace clearway {
 namespace {
@@ -115,10 +118,39 @@ mrpt::obs::CObservation::Ptr observation(const DepthImage& depth) {
   return result;
 }
 
+/// Takes the bytes of a log.
+class LogFile {
+ public:
+  LogFile(const std::filesystem::path& file, UnfinishedRecording unfinished) : file_(file) {
+    if (unfinished == UnfinishedRecording::removed) {
+      whole_.emplace(file);
+      return;
+    }
+    growing_ = FileDescriptor(::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+    if (!growing_.is_open()) fail_to_write(file);
+  }
+
+  void append(const std::string& bytes) {
+    whole_ ? whole_->append(bytes) : write_all(growing_, bytes, file_);
+  }
+
+  void finish() {
+    if (whole_)
+      whole_->finish();
+    else if (::fsync(growing_.number()) != 0)
+      fail_to_write(file_);
+  }
+
+ private:
+  std::filesystem::path file_;
+  std::optional<AtomicFile> whole_;
+  FileDescriptor growing_;
+};
+
 }  // namespace
 
 struct RecordingWriter::State {
-  explicit State(const std::filesystem::path& target) : file(target) {}
+  State(const std::filesystem::path& target, UnfinishedRecording unfinished) : file(target, unfinished) {}
 
   void append(double time, const std::string& sensor, mrpt::obs::CObservation& observation) {
     observation.timestamp = mrpt::Clock::fromDouble(time);
@@ -135,7 +167,7 @@ struct RecordingWriter::State {
     sum.bytes += record.size();
   }
 
-  AtomicFile file;
+  LogFile file;
   std::uint32_t count = 0;
   RecordingSum sum;
   bool has_ended = false;
@@ -143,7 +175,8 @@ struct RecordingWriter::State {
 
 double recorded_time(double time) { return mrpt::Clock::toDouble(mrpt::Clock::fromDouble(time)); }
 
-RecordingWriter::RecordingWriter(const std::filesystem::path& file) : state_(std::make_unique<State>(file)) {}
+RecordingWriter::RecordingWriter(const std::filesystem::path& file, UnfinishedRecording unfinished)
+    : state_(std::make_unique<State>(file, unfinished)) {}
 RecordingWriter::~RecordingWriter() = default;
 
 void RecordingWriter::write(const Frame& frame) {

@@ -135,15 +135,17 @@ void AtomicFolder::make_partial() {
   if (!lock(lock_, false)) fail_to_write(folder_, "another process writes '" + name.string() + "'");
 }
 
-void AtomicFolder::note_progress(const std::string& what_is_finished) {
+void AtomicFolder::note_progress(const std::string& what_is_finished, const std::string& then) {
   const auto held = uninterrupted();
   finished_ = what_is_finished;
+  then_ = then;
 }
 
 std::string AtomicFolder::unfinished_work() const {
   const auto held = uninterrupted();
   if (is_published_ || finished_.empty()) return {};
-  return finished_ + " in '" + folder_.lexically_normal().string() + ".partial'";
+  return finished_ + " in '" + folder_.lexically_normal().string() + ".partial'" +
+         (then_.empty() ? "" : "; " + then_);
 }
 
 void AtomicFolder::publish() {

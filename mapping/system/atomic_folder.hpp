@@ -44,8 +44,10 @@ class AtomicFolder {
   /// Where the new files are written.
   const std::filesystem::path& path() const { return staging_; }
 
-  /// For Unpublished::kept: what is in it by now, as "3 problems"; before the first call it is removed.
-  void note_progress(const std::string& what_is_finished);
+  /// For Unpublished::kept: what is in it by now, as "3 problems are"; before the first call it is removed,
+  /// and after one with "".
+  /// @param then a clause about what can be done with it; empty: none
+  void note_progress(const std::string& what_is_finished, const std::string& then = "");
   /// A clause about what is there when the work ends now; empty when there is nothing to say.
   std::string unfinished_work() const;
 
@@ -72,7 +74,7 @@ class AtomicFolder {
   IsOurs is_ours_;
   Unpublished unpublished_;
   bool existed_ = false, is_exchanged_ = false, is_published_ = false;
-  std::string finished_;
+  std::string finished_, then_;
   KeptFiles kept_;
   FileDescriptor lock_, older_lock_;
   std::unique_ptr<UnfinishedWork> unfinished_;

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace clearway {
@@ -23,7 +24,8 @@ struct State {
   std::recursive_mutex mutex;
   std::vector<OngoingWork> unfinished;
   std::vector<std::filesystem::path> written;
-  bool is_waiting = false;  ///< a thread waits for signals: only then is what was written reported
+  std::function<void(int)> ask;  ///< of who ends in order at the first signal; may be empty
+  bool is_waiting = false;       ///< a thread waits for signals: only then is what was written reported
 };
 
 /// Never destroyed: a signal may come while the process ends.
@@ -72,13 +74,18 @@ void end_in_order_on_signals(std::function<void(int, const std::string&)> end) {
   state().is_waiting = true;
   try {
     std::thread([set, end = std::move(end)] {
-      int number = 0;
-      while (sigwait(&set, &number) != 0) {
-      }
       State& all = state();
-      const std::lock_guard held(all.mutex);  // to the end: nobody publishes anything after the sentence
-      end(number, end_all_work(all));
-      ::_exit(128 + number);
+      while (true) {
+        int number = 0;
+        if (sigwait(&set, &number) != 0) continue;
+        const std::lock_guard held(all.mutex);  // to the end: nobody publishes anything after the sentence
+        if (const auto ask = std::exchange(all.ask, nullptr)) {
+          ask(number);
+          continue;
+        }
+        end(number, end_all_work(all));
+        ::_exit(128 + number);
+      }
     }).detach();
   } catch (const std::system_error&) {  // no thread to be had: signals end the process as they always did
     pthread_sigmask(SIG_UNBLOCK, &set, nullptr);
@@ -95,6 +102,16 @@ UnfinishedWork::UnfinishedWork(std::function<std::string()> end, std::filesystem
 UnfinishedWork::~UnfinishedWork() {
   const auto held = uninterrupted();
   std::erase_if(state().unfinished, [this](const OngoingWork& work) { return work.key == this; });
+}
+
+OrderlyEnd::OrderlyEnd(std::function<void(int)> ask) {
+  const auto held = uninterrupted();
+  state().ask = std::move(ask);
+}
+
+OrderlyEnd::~OrderlyEnd() {
+  const auto held = uninterrupted();
+  state().ask = nullptr;
 }
 
 void written_file(const std::filesystem::path& file) {

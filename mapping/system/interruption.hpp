@@ -30,6 +30,17 @@ class UnfinishedWork {
   UnfinishedWork& operator=(const UnfinishedWork&) = delete;
 };
 
+/// While one lives, the first signal ends nothing: the thread that waits for signals calls `ask` with it, and
+/// the work ends itself in order. A second one ends the process as any does. One at a time.
+class OrderlyEnd {
+ public:
+  /// @param ask must not throw, and takes microseconds
+  explicit OrderlyEnd(std::function<void(int signal)> ask);
+  ~OrderlyEnd();
+  OrderlyEnd(const OrderlyEnd&) = delete;
+  OrderlyEnd& operator=(const OrderlyEnd&) = delete;
+};
+
 /// Remembers a file or folder that was written whole, for the sentence after a signal.
 void written_file(const std::filesystem::path& file);
 

@@ -156,6 +156,25 @@ TEST(RecordingWriter, EveryFrameWrittenBeforeACrashCanBeRead) {
   }
 }
 
+TEST(RecordingWriter, AnUnfinishedRecordingThatIsKeptCanBeReadAndAFinishedOneIsAsAnyOther) {
+  const TemporaryFolder folder;
+  const auto frames = sample_frames();
+  const auto write_kept = [&](const char* name, bool is_finished) {
+    RecordingWriter writer(folder / name, UnfinishedRecording::kept);
+    for (const Frame& frame : frames) writer.write(frame);
+    if (is_finished) writer.finish();
+  };
+  write_kept("cut.rawlog", false);
+  RecordingReader cut(folder / "cut.rawlog");
+  EXPECT_EQ(read_all(cut).size(), frames.size());
+  EXPECT_TRUE(cut.damage());
+  write_kept("kept.rawlog", true);
+  write(folder / "whole.rawlog", frames);
+  EXPECT_EQ(read_file(folder / "kept.rawlog"), read_file(folder / "whole.rawlog"));
+  EXPECT_THROW(write_kept("kept.rawlog", false), std::runtime_error);
+  EXPECT_EQ(read_file(folder / "kept.rawlog"), read_file(folder / "whole.rawlog"));
+}
+
 TEST(RecordingWriter, RefusesWhatCannotBeWritten) {
   const TemporaryFolder folder;
   EXPECT_THROW(RecordingWriter(folder / "no/such/folder.rawlog"), std::runtime_error);

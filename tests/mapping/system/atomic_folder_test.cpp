@@ -146,6 +146,8 @@ TEST(AtomicFolder, WhatAnotherCommandFinishedMeanwhileDoesNotGoAndNeitherDoesThe
           << error.what();
     }
     EXPECT_EQ(slow.unfinished_work(), "3 problems are in '" + out.string() + ".partial'");
+    slow.note_progress("4 problems are", "`more` goes on");
+    EXPECT_EQ(slow.unfinished_work(), "4 problems are in '" + out.string() + ".partial'; `more` goes on");
   }
   EXPECT_EQ(content(out), (Content{{"map.txt", "of a quick command"}}));
   EXPECT_EQ(content(AtomicFolder::partial_of(out)), (Content{{"runs.log", "hours"}}));

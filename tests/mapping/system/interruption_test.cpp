@@ -6,9 +6,11 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <deque>
 #include <filesystem>
+#include <optional>
 #include <thread>
 
 #include "mapping/system/atomic_file.hpp"
@@ -84,6 +86,22 @@ TEST(Interruption, WorkMayBeginAndEndOtherWorkWhileItEnds) {
                    wait_for_sigterm();
                  }),
                  "the second; the first");
+  }
+}
+
+TEST(Interruption, TheFirstSignalOnlyAsksWhoEndsInOrder) {
+  for (const int signals : {1, 2}) {
+    const Ending ending = ended_by_signal([&] {
+      std::atomic<int> asked = 0;
+      const UnfinishedWork work([&] { return "the work, asked " + std::to_string(asked.load()) + " time"; });
+      std::optional<OrderlyEnd> orderly(std::in_place, [&](int number) { asked += number == SIGTERM; });
+      ::kill(::getpid(), SIGTERM);
+      while (asked == 0) std::this_thread::yield();
+      if (signals == 2) wait_for_sigterm();
+      orderly.reset();
+      wait_for_sigterm();  // as without it
+    });
+    expect_ended(ending, "the work, asked 1 time");
   }
 }
 
