@@ -22,9 +22,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::array<std::string_view, teach_actions> action_names = {
-    "paint_on", "paint_off", "erase_on", "erase_off", "object", "object_off", "volume", "robot",
-    "start",    "via",       "goal",     "clear",     "pick",   "place",      "attach", "detach",
-    "plan",     "play",      "approve",  "undo",      "save",   "quit"};
+    "paint_on", "paint_off", "erase_on", "erase_off", "object", "object_off",  "volume", "robot",
+    "branch",   "start",     "via",      "goal",      "clear",  "pick",        "place",  "attach",
+    "detach",   "plan",      "play",     "approve",   "undo",   "undo_stroke", "save",   "quit"};
 
 /// Whether it is done where the virtual robot is, or at a configuration.
 bool takes_place(TeachAction action) {

@@ -23,6 +23,7 @@ enum class TeachAction {
   object_off,
   volume,  ///< paint goes into the volume of that label from here on; made when there is none
   robot,   ///< which robot, at what scale and place, under which policies
+  branch,  ///< the robot takes its next arm configuration that has the tip where it is
   start,   ///< of the query: where the virtual robot is, or a configuration
   via,     ///< one more goal on the way
   goal,    ///< the last goal; given again, it replaces the one before
@@ -34,11 +35,12 @@ enum class TeachAction {
   plan,
   play,
   approve,
-  undo,  ///< the last of the above that changed something
-  save,  ///< the map as it is, under maps/
+  undo,         ///< the last of the above that changed something
+  undo_stroke,  ///< the last stroke that painted or erased, whatever was done since
+  save,         ///< the map as it is, under maps/
   quit
 };
-constexpr int teach_actions = 22;
+constexpr int teach_actions = 24;
 
 std::string_view to_string(TeachAction action);
 

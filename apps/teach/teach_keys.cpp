@@ -15,8 +15,9 @@ struct Key {
   std::string_view word;
 };
 
-constexpr std::array<Key, 16> keys = {{{' ', TeachAction::paint_on, "paint"},
+constexpr std::array<Key, 18> keys = {{{' ', TeachAction::paint_on, "paint"},
                                        {'e', TeachAction::erase_on, "erase"},
+                                       {'b', TeachAction::branch, "other arm"},
                                        {'s', TeachAction::start, "start"},
                                        {'v', TeachAction::via, "via"},
                                        {'g', TeachAction::goal, "goal"},
@@ -29,6 +30,7 @@ constexpr std::array<Key, 16> keys = {{{' ', TeachAction::paint_on, "paint"},
                                        {'d', TeachAction::place, "place"},
                                        {'x', TeachAction::detach, "detach"},
                                        {'u', TeachAction::undo, "undo"},
+                                       {'z', TeachAction::undo_stroke, "undo stroke"},
                                        {'w', TeachAction::save, "save"},
                                        {'q', TeachAction::quit, "quit"}}};
 
@@ -51,6 +53,8 @@ bool is_offered(TeachAction action, TeachState state, const KeyOffer& offer) {
       return state == TeachState::ready || state == TeachState::approved;
     case TeachAction::undo:
       return state != TeachState::planning;
+    case TeachAction::undo_stroke:
+      return offer.stroke && state != TeachState::marking && state != TeachState::planning;
     case TeachAction::play:
       return has_plan || state == TeachState::approved;
     case TeachAction::approve:
@@ -68,6 +72,9 @@ bool is_offered(TeachAction action, TeachState state, const KeyOffer& offer) {
     case TeachAction::clear:
     case TeachAction::plan:
       return state == TeachState::selecting;
+    case TeachAction::branch:
+      if (!offer.robot) return false;
+      [[fallthrough]];
     default:
       return !strokes && state != TeachState::planning && state != TeachState::playing;
   }

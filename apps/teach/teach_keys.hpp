@@ -25,6 +25,8 @@ struct KeyOffer {
   bool objects = false;  ///< that are marked and may be picked
   bool place = false;    ///< is wanted for the one that is picked
   bool load = false;     ///< is held and may be let go
+  bool robot = false;    ///< is led, and may have other arm configurations
+  bool stroke = false;   ///< may be taken back
 };
 
 /// The keys that do something in this state, for the strip: "space: stop painting, u: undo, q: quit".

@@ -47,7 +47,9 @@ TeachView TeachViewer::view(const SeenImage& image, const ImageFrame& frame) {
   view.offer = {.probe = setup_.probe.has_value(),
                 .objects = session_.has_objects(),
                 .place = session_.wants_place(),
-                .load = !session_.held_loads().empty()};
+                .load = !session_.held_loads().empty(),
+                .robot = session_.robot() != nullptr && session_.robot()->q().size() > 0,
+                .stroke = session_.has_strokes()};
   add_camera(image, view);
   add_map(view);
   add_robot(view);
@@ -175,8 +177,10 @@ void TeachViewer::add_sentences(const SeenImage& image, TeachView& view) {
   const std::string action(to_string(last.event.action));
   std::string sentence;
   if (!last.refusal.empty()) sentence = action + " refused: " + last.refusal;
-  if (last.event.action == TeachAction::paint_off && !last.remark.empty())
-    sentence = action + ": " + last.remark;
+  const bool is_told = last.event.action == TeachAction::paint_off ||
+                       last.event.action == TeachAction::branch ||
+                       last.event.action == TeachAction::undo_stroke;
+  if (is_told && last.refusal.empty() && !last.remark.empty()) sentence = action + ": " + last.remark;
   if (sentence.empty()) return;
   view.refusal = sentence;
   view.cure.clear();

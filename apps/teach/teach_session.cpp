@@ -185,15 +185,20 @@ void TeachSession::apply(const TeachEvent& event) {
 
 std::string TeachSession::refusal_of_state(TeachAction action) const {
   const bool ends = action == TeachAction::undo || action == TeachAction::save || action == TeachAction::quit;
+  const bool undoes_stroke = action == TeachAction::undo_stroke;
   switch (doing_) {
     case Doing::ended:
       return "the session has ended";
     case Doing::planning:
       return action == TeachAction::quit ? "" : "a plan is being made; wait for it";
     case Doing::painting:
-      return ends || action == TeachAction::paint_off ? "" : "a stroke is being painted; 'paint_off' ends it";
+      return ends || undoes_stroke || action == TeachAction::paint_off
+                 ? ""
+                 : "a stroke is being painted; 'paint_off' ends it";
     case Doing::erasing:
-      return ends || action == TeachAction::erase_off ? "" : "the ball erases; 'erase_off' ends that";
+      return ends || undoes_stroke || action == TeachAction::erase_off
+                 ? ""
+                 : "the ball erases; 'erase_off' ends that";
     case Doing::marking:
       return ends || action == TeachAction::object_off ? ""
                                                        : "a stroke marks an object; 'object_off' ends it";
@@ -226,6 +231,9 @@ void TeachSession::act(const TeachEvent& event, std::string& remark) {
       break;
     case TeachAction::robot:
       choose_robot(event, remark);
+      break;
+    case TeachAction::branch:
+      choose_branch(event.time, remark);
       break;
     case TeachAction::start:
     case TeachAction::via:
@@ -266,6 +274,9 @@ void TeachSession::act(const TeachEvent& event, std::string& remark) {
     case TeachAction::undo:
       undo(remark);
       break;
+    case TeachAction::undo_stroke:
+      undo_stroke(remark);
+      break;
     case TeachAction::save:
       save_map(event.name);
       break;
@@ -294,12 +305,6 @@ void TeachSession::forget_places() {
   forget_plan();
 }
 
-void TeachSession::remember(const std::string& what, std::optional<int> stroke) {
-  constexpr std::size_t most_undos = 1000;
-  if (undos_.size() == most_undos) undos_.pop_front();
-  undos_.push_back({what, choice_, stroke});
-}
-
 void TeachSession::begin_stroke(const TeachEvent& event, std::string& remark) {
   if (!setup_->probe) refuse("the setup has no probe");
   const bool paints = event.action == TeachAction::paint_on;
@@ -326,24 +331,6 @@ std::string TeachSession::new_conflicts() {
   return counted(conflicts - conflicts_before_, "painted voxel is", "painted voxels are") +
          " where a sensor saw an obstacle (red): blocked, and paint behind is suspect; 'undo' takes the "
          "stroke back";
-}
-
-void TeachSession::undo(std::string& remark) {
-  if (undos_.empty()) refuse("nothing was done");
-  if (doing_ == Doing::painting || doing_ == Doing::erasing) end_stroke();
-  if (doing_ == Doing::marking) doing_ = Doing::nothing;
-  Undo last = std::move(undos_.back());
-  undos_.pop_back();
-  if (choice_.is_approved && !last.before.is_approved && choice_.plan)
-    plans_[*choice_.plan].is_approved = false;
-  if (last.stroke) {
-    map_->undo_stroke(*last.stroke);
-    ++other_changes_;
-  }
-  if (last.adds_volume && map_->remove_last_volume()) ++other_changes_;
-  choice_ = std::move(last.before);
-  use_robot(choice_.robot, now_);
-  remark = last.what + " is undone";
 }
 
 }  // namespace clearway

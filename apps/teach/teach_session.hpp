@@ -95,8 +95,8 @@ struct TeachOptions {
 /// | state | takes |
 /// |---|---|
 /// | ready, selecting, planned, approved | all but paint_off, erase_off and object_off |
-/// | painting | paint_off, undo, save, quit |
-/// | erasing | erase_off, undo, save, quit |
+/// | painting | paint_off, undo, undo_stroke, save, quit |
+/// | erasing | erase_off, undo, undo_stroke, save, quit |
 /// | marking | object_off, undo, save, quit |
 /// | planning | quit |
 /// | playing | as planned; all but play, approve and save end it |
@@ -141,6 +141,7 @@ class TeachSession final : public FusionGuide {
   /// map_from_object. What the virtual robot holds then is not among them.
   std::vector<std::pair<const Load*, Eigen::Isometry3d>> standing_objects() const;
   bool has_objects() const { return !choice_.objects.empty(); }  ///< that strokes marked
+  bool has_strokes() const;                                      ///< that undo_stroke takes back
   bool wants_place() const { return choice_.pick && !choice_.place; }
   const std::vector<TaughtEvent>& events() const { return done_; }
   const std::deque<TaughtPlan>& plans() const { return plans_; }
@@ -168,8 +169,11 @@ class TeachSession final : public FusionGuide {
     std::optional<std::size_t> plan;    ///< in plans_, of this very choice, proved
     std::optional<std::size_t> failed;  ///< the same, not proved
     bool is_approved = false;
-    std::string outdated;  ///< why the last plan is none any more, where loads are: "'can' was detached"
+    std::string outdated;  ///< why the last plan is none any more: "'can' was detached"
+
+    void forget_plan();
   };
+  static constexpr const char *plan_word = "plan", *approval_word = "approval";  ///< what Undo calls these
   struct Undo {
     std::string what;
     Choice before;
@@ -207,6 +211,7 @@ class TeachSession final : public FusionGuide {
   std::string new_conflicts();
   void choose_volume(const TeachEvent& event, std::string& remark);
   void choose_robot(const TeachEvent& event, std::string& remark);
+  void choose_branch(double time, std::string& remark);
   std::string unknown_parts(const PaintedVolume& volume) const;
   std::string cure_of(const Verdict& verdict);
   void choose_place(const TeachEvent& event, std::string& remark);
@@ -235,6 +240,9 @@ class TeachSession final : public FusionGuide {
   const Played& played() const;
   void approve(std::string& remark);
   void undo(std::string& remark);
+  void undo_stroke(std::string& remark);
+  std::string withdraw_plans(std::size_t stroke);
+  std::string blocked_places();
   void forget_plan();
   void remember(const std::string& what, std::optional<int> stroke = {});
   void require_robot() const;

@@ -46,6 +46,17 @@ void TeachSession::choose_robot(const TeachEvent& event, std::string& remark) {
   for (const PaintedVolume& volume : map_->volumes()) remark = joined(remark, unknown_parts(volume));
 }
 
+/// The robot that was before stays as it was, for undo.
+void TeachSession::choose_branch(double time, std::string& remark) {
+  require_robot();
+  auto robot = std::make_shared<VirtualRobot>(*robot_);
+  const std::string which = robot->take_next_branch();
+  remember("branch");
+  choice_.robot = robot;
+  use_robot(std::move(robot), time);
+  remark = "arm configuration " + which;
+}
+
 /// A remark on critical parts of a volume that are none of the robot's, nor loads that it holds.
 std::string TeachSession::unknown_parts(const PaintedVolume& volume) const {
   if (!robot_) return {};

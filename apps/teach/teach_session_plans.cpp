@@ -103,12 +103,14 @@ PathVerdict check_taught(const TaughtPlan& taught, const Snapshot& map) {
   return verdict;
 }
 
-void TeachSession::forget_plan() {
-  choice_.plan.reset();
-  choice_.failed.reset();
-  choice_.is_approved = false;
-  choice_.outdated.clear();
+void TeachSession::Choice::forget_plan() {
+  plan.reset();
+  failed.reset();
+  is_approved = false;
+  outdated.clear();
 }
+
+void TeachSession::forget_plan() { choice_.forget_plan(); }
 
 const TaughtPlan* TeachSession::last_plan() const {
   if (choice_.plan) return &plans_[*choice_.plan];
@@ -197,7 +199,7 @@ void TeachSession::begin_plan(const TeachEvent& event) {
       return {{}, "the session ended before it was made", true};
     }
   });
-  remember("plan");
+  remember(plan_word);
   forget_plan();
   job_ = std::move(job);
   doing_ = Doing::planning;
@@ -262,7 +264,7 @@ void TeachSession::approve(std::string& remark) {
       refuse("the map has changed since it was planned: " + verdict.first_contact + "; plan again");
     remark = "the map has changed since it was planned; checked on the present one: valid";
   }
-  remember("approval");
+  remember(approval_word);
   plan.is_approved = choice_.is_approved = true;
 }
 

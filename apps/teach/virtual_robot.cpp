@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 #include "apps/query/query.hpp"
@@ -72,6 +73,24 @@ void VirtualRobot::lead(const Eigen::Isometry3d& map_from_tip, double time) {
   FollowedTip followed = follow_tip(robot_, map_from_tip, q_);
   q_ = std::move(followed.q);
   reason_ = std::move(followed.reason);
+}
+
+std::string VirtualRobot::take_next_branch() {
+  if (!is_led_)
+    throw std::invalid_argument("the robot stands nowhere yet; the gripper probe, or 'near', says where");
+  GoalPose pose{.map_from_tip = tip_pose(robot_, q_)};
+  if (robot_.dof() < 6) pose.turn_tolerance = std::numbers::pi;
+  const std::vector<Configuration> found = pose.is_exact()
+                                               ? goal_configurations(robot_, pose.map_from_tip, near_)
+                                               : goal_configurations(robot_, pose, near_);
+  const auto apart = [this](const Configuration& q) { return (q - q_).lpNorm<Eigen::Infinity>(); };
+  const auto present =
+      std::min_element(found.begin(), found.end(),
+                       [&](const Configuration& a, const Configuration& b) { return apart(a) < apart(b); });
+  if (found.size() < 2) throw std::invalid_argument("no other arm configuration has the tip there");
+  const auto next = std::next(present) == found.end() ? found.begin() : std::next(present);
+  q_ = *next;
+  return std::to_string(next - found.begin() + 1) + " of " + std::to_string(found.size());
 }
 
 std::string VirtualRobot::not_there(double time) const {

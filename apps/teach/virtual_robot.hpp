@@ -32,6 +32,10 @@ class VirtualRobot {
 
   /// Leads the tip there. @param time s after the first frame
   void lead(const Eigen::Isometry3d& map_from_tip, double time);
+  /// Takes the next of the arm configurations (shoulder, elbow, wrist) that have the tip where it is; of arms
+  /// of fewer than six joints, at its place. Returns which it is: "2 of 8".
+  /// @throws std::invalid_argument when it is not led yet, or there is no other
+  std::string take_next_branch();
   /// Where it is by now; of no size before it was led, when nothing says where it stands.
   const Configuration& q() const { return q_; }
   /// Why the tip is not where the probe has it at `time`, in one sentence; empty when it is.

@@ -17,7 +17,7 @@ TEST(TeachKeys, OneKeyBeginsAndEndsAStroke) {
   EXPECT_EQ(action_of_key('e', TeachState::approved), TeachAction::erase_on);
   EXPECT_EQ(action_of_key('e', TeachState::erasing), TeachAction::erase_off);
   EXPECT_EQ(action_of_key(27, TeachState::planning), TeachAction::quit);
-  EXPECT_EQ(action_of_key('z', TeachState::ready), std::nullopt);
+  EXPECT_EQ(action_of_key('y', TeachState::ready), std::nullopt);
   EXPECT_EQ(action_of_key(-1, TeachState::ready), std::nullopt);
 }
 
@@ -53,6 +53,22 @@ TEST(TeachKeys, PickPlaceAndDetachAreOfferedWhereTheyApply) {
   EXPECT_TRUE(offers(TeachState::selecting, {.objects = true, .place = true}, "d: place"));
   EXPECT_TRUE(offers(TeachState::ready, {.load = true}, "x: detach"));
   EXPECT_FALSE(offers(TeachState::planning, {.load = true}, "x: detach"));
+}
+
+TEST(TeachKeys, UndoStrokeAndAnotherArmAreOfferedWhereTheyApply) {
+  const auto offers = [](TeachState state, const KeyOffer& offer, const std::string& key) {
+    return keys_of(state, offer).find(key) != std::string::npos;
+  };
+  for (const TeachState state : states)
+    for (const char* key : {"z: undo stroke", "b: other arm"})
+      EXPECT_FALSE(offers(state, {}, key)) << to_string(state) << ", " << key;
+  EXPECT_TRUE(offers(TeachState::selecting, {.stroke = true}, "z: undo stroke"));
+  EXPECT_TRUE(offers(TeachState::painting, {.stroke = true}, "z: undo stroke"));
+  EXPECT_FALSE(offers(TeachState::marking, {.stroke = true}, "z: undo stroke"));
+  EXPECT_TRUE(offers(TeachState::selecting, {.robot = true}, "b: other arm"));
+  EXPECT_FALSE(offers(TeachState::painting, {.robot = true}, "b: other arm"));
+  EXPECT_EQ(action_of_key('z', TeachState::selecting), TeachAction::undo_stroke);
+  EXPECT_EQ(action_of_key('b', TeachState::selecting), TeachAction::branch);
 }
 
 TEST(TeachKeys, AFileOfKeysBringsRobotsVolumesAndLoads) {
