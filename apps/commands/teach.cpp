@@ -206,6 +206,7 @@ TeachOptions LedSession::options() {
           .waits_for_plans = !input_.events_file.empty(),
           .save = [this](const std::string& name,
                          const Snapshot& map) { save_map(map, folder_.path() / "maps" / name); },
+          .note = [this](const std::string& sentence) { console_.log("note: " + sentence); },
           .report = [this](const TaughtEvent& reported) { keep(reported); }};
 }
 

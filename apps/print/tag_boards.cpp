@@ -257,6 +257,7 @@ TagBoards lay_out_boards(const TagBoardsOptions& options) {
        << "  ball_center: [0, 0, " << -(0.5e-3 * cube_edge(options) + ball.stem) << "]\n"
        << "  ball_radius: " << ball.radius << '\n'
        << "  robot_error: 0.001\n  modelling_error: 0.001  # of the ball and its stem\n"
+       << "\nmap: {resolution: " << 0.5 * ball.radius << "}  # half the ball's radius: it holds voxels then\n"
        << "\ngripper:  # for `clearway teach`\n  board: gripper\n"
        << "  tip_deg: [0, 0, -0.1, 180, 0, 0]  # measure it: where the board has the robot's tip\n";
   boards.setup = text.str();

@@ -8,6 +8,7 @@
 
 #include "apps/console/flag_names.hpp"
 #include "apps/query/setup_robot.hpp"
+#include "apps/teach/ball_size.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -42,10 +43,15 @@ void TeachSession::begin(const Setup& setup, FreeSpaceMap& map, const FusionCoun
   const auto base = std::find_if(setup.boards.begin(), setup.boards.end(),
                                  [](const BoardSetup& board) { return board.map_from_board.has_value(); });
   if (base != setup.boards.end()) base_ = &*base;
-  if (!setup.robot) return;
-  robot_ = std::make_shared<VirtualRobot>(choice_of(*setup.robot), setup.robot->joints,
-                                          setup.robot->map_from_base);
+  if (setup.robot)
+    robot_ = std::make_shared<VirtualRobot>(choice_of(*setup.robot), setup.robot->joints,
+                                            setup.robot->map_from_base);
   choice_.robot = robot_;
+  if (setup.probe && options_.note) {
+    const std::string sentence = ball_for_voxels(setup.probe->ball_radius, map.options().resolution);
+    if (!sentence.empty()) options_.note(sentence);
+  }
+  note_ball();
 }
 
 bool TeachSession::before(double since_start) {

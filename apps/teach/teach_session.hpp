@@ -73,6 +73,9 @@ struct TeachOptions {
   bool waits_for_plans = true;  ///< an event that needs a plan waits for it; else it is refused as late
   /// Saves the map of that name; empty: an event `save` is refused.
   std::function<void(const std::string& name, const Snapshot& map)> save = {};
+  /// Called as the session begins, and as another robot is chosen, with what is to be told of a ball that is
+  /// too small; may be empty.
+  std::function<void(const std::string& sentence)> note = {};
   /// Called with each event when it is done or refused; may be empty.
   std::function<void(const TaughtEvent&)> report = {};
 };
@@ -200,6 +203,7 @@ class TeachSession final : public FusionGuide {
   };
 
   [[noreturn]] static void refuse(const std::string& sentence);
+  void note_ball() const;
   bool is_asked_to_end() const { return is_stopped_->load() && doing_ != Doing::ended; }
   void apply(const TeachEvent& event);
   std::string refusal_of_state(TeachAction action) const;

@@ -5,6 +5,7 @@
 
 #include "apps/query/query.hpp"
 #include "apps/query/setup_robot.hpp"
+#include "apps/teach/ball_size.hpp"
 #include "apps/teach/teach_session.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -44,6 +45,14 @@ void TeachSession::choose_robot(const TeachEvent& event, std::string& remark) {
   choice_.held.clear();
   forget_places();
   for (const PaintedVolume& volume : map_->volumes()) remark = joined(remark, unknown_parts(volume));
+  note_ball();
+}
+
+/// Whether the ball is large enough for the robot's hand.
+void TeachSession::note_ball() const {
+  if (!setup_->probe || !robot_ || !options_.note) return;
+  const std::string sentence = ball_for_hand(setup_->probe->ball_radius, *robot_);
+  if (!sentence.empty()) options_.note(sentence);
 }
 
 /// The robot that was before stays as it was, for undo.

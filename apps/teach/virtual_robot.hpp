@@ -29,6 +29,8 @@ class VirtualRobot {
   /// Parts that have to stay in paint: its critical ones, and those that its choice says.
   std::vector<std::string> painted_parts() const;
   const std::string& tip_link() const;  ///< its name
+  /// `near`, else each joint where it is nearest to 0.
+  const Configuration& middle() const { return near_; }
 
   /// Leads the tip there. @param time s after the first frame
   void lead(const Eigen::Isometry3d& map_from_tip, double time);

@@ -176,6 +176,7 @@ TEST_P(TagBoardsPrint, folded_bodies_hold_together_where_their_sheets_are_folded
   }
   EXPECT_EQ(setup.probe->board, "probe");
   EXPECT_EQ(setup.probe->ball_radius, 0.02);
+  EXPECT_EQ(setup.map.resolution, 0.01);  // by the default of 0.02 the ball would hardly hold a voxel
   EXPECT_NEAR(setup.probe->ball_center.z(), -half - 0.08, 1e-9);
   const auto& roof = setup.board("gripper")->tags;
   expect_hinged(roof[0], roof[1], seen_on(to_svg(printed.sheets[2])));
