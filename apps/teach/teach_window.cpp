@@ -4,8 +4,14 @@
 #include <signal.h>
 
 #include <opencv2/core/core_c.h>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <cstdlib>
+#include <opencv2/imgproc.hpp>
+#include <optional>
 #include <stdexcept>
+#include <thread>
 
 #include "mapping/system/child_process.hpp"
 
@@ -52,25 +58,82 @@ bool opens_display() {
   return run_in_child(open, {.memory = memory, .output = 1, .seconds = 10}).finished;
 }
 
-}  // namespace
-
-bool has_display() {
-  const auto is_set = [](const char* name) {
-    const char* value = std::getenv(name);
-    return value != nullptr && *value != '\0';
-  };
-  return (is_set("DISPLAY") || is_set("WAYLAND_DISPLAY")) && opens_display();
+bool is_set(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value != nullptr && *value != '\0';
 }
 
-TeachWindow::TeachWindow(const std::string& title) : title_(title) {
-  constexpr int as_large_as_the_picture = 1;  // cv::WINDOW_AUTOSIZE
-  high_gui().named_window(title_.c_str(), as_large_as_the_picture);
+/// What of Xlib says how large the screen is.
+struct Xlib {
+  void* (*open)(const char*) = nullptr;
+  int (*screen)(void*) = nullptr;
+  int (*width)(void*, int) = nullptr;
+  int (*height)(void*, int) = nullptr;
+  int (*close)(void*) = nullptr;
+};
+
+/// Null where it is not installed, as may be where windows are Wayland's.
+const Xlib* xlib() {
+  static const std::optional<Xlib> functions = []() -> std::optional<Xlib> {
+    void* const library = ::dlopen("libX11.so.6", RTLD_NOW | RTLD_LOCAL);
+    if (library == nullptr) return std::nullopt;
+    Xlib found;
+    const auto find = [&](auto& function, const char* name) {
+      function = reinterpret_cast<std::decay_t<decltype(function)>>(::dlsym(library, name));
+      return function != nullptr;
+    };
+    const bool is_whole = find(found.open, "XOpenDisplay") && find(found.screen, "XDefaultScreen") &&
+                          find(found.width, "XDisplayWidth") && find(found.height, "XDisplayHeight") &&
+                          find(found.close, "XCloseDisplay");
+    return is_whole ? std::optional(found) : std::nullopt;
+  }();
+  return functions ? &*functions : nullptr;
+}
+
+/// A connection to the X server; null without one. A server that begins anew when its last client leaves, as
+/// Xvfb does, may be at that.
+std::shared_ptr<void> connect_to_x() {
+  constexpr int tries = 5;
+  if (!is_set("DISPLAY") || xlib() == nullptr) return nullptr;
+  for (int i = 0; i < tries; ++i) {
+    if (i > 0) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    if (void* const display = xlib()->open(nullptr)) return {display, xlib()->close};
+  }
+  return nullptr;
+}
+
+/// Of the X server's screen; without one, that of a small laptop.
+cv::Size screen_size(void* display) {
+  if (display == nullptr) return {1366, 768};
+  const int screen = xlib()->screen(display);
+  return {xlib()->width(display, screen), xlib()->height(display, screen)};
+}
+
+}  // namespace
+
+bool has_display() { return (is_set("DISPLAY") || is_set("WAYLAND_DISPLAY")) && opens_display(); }
+
+cv::Size shown_size(const cv::Size& picture, const cv::Size& screen) {
+  constexpr int bars_across = 24, bars_down = 110;  // the window's frame and title, a desktop's bar
+  const double share = std::min({1.0, static_cast<double>(screen.width - bars_across) / picture.width,
+                                 static_cast<double>(screen.height - bars_down) / picture.height});
+  const auto part = [&](int length) { return std::max(1, static_cast<int>(std::lround(share * length))); };
+  return {part(picture.width), part(picture.height)};
+}
+
+TeachWindow::TeachWindow(const std::string& title)
+    : title_(title), display_(connect_to_x()), screen_(screen_size(display_.get())) {
+  constexpr int as_large_as_the_picture = 1, without_tools = 16;  // WINDOW_AUTOSIZE, WINDOW_GUI_NORMAL
+  high_gui().named_window(title_.c_str(), as_large_as_the_picture | without_tools);
 }
 
 TeachWindow::~TeachWindow() { high_gui().destroy_window(title_.c_str()); }
 
 void TeachWindow::show(const cv::Mat& picture) {
-  IplImage image = cvIplImage(picture);
+  const cv::Size size = shown_size(picture.size(), screen_);
+  cv::Mat shown = picture;
+  if (size != picture.size()) cv::resize(picture, shown, size, 0.0, 0.0, cv::INTER_AREA);
+  IplImage image = cvIplImage(shown);
   high_gui().show_image(title_.c_str(), &image);
 }
 
