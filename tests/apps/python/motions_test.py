@@ -188,12 +188,28 @@ class Gates(unittest.TestCase):
                 if line.get("piece"):
                     self.assertEqual(line["piece"]["proved_share"], verdict.parameter)
                     self.assertEqual(line["body"], verdict.obstruction.part)
+                self.assertEqual(bool(line.get("voxel")), bool(verdict.evidence))
+                self.assertIn(verdict.evidence, line.get("sentence", ""))
                 if line.get("may_go"):
                     self.assertEqual(line["may_go"]["until_s"], verdict.may_go.time)
                     self.assertEqual(line["may_go"]["position"], verdict.may_go.position.tolist())
                     self.assertEqual(line["may_go"]["stands_at"], verdict.may_go.stop.tolist())
         with self.assertRaisesRegex(ValueError, "expected no legs"):
             cw.Gate().publish(self.space(), loads=[cw.Load("rod", "link6", box=[0.03, 0.03, 0.4], legs=[0])])
+
+    def test_a_chunk_may_leave_the_last_one_in_its_midst(self):
+        gate = cw.Gate()
+        gate.publish(self.space())
+        positions = np.tile([-0.8, -0.8, 0.3, 0.0, 0.4, 0.0], (8, 1))
+        positions[:, 0] += 0.01 * np.arange(8)
+        times = 0.1 * np.arange(8)
+        self.assertTrue(gate.judge(times, positions).is_passed)
+        self.assertEqual(gate.judge(times[4:], positions[4:]).reason, "jump")
+        self.assertEqual(gate.judge(times[4:], positions[4:], leaves_at=3).reason, "jump")
+        self.assertTrue(gate.judge(times[4:], positions[4:], leaves_at=4).is_passed)
+        self.assertRegex(gate.judge(times[4:], positions[4:], leaves_at=9).sentence, "has 4 configurations")
+        with self.assertRaises(TypeError):
+            gate.judge(times[4:], positions[4:], leaves_at=-1)
 
     def test_a_volume_that_names_a_load_counts_for_it(self):
         robot = cw.load_robot("puma560")
