@@ -1,11 +1,10 @@
 // What a robot carries: loads on its legs, objects that it picks, and the check of plans with them.
-#include <cmath>
 #include <map>
 #include <stdexcept>
 
 #include "apps/python/bindings.hpp"
+#include "apps/python/plan_terms.hpp"
 #include "apps/python/records.hpp"
-#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/check/check_legs.hpp"
 #include "planning/check/check_pick.hpp"
@@ -69,15 +68,6 @@ std::map<std::string, Policy> policies_with(const ConfigurationSpace& space,
   return part_policies(loaded, space.map(), policies);
 }
 
-/// x, y, z; roll, pitch, yaw.
-std::string place_text(const Eigen::Isometry3d& pose) {
-  const Eigen::Vector3d at = pose.translation(), turn = pose.linear().eulerAngles(2, 1, 0).reverse();
-  const auto text = [](const Eigen::Vector3d& v) {
-    return short_text(v.x(), 9) + ", " + short_text(v.y(), 9) + ", " + short_text(v.z(), 9);
-  };
-  return "(" + text(at) + "; " + text(turn) + ")";
-}
-
 /// Takes the word "valid" back from a plan that leaves what the map knows, as the program does.
 void survey_plan(const NamedSpace& space, Plan carried, const std::optional<Pick>& pick,
                  const std::map<std::string, Policy>& policies, const std::vector<std::string>& allow_outside,
@@ -99,17 +89,12 @@ void survey_plan(const NamedSpace& space, Plan carried, const std::optional<Pick
 PathVerdict check_plan(const NamedSpace& space, const Plan& given,
                        const std::optional<std::vector<LegLoad>>& stated, const std::optional<Pick>& pick,
                        const py::dict& load_policies,
-                       const std::optional<std::vector<std::string>>& allow_outside) {
+                       const std::optional<std::vector<std::string>>& allow_outside, bool accept_map) {
   const std::map<std::string, Policy> of_loads = policies_of_loads(load_policies);
   const Robot& robot = space->robot();
   const Plan plan = in_order_of(robot, given);
-  require_joint_order(robot, plan);
-  if (std::abs(plan.robot_scale - robot.scale) > 1e-9 * robot.scale)
-    throw std::invalid_argument("plan: expected one for a robot at scale " + short_text(robot.scale) +
-                                ", as the space's is, got " + short_text(plan.robot_scale));
-  if ((plan.map_from_base.matrix() - robot.map_from_base.matrix()).cwiseAbs().maxCoeff() > 1e-6)
-    throw std::invalid_argument("plan: expected one for a robot whose base is where the space's is, " +
-                                place_text(robot.map_from_base) + ", got " + place_text(plan.map_from_base));
+  require_own_robot(robot, space.asked, plan, "space");
+  if (!accept_map) require_own_map(space, plan);
   if (plan.waypoints().empty())
     throw std::invalid_argument("plan: expected one with a path, its status is " +
                                 std::string(to_string(plan.status())));
@@ -276,7 +261,8 @@ void bind_loads(py::module_& module) {
 void bind_plan_check(py::module_& module) {
   module.def("check_plan", &check_plan, py::arg("space"), py::arg("plan"), py::kw_only(),
              py::arg("loads") = py::none(), py::arg("pick") = py::none(),
-             py::arg("load_policies") = py::dict(), py::arg("allow_outside") = py::none(), doc("check_plan"));
+             py::arg("load_policies") = py::dict(), py::arg("allow_outside") = py::none(),
+             py::arg("accept_map") = false, doc("check_plan"));
 }
 
 }  // namespace clearway

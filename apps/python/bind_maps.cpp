@@ -9,6 +9,7 @@
 #include "mapping/continued_map.hpp"
 #include "mapping/free_space_map.hpp"
 #include "mapping/history/paint_log.hpp"
+#include "mapping/stamps/seen_stamps.hpp"
 
 namespace clearway {
 namespace {
@@ -54,12 +55,21 @@ std::vector<Capsule> capsules_from(const py::object& value) {
   return capsules;
 }
 
+/// One that the map keeps: what it took for a scan without a time would make things look unseen.
+double time_from(const std::optional<double>& time) {
+  if (!time) return std::numeric_limits<double>::quiet_NaN();
+  if (std::isfinite(*time) && std::abs(*time) <= SeenStamps::latest_time) return *time;
+  throw std::invalid_argument("time: expected a finite number of seconds, at most 1e12 from 0, got " +
+                              py::str(py::float_(*time)).cast<std::string>() +
+                              (std::isfinite(*time) ? " (are these nanoseconds?)" : ""));
+}
+
 Scan scan_from(const py::object& points, const py::object& map_from_sensor, const std::optional<double>& time,
                const std::string& sensor) {
   Scan scan;
   scan.points = cloud_from(points, "points");
   if (!map_from_sensor.is_none()) scan.map_from_sensor = pose_from(map_from_sensor, "map_from_sensor");
-  scan.time = time.value_or(std::numeric_limits<double>::quiet_NaN());
+  scan.time = time_from(time);
   scan.sensor = sensor;
   return scan;
 }

@@ -6,6 +6,7 @@
 
 #include "apps/python/argument_names.hpp"
 #include "apps/python/bindings.hpp"
+#include "apps/python/plan_terms.hpp"
 #include "apps/python/records.hpp"
 #include "planning/files/joint_order.hpp"
 #include "planning/files/trajectory_file.hpp"
@@ -70,6 +71,7 @@ std::string export_text(const NamedRobot& robot, const Plan& plan, const Traject
   if (joints != plan.joints)
     throw std::invalid_argument("robot: expected that of the plan, '" + plan.robot + "', got '" +
                                 robot.robot.name + "' with other joints");
+  require_own_robot(robot.robot, robot.asked, plan, "robot");
   const auto dof = static_cast<Eigen::Index>(joints.size());
   const auto is_at = [&](const TrajectoryPoint& point, const Configuration& q) {
     return point.position.size() == q.size() &&
@@ -127,6 +129,9 @@ void bind_motion(py::module_& module) {
       .field("stops", &PlannedMotion::stops)
       .field("unblended", &PlannedMotion::unblended)
       .field("validation", &PlannedMotion::validation);
+}
+
+void bind_trajectory(py::module_& module) {
   Record<Trajectory>(module, "Trajectory")
       .field("sampling_period", &Trajectory::sampling_period)
       .computed(
@@ -174,8 +179,11 @@ void bind_making(py::module_& module) {
         options.period = period;
         options.straighten = straighten;
         options.reach = reach;
-        return without_lock(
-            [&] { return plan_motion(*space, in_order_of(space->robot(), plan), options, grip_time); });
+        return without_lock([&] {
+          const Plan ordered = in_order_of(space->robot(), plan);
+          require_own_space(space, ordered);
+          return plan_motion(*space, ordered, options, grip_time);
+        });
       },
       py::arg("space"), py::arg("plan"), py::kw_only(), py::arg("speed") = usual.speed,
       py::arg("acceleration") = usual.acceleration, py::arg("jerk") = usual.jerk,
@@ -209,7 +217,11 @@ void bind_making(py::module_& module) {
         for (const Configuration& q : plan.waypoints())
           if (static_cast<std::size_t>(q.size()) != robot.robot.dof())
             throw std::invalid_argument("robot: expected that of the plan, '" + plan.robot + "'");
-        return without_lock([&] { return trajectory_of(robot.robot, in_order_of(robot.robot, plan)); });
+        return without_lock([&] {
+          const Plan ordered = in_order_of(robot.robot, plan);
+          require_own_robot(robot.robot, robot.asked, ordered, "robot");
+          return trajectory_of(robot.robot, ordered);
+        });
       },
       py::arg("robot"), py::arg("plan"), doc("plan_trajectory"));
   module.def("export_trajectory", &export_text, py::arg("robot"), py::arg("plan"), py::arg("trajectory"),
@@ -336,8 +348,12 @@ void bind_gate(py::module_& module) {
 
 }  // namespace
 
-void bind_motions(py::module_& module) {
+void bind_motion_records(py::module_& module) {
   bind_motion(module);
+  bind_trajectory(module);
+}
+
+void bind_motions(py::module_& module) {
   bind_making(module);
   bind_gate(module);
 }

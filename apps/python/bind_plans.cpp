@@ -209,6 +209,21 @@ void bind_answer(Record<Plan>& type) {
       .field("paint", &Plan::paint);
 }
 
+/// The plan with the motion in the place of its own, if one is given.
+Plan with_motion(Plan plan, const std::optional<PlannedMotion>& motion) {
+  if (!motion) return plan;
+  const std::vector<Configuration>&way = motion->motion.positions, waypoints = plan.waypoints();
+  const auto is_at = [](const Configuration& a, const Configuration& b) {
+    return a.size() == b.size() && (a - b).cwiseAbs().maxCoeff() <= contract_tolerance;
+  };
+  if (way.empty() || waypoints.empty() || motion->leg_ends.size() != plan.legs.size() ||
+      !is_at(way.front(), waypoints.front()) || !is_at(way.back(), waypoints.back()))
+    throw std::invalid_argument(
+        "motion: expected one from the plan's start to its end, through all its legs");
+  plan.motion = motion;
+  return plan;
+}
+
 void bind_plan(py::module_& module) {
   Record<Plan> type(module, "Plan", doc("Plan"));
   bind_answer(type);
@@ -246,13 +261,11 @@ void bind_plan(py::module_& module) {
           "to_dict", [](const Plan& self) { return parsed(to_json(self)); }, "plan.json as a dictionary.")
       .def(
           "save",
-          [](const Plan& self, const std::filesystem::path& file) {
-            without_lock([&] { save_file(file, to_json(self)); });
+          [](const Plan& self, const std::filesystem::path& file,
+             const std::optional<PlannedMotion>& motion) {
+            without_lock([&] { save_file(file, to_json(with_motion(self, motion))); });
           },
-          py::arg("file"),
-          "Writes plan.json, whole or not at all; `clearway check` reads it, and asks for the map file that "
-          "the "
-          "space was made of (load_map). Raises OSError naming the file.");
+          py::arg("file"), py::kw_only(), py::arg("motion") = py::none(), doc("Plan::save"));
 }
 
 }  // namespace

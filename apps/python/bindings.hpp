@@ -49,6 +49,7 @@ void bind_spaces(pybind11::module_& module);
 void bind_loads(pybind11::module_& module);
 void bind_plans(pybind11::module_& module);
 void bind_plan_check(pybind11::module_& module);
+void bind_motion_records(pybind11::module_& module);  ///< before the functions that name them
 void bind_motions(pybind11::module_& module);
 void bind_teams(pybind11::module_& module);
 

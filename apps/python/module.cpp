@@ -150,6 +150,7 @@ PYBIND11_MODULE(_clearway, module) {
   bind_robots(module);
   bind_spaces(module);
   bind_loads(module);
+  bind_motion_records(module);
   bind_plans(module);
   bind_plan_check(module);
   bind_motions(module);

@@ -10,6 +10,7 @@ of a type that the signature does not take; ValueError for every other value tha
 """
 
 import contextlib as _contextlib
+import json as _json
 import pathlib as _pathlib
 import sqlite3 as _sqlite3
 
@@ -49,11 +50,11 @@ class PathRefused(PlanError):
 _ERRORS = {"start_invalid": StartInvalid, "goal_invalid": GoalInvalid, "no_path": NoPath, "timed_out": TimedOut}
 
 
-def require_proved(plan, space=None, *, loads=None, pick=None, allow_outside=()):
+def require_proved(plan, space=None, *, loads=None, pick=None, allow_outside=(), accept_map=False):
     """Returns the plan when every leg is solved and the check found the whole path valid.
 
     What a plan from a file says of itself is only its word: with `space` path and motion are checked again, there, with
-    `loads`, `pick` and `allow_outside` as check_plan takes them.
+    `loads`, `pick`, `allow_outside` and `accept_map` as check_plan takes them.
 
     Raises StartInvalid, GoalInvalid, NoPath, TimedOut or PathRefused otherwise, each a PlanError with the reason;
     TypeError for what is no Plan.
@@ -61,7 +62,9 @@ def require_proved(plan, space=None, *, loads=None, pick=None, allow_outside=())
     if not isinstance(plan, _clearway.Plan):
         raise TypeError(f"expected a Plan, got {type(plan).__name__}")
     if plan.status == "solved" and space is not None:
-        verdict = check_plan(space, plan, loads=loads, pick=pick, allow_outside=list(allow_outside))  # noqa: F405
+        verdict = check_plan(  # noqa: F405
+            space, plan, loads=loads, pick=pick, allow_outside=list(allow_outside), accept_map=accept_map
+        )
         if not verdict.valid:
             raise PathRefused(verdict.first_contact, plan)
     if plan.is_proved:
@@ -71,11 +74,26 @@ def require_proved(plan, space=None, *, loads=None, pick=None, allow_outside=())
     raise PathRefused(plan.validation.first_contact or plan.end_violation or "the path was not checked", plan)
 
 
+_JSON_COLUMNS = {"policies", "gravity", "joints", "plots", "start", "goals", "options"}
+
+
+def _as_values(row):
+    """A row of results.sqlite with lists, dictionaries and whole numbers in the place of their text."""
+
+    def value(name, text):
+        if name in _JSON_COLUMNS and text:
+            return _json.loads(text)
+        return int(text) if name == "seed" and text else text
+
+    return {name: value(name, row[name]) for name in row.keys()}
+
+
 def load_results(folder):
     """What `clearway compare --out FOLDER` found, as dictionaries.
 
     Keys are the tables of results.sqlite: `suites`, `experiments`, `problems`, `runs`. Each is a list of dictionaries,
-    one for each row, by the names of columns; units are in the names. `apps/README.md` explains the columns.
+    one for each row, by the names of columns; units are in the names. `apps/OUTPUTS.md` explains the columns. What
+    lies in the database as JSON, such as `start`, `goals` and `options`, comes as lists and dictionaries, `seed` as a number.
 
     Raises FileNotFoundError, or another OSError, when it cannot be opened; DamagedFile when it is not whole.
     """
@@ -89,12 +107,12 @@ def load_results(folder):
             database.row_factory = _sqlite3.Row
             tables = [row[0] for row in database.execute("SELECT name FROM sqlite_master WHERE type = 'table' ORDER BY rowid")]
             return {
-                table: [dict(row) for row in database.execute(f'SELECT * FROM "{table}" ORDER BY rowid')]
+                table: [_as_values(row) for row in database.execute(f'SELECT * FROM "{table}" ORDER BY rowid')]
                 for table in tables
             }
     except _sqlite3.OperationalError as error:
         raise OSError(f"'{file}': {error}") from error
-    except (_sqlite3.DatabaseError, UnicodeDecodeError) as error:
+    except (_sqlite3.DatabaseError, ValueError) as error:
         raise DamagedFile(f"'{file}' is not whole: expected the results.sqlite of a comparison") from error  # noqa: F405
 
 

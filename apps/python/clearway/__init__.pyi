@@ -524,7 +524,7 @@ class Plan:
     def to_json(self) -> str: ...
     def to_csv(self) -> str: ...
     def to_dict(self) -> dict[str, Any]: ...
-    def save(self, file: _FilePath) -> None: ...
+    def save(self, file: _FilePath, *, motion: PlannedMotion | None = ...) -> None: ...
 
 class PlanError(Exception):
     plan: Plan
@@ -881,6 +881,7 @@ def check_plan(
     pick: Pick | None = ...,
     load_policies: dict[str, _Policy] = ...,
     allow_outside: list[str] | None = ...,
+    accept_map: bool = ...,
 ) -> PathVerdict: ...
 def check_team(
     robots: Sequence[TeamRobot],
@@ -953,6 +954,7 @@ def require_proved(
     loads: Sequence[Load] | None = ...,
     pick: Pick | None = ...,
     allow_outside: Sequence[str] = ...,
+    accept_map: bool = ...,
 ) -> Plan: ...
 def run_team(
     robots: Sequence[TeamRobot],

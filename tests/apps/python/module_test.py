@@ -20,7 +20,7 @@ STUBS = pathlib.Path(cw.__file__).parent / "__init__.pyi"
 
 # What docstrings may name that is no name of Python's: other software, files of its, symbols of papers, frames.
 FOREIGN = {"OctoMap", "ColorOcTree", "kdl_parser", "trajectory_msgs", "JointTrajectory", "frame_id", "lookahead_time",
-           "clearway_path", "METHODS", "README", "mu_j", "epsilon_j", "d_i", "d_s", "q_end", "map_from_shape"}
+           "clearway_path", "METHODS", "OUTPUTS", "README", "mu_j", "epsilon_j", "d_i", "d_s", "q_end", "map_from_shape"}
 # And words that its functions take, or keys of what they return.
 WORDS = {"ros", "urscript", "json", "csv", "suites", "experiments", "problems", "evidence", "threshold", "band", "sigmas",
          "noise_constant", "noise_quadratic", "noise_limit", "most_called_free", "a"}

@@ -115,6 +115,59 @@ class Arm(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, "its joints other"):
                 use(self.space, cw.parse_plan(json.dumps(said)))
 
+    def test_plans_and_spaces_belong_together(self):
+        plan = cw.plan(self.space, self.start, self.goal, planner="rrtconnect")
+        empty = cw.FreeSpaceMap(self.map.resolution).snapshot()
+        scaled = cw.ConfigurationSpace(self.robot.scaled(0.5), self.map)
+        renamed = cw.parse_plan(json.dumps(plan.to_dict() | {"robot": "elsewhere/other.urdf"}))
+        held = cw.parse_plan(json.dumps(plan.to_dict() | {"robot": "robots/puma560.yaml"}))
+        with worlds.folder() as folder:
+            empty.save(folder)
+            other = cw.ConfigurationSpace(self.robot, cw.load_map(folder), "not_occupied")
+        memory = cw.ConfigurationSpace(self.robot, empty, "not_occupied")
+        for space, said, sentence in (
+            (other, plan, "plan: expected one that was made on the space's map, with the sha256 .*…, got one made on another"),
+            (memory, plan, "space's map, of no file, got one made on another, with the sha256"),
+            (scaled, plan, "scale 0.5, as the space's is, got 1"),
+            (self.space, renamed, "for the space's robot, 'puma560', got one for 'elsewhere/other.urdf'"),
+        ):
+            for use in (cw.check_plan, cw.plan_motion, lambda space, plan: cw.require_proved(plan, space)):
+                with self.assertRaisesRegex(ValueError, sentence):
+                    use(space, said)
+        self.assertTrue(cw.check_plan(self.space, held).valid)
+        self.assertTrue(cw.check_plan(memory, plan, accept_map=True).valid)
+        self.assertIs(cw.require_proved(plan, memory, accept_map=True, allow_outside=["all"]), plan)
+        ours = cw.plan(memory, self.start, self.goal)
+        self.assertTrue(cw.check_plan(memory, ours).valid)
+        with self.assertRaisesRegex(ValueError, "with the sha256 .*, got one made on another, of no file"):
+            cw.check_plan(self.space, ours)
+        coarse = cw.ConfigurationSpace(self.robot, cw.FreeSpaceMap(0.5).snapshot(), "not_occupied")
+        with self.assertRaisesRegex(ValueError, "on voxels of 0.5 m"):
+            cw.check_plan(coarse, ours)
+        for looser, sentence in ((cw.ConfigurationSpace(self.robot, self.map, "not_occupied"), "not_occupied, got painted"),
+                                 (cw.ConfigurationSpace(self.robot, self.map, padding=0.0), "padding, 0 m, got ")):
+            with self.assertRaisesRegex(ValueError, sentence):
+                cw.plan_motion(looser, plan)
+        for use in (cw.plan_trajectory,
+                    lambda robot, plan: cw.export_trajectory(robot, plan, cw.plan_trajectory(self.robot, plan), "csv")):
+            with self.assertRaisesRegex(ValueError, "scale 0.5, as the robot's is"):
+                use(self.robot.scaled(0.5), plan)
+
+    def test_the_program_judges_the_motion_of_a_saved_plan(self):
+        plan = cw.plan(self.space, self.start, self.goal, planner="rrtconnect")
+        planned = cw.plan_motion(self.space, plan)
+        with worlds.folder() as folder:
+            file = pathlib.Path(folder) / "plan.json"
+            plan.save(file, motion=planned)
+            answer = worlds.answer("check", file, *self.flags)
+            again = cw.load_plan(file)
+            back = cw.plan(self.space, self.goal, self.start, planner="rrtconnect")
+            with self.assertRaisesRegex(ValueError, "motion: expected one from the plan's start to its end"):
+                back.save(file, motion=planned)
+        self.assertEqual((answer["verdict"], answer["motion"]["verdict"]), ("valid", "valid"))
+        np.testing.assert_array_equal(again.motion.motion.positions, planned.motion.positions)
+        self.assertIsNone(plan.motion)
+
     def test_goals_may_be_poses(self):
         pose = self.robot.tip_pose(self.goal)
         plan = cw.plan(self.space, self.start, goal_poses=pose, planner="rrtconnect")
@@ -282,9 +335,14 @@ class Results(unittest.TestCase):
             found = cw.load_results(out)
             rows = list(csv.DictReader((out / "results.csv").read_text().splitlines()))
         self.assertEqual(len(found["runs"]), len(rows))
-        self.assertEqual({row["name"] for row in found["suites"]}, {"quick"})
+        self.assertEqual([(row["name"], type(row["seed"])) for row in found["suites"]], [("quick", int)])
+        for problem in found["problems"]:
+            self.assertEqual(np.shape(problem["goals"])[1:], np.shape(problem["start"]))
+        for experiment in found["experiments"]:
+            self.assertEqual((type(experiment["policies"]), np.shape(experiment["gravity"])), (dict, (3,)))
         for run, row in zip(found["runs"], rows):
             self.assertEqual(run["status"], row["status"])
+            self.assertEqual((run["seed"], run["options"]), (int(row["seed"]), json.loads(row["options"])))
             self.assertAlmostEqual(run["length_rad"], float(row["length_rad"]), places=6)
         with self.assertRaisesRegex(FileNotFoundError, "results.sqlite"):
             cw.load_results("/nowhere")

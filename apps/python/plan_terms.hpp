@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+#include "apps/python/bindings.hpp"
+#include "planning/files/plan_file.hpp"
+
+namespace clearway {
+
+/// A plan answers for one robot at one place. @param whose word for what the robot is of: "space", "robot"
+/// @throws std::invalid_argument where the plan's joints, name, scale, base or held joints are not the
+/// robot's
+void require_own_robot(const Robot& robot, const std::string& asked, const Plan& plan,
+                       const std::string& whose);
+
+/// As `clearway check` does: by the digest of the map's file. Maps of no file have none, and are told apart
+/// by their resolution alone. @throws std::invalid_argument for a plan that was made on another map
+void require_own_map(const NamedSpace& space, const Plan& plan);
+
+/// Its robot, map and terms. @throws std::invalid_argument also for a space whose policies, padding or age
+/// of evidence ask less than the plan's
+void require_own_space(const NamedSpace& space, const Plan& plan);
+
+}  // namespace clearway
