@@ -12,7 +12,8 @@ namespace clearway {
 
 /// A measured cloud together with the pose it was measured from; a cloud never travels without its pose.
 struct Scan {
-  double time = 0.0;   ///< seconds, all scans of a map by one clock; not finite: unknown
+  double time = 0.0;   ///< seconds, all scans of a map by one clock; unknown where it is not finite or beyond
+                       ///< SeenStamps::latest_time, as nanoseconds since 1970 are
   std::string sensor;  ///< label, for reports
   Eigen::Isometry3d map_from_sensor = Eigen::Isometry3d::Identity();  ///< the rays start at its origin
   std::vector<Eigen::Vector3f> points;                                ///< sensor frame, metres

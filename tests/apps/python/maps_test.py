@@ -150,6 +150,14 @@ class Scans(unittest.TestCase):
         self.assertEqual(counts.as_dict()["dropped_invalid"], 2)
         self.assertEqual(cw.FreeSpaceMap().insert(np.empty((0, 3))).inserted, 0)
 
+    def test_times_that_no_map_keeps_are_refused(self):
+        for made in (cw.FreeSpaceMap(0.1), cw.ContinuedMap(cw.FreeSpaceMap(0.1).snapshot())):
+            for time in (1.79e18, -1.79e18, np.inf, np.nan):
+                with self.assertRaisesRegex(ValueError, "^time: expected a finite number of seconds, at most 1e12 from 0, got"):
+                    made.insert([[1.0, 0.0, 0.0]], time=time)
+            self.assertEqual(made.insert([[1.0, 0.0, 0.0]], time=1e12).inserted, 1)
+            self.assertEqual(made.insert([[1.0, 0.0, 0.0]], time=None).inserted, 1)
+
     def test_filters(self):
         cloud = np.array([[0.1, 0, 0], [1.0, 0, 0], [2.0, 0, 0], [0, 1.0, 0]])
         bodies = [[0, 0.9, 0, 0, 1.1, 0, 0.05]]
