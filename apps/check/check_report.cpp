@@ -38,6 +38,8 @@ std::string_view name_of(AcceptedTerm term) {
       return "payload";
     case AcceptedTerm::map:
       return "map";
+    case AcceptedTerm::moving_start:
+      return "moving-start";
     case AcceptedTerm::moving_end:
       return "moving-end";
     case AcceptedTerm::goals:

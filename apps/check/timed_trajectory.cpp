@@ -61,6 +61,16 @@ Eigen::VectorXd picked(const ForeignTrajectory& trajectory, const Robot& robot,
   return own;
 }
 
+/// A sentence where the first or last point has a velocity, else empty.
+std::string moving(const SplinePoint& point, const Robot& robot, const std::string& which,
+                   const std::string& what) {
+  Eigen::Index joint = 0;
+  if (point.velocity.size() == 0 || point.velocity.cwiseAbs().maxCoeff(&joint) <= rests_within) return {};
+  return "the " + which + " point moves joint " +
+         shortened(robot.joints[static_cast<std::size_t>(joint)].name) + " at " +
+         significant(point.velocity[joint], 3) + " a second: " + what;
+}
+
 /// From where the robot is before to the first point.
 void add_start(const ForeignTrajectory& trajectory, const Robot& robot, TimedTrajectory& timed) {
   const SplinePoint first = timed.points.front();
@@ -79,8 +89,9 @@ void add_start(const ForeignTrajectory& trajectory, const Robot& robot, TimedTra
       if (!trajectory.start.contains(joint.name))
         timed.notes.push_back("where joint " + shortened(joint.name) +
                               " is before the trajectory is not said: it is taken to be at the first point");
-  if (first.time <= 0.0 && first.velocity.size() > 0 && first.velocity.cwiseAbs().maxCoeff() > rests_within)
-    timed.notes.push_back("the first point has a velocity: how the robot comes to it is not judged");
+  if (first.time <= 0.0)
+    timed.moving_start = moving(first, robot, "first",
+                                "how the robot comes to it is not judged, expected it to start at rest");
   if (first.time > 0.0) {
     const Eigen::VectorXd rest = Eigen::VectorXd::Zero(start.size());
     if (is_stated) {
@@ -199,14 +210,8 @@ std::optional<TimedTrajectory> timed_trajectory(const ForeignTrajectory& traject
                             picked(trajectory, robot, trajectory.velocities[i]),
                             picked(trajectory, robot, trajectory.accelerations[i])});
   add_start(trajectory, robot, timed);
-  const Eigen::VectorXd& last = timed.points.back().velocity;
-  Eigen::Index joint = 0;
-  if (last.size() > 0 && last.cwiseAbs().maxCoeff(&joint) > rests_within)
-    timed.moving_end = "the last point moves joint " +
-                       shortened(robot.joints[static_cast<std::size_t>(joint)].name) + " at " +
-                       significant(last[joint], 3) +
-                       " a second: how the robot stops after it is not judged, "
-                       "expected it to rest there";
+  timed.moving_end = moving(timed.points.back(), robot, "last",
+                            "how the robot stops after it is not judged, expected it to rest there");
   return timed;
 }
 

@@ -268,9 +268,11 @@ void judge_terms(const CheckOptions& options, const Candidate& read,
   report.deviations = deviations(report.contract, read.plan, read.robot, accepted);
   if (const auto group = group_deviation(read.stated, report.contract, accepted))
     report.deviations.push_back(*group);
-  if (!timed.empty() && !timed.back().moving_end.empty())
-    report.deviations.push_back(
-        {AcceptedTerm::moving_end, timed.back().moving_end, accepted.contains(AcceptedTerm::moving_end)});
+  const auto add_moving = [&](AcceptedTerm term, const std::string& sentence) {
+    if (!sentence.empty()) report.deviations.push_back({term, sentence, accepted.contains(term)});
+  };
+  if (!timed.empty()) add_moving(AcceptedTerm::moving_start, timed.front().moving_start);
+  if (!timed.empty()) add_moving(AcceptedTerm::moving_end, timed.back().moving_end);
   adopt_accepted(report.deviations, read.plan, read.robot, report.contract);
 }
 

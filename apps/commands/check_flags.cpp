@@ -24,6 +24,8 @@ void add_accept_flags(CLI::App& command, std::set<AcceptedTerm>& accepted) {
          "accept the plan's payload if it is smaller, and its gravity if it differs");
   accept("map", AcceptedTerm::map, "accept a plan made on another map (another SHA-256)");
   accept("goals", AcceptedTerm::goals, "accept a path that starts elsewhere or omits goals");
+  accept("moving-start", AcceptedTerm::moving_start,
+         "accept a timed trajectory that starts in motion: how the robot comes to its start is not judged");
   accept("moving-end", AcceptedTerm::moving_end,
          "accept a timed trajectory that ends in motion: how the robot stops after it is not judged");
 }

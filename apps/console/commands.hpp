@@ -154,7 +154,20 @@ struct PlanOptions : QueryChoice {
 int run_plan(const PlanOptions& options, Console& console);
 
 /// What a plan may loosen when the user names it (--accept-…).
-enum class AcceptedTerm { robot, held, scale, base, policy, padding, load, payload, map, goals, moving_end };
+enum class AcceptedTerm {
+  robot,
+  held,
+  scale,
+  base,
+  policy,
+  padding,
+  load,
+  payload,
+  map,
+  goals,
+  moving_start,
+  moving_end
+};
 
 struct CheckOptions : QueryChoice {
   std::optional<double> grip_time = {};  ///< seconds at rest where loads are taken or left; none: the plan's

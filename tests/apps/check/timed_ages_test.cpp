@@ -189,6 +189,8 @@ TEST(TimedStart, MayBeAsFarFromTheFirstPointAsMoveItLetsItBeAndTheEndIsAtRest) {
       ForeignTrajectory foreign = beside_another(robot, 0.0);
       foreign.velocities[1][2] = sign * speed;
       EXPECT_EQ(timed_trajectory(foreign, robot, "t.json")->moving_end.empty(), speed < 1e-6);
+      std::swap(foreign.velocities[0], foreign.velocities[1]);
+      EXPECT_EQ(timed_trajectory(foreign, robot, "t.json")->moving_start.empty(), speed < 1e-6);
     }
   }
 }

@@ -47,7 +47,8 @@ class CheckTimed : public Check {
 
 TEST_F(CheckTimed, ASwingBetweenEqualPointsIsSeen) {
   const auto swing = [&](double speed, double seconds) {
-    return check_points({{0, {0, 0}, {speed, 0}}, {seconds, {0, 0}, {-speed, 0}}}, {"--accept-moving-end"});
+    return check_points({{0, {0, 0}, {speed, 0}}, {seconds, {0, 0}, {-speed, 0}}},
+                        {"--accept-moving-start", "--accept-moving-end"});
   };
   EXPECT_EQ(swing(0.9, 1.0).status, exit_done) << swing(0.9, 1.0).out;  // 0.9 / 4 m
   const CommandRun wide = swing(0.9, 6.0);                              // 1.35 m
@@ -74,6 +75,23 @@ TEST_F(CheckTimed, AnEndInMotionIsRefusedUnlessItIsNamed) {
   EXPECT_NE(accepted.out.find("accepted         the last point moves joint x"), std::string::npos)
       << accepted.out;
   EXPECT_EQ(check_points({{0, {0, 0}, {0, 0}}, {1.0, {0.2, 0}, {0, 0}}}).status, exit_done);
+}
+
+/// Nobody says how the robot gets to such a speed, unless it has time to.
+TEST_F(CheckTimed, AStartInMotionIsRefusedUnlessItIsNamed) {
+  const std::vector<Point> cut{{0, {0, 0}, {0.3, 0}}, {1.0, {0.2, 0}, {0, 0}}};
+  const CommandRun refused = check_points(cut);
+  EXPECT_EQ(refused.status, exit_no);
+  EXPECT_NE(refused.out.find("refused for      the first point moves joint x at 0.3 a second"),
+            std::string::npos)
+      << refused.out;
+  EXPECT_NE(refused.out.find("(--accept-moving-start accepts it)"), std::string::npos);
+  EXPECT_EQ(check_points(cut, {"--accept-moving-end"}).status, exit_no);
+  const CommandRun accepted = check_points(cut, {"--accept-moving-start"});
+  EXPECT_EQ(accepted.status, exit_done) << accepted.out;
+  EXPECT_NE(accepted.out.find("accepted         the first point moves joint x"), std::string::npos)
+      << accepted.out;
+  EXPECT_EQ(check_points({{0.5, {0, 0}, {0.3, 0}}, {1.5, {0.2, 0}, {0, 0}}}).status, exit_done);
 }
 
 TEST_F(CheckTimed, SpeedsBeyondALimitAreRefused) {
@@ -347,8 +365,9 @@ TEST_F(CheckTimed, TorquesBeyondALimitAreRefused) {
 TEST_F(CheckTimed, ALoadRidesOnTheCurve) {
   const std::string bar = folder_.write("bar.yaml", "{name: bar, box: [0.02, 1.8, 0.01], link: base}");
   const std::vector<Point> swing{{0, {0, 0}, {0.9, 0}}, {2.0, {0, 0}, {-0.9, 0}}};  // 0.45 m
-  EXPECT_EQ(check_points(swing, {"--accept-moving-end"}).status, exit_done);
-  const CommandRun loaded = check_points(swing, {"--attach", bar, "--accept-moving-end"});
+  const std::vector<std::string> accepted{"--accept-moving-start", "--accept-moving-end"};
+  EXPECT_EQ(check_points(swing, accepted).status, exit_done);
+  const CommandRun loaded = check_points(swing, {"--attach", bar, accepted[0], accepted[1]});
   EXPECT_EQ(loaded.status, exit_no);
   EXPECT_NE(loaded.out.find("bar comes too near"), std::string::npos) << loaded.out;
 }
