@@ -1,121 +1,28 @@
 #include "planning/path/motion_section.hpp"
 
-#include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <optional>
 #include <stdexcept>
-#include <string>
 
-#include "mapping/system/number_text.hpp"
+#include "planning/path/section_drive.hpp"
 
 namespace clearway {
 namespace {
 
-using Waypoints = std::vector<Configuration>;
-
-constexpr std::array<MotionDrive, 8> drives = {{{1.0, false},
-                                                {1.0, true},
-                                                {0.7, false},
-                                                {0.7, true},
-                                                {0.5, false},
-                                                {0.5, true},
-                                                {0.35, false},
-                                                {0.35, true}}};
-
 constexpr double no_limit = std::numeric_limits<double>::infinity();
 constexpr double most_of_gravity = 0.99;  ///< of a torque limit that is kept
-constexpr double slowing = 0.9;           ///< of speeds, where torques are too great
-constexpr double most_terms = 2e8;        ///< of all means over windows
+constexpr double nearly_all = 0.99;       ///< of what gravity leaves of torques: no more is tried
+constexpr double spared = 0.998;          ///< of it, of which the next motion may take so much
+constexpr double least_part = 0.1;        ///< of it: what takes less is not driven far harder at once
+constexpr double least_share = 1e-4;      ///< of acceleration limits
+constexpr int most_halvings = 3;          ///< of a step of acceleration
+constexpr int most_tries = 4;             ///< of faster motions than one that holds
 constexpr int most_slowings = 60;
 
 constexpr double least_reach = 1e-9;  ///< rad or m; of a shorter blend acceleration is rounding
 constexpr double end_share = 1.6;     ///< as much more a blend may take of the first and of the last edge
-
-/// The least window that was found over which acceleration changes by no more than jerk allows: by the second
-/// differences of the samples, at rest before and after.
-std::size_t least_window(const Waypoints& samples, const RateLimits& limits, double period) {
-  const Eigen::Index n = samples.front().size();
-  const std::size_t count = samples.size() + 2;
-  Eigen::MatrixXd second(n, static_cast<Eigen::Index>(count));
-  const auto sample = [&](std::size_t k) -> const Configuration& {
-    return samples[std::min(k > 1 ? k - 2 : 0, samples.size() - 1)];  // sample k - 2, at rest outside
-  };
-  for (std::size_t k = 0; k < count; ++k)
-    second.col(static_cast<Eigen::Index>(k)) =
-        ((sample(k + 2) - sample(k + 1)) - (sample(k + 1) - sample(k))).cwiseQuotient(limits.jerk) /
-        (period * period * period);
-  const double enough = 2.0 * second.cwiseAbs().maxCoeff();
-  if (!(enough <= most_terms))
-    throw std::invalid_argument("motion: jerk limits are so low that acceleration builds up over " +
-                                short_text(enough) + " periods, expected greater ones");
-  for (std::size_t window = 1;;) {
-    const auto w = std::min(static_cast<Eigen::Index>(window), second.cols());
-    double most =
-        std::max(second.leftCols(w).cwiseAbs().maxCoeff(), second.rightCols(w).cwiseAbs().maxCoeff());
-    if (w < second.cols())
-      most = std::max(
-          most,
-          (second.rightCols(second.cols() - w) - second.leftCols(second.cols() - w)).cwiseAbs().maxCoeff());
-    const auto kept = static_cast<double>(window) * (1.0 + 1e-12);
-    if (most <= kept || enough <= kept) return window;
-    window = std::max(window + 1 + window / 64, static_cast<std::size_t>(0.5 * most));
-  }
-}
-
-Waypoints averaged(const Waypoints& samples, std::size_t window) {
-  const auto last = static_cast<std::ptrdiff_t>(samples.size()) - 1;
-  const auto w = static_cast<std::ptrdiff_t>(window);
-  if (static_cast<double>(w) * static_cast<double>(w + last) > most_terms)
-    throw std::invalid_argument("motion: jerk limits are so low that acceleration builds up over " +
-                                std::to_string(window) + " periods, expected greater ones");
-  Waypoints control;
-  for (std::ptrdiff_t c = -2; c <= last + w + 1; ++c) {
-    const auto sample = [&](std::ptrdiff_t k) -> const Configuration& {
-      return samples[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(k, 0, last))];
-    };
-    const Configuration& newest = sample(c);
-    Configuration offset = Configuration::Zero(newest.size());
-    for (std::ptrdiff_t k = c - w + 1; k < c; ++k) offset += sample(k) - newest;
-    control.push_back(newest + offset / static_cast<double>(window));
-  }
-  return control;
-}
-
-void time_once(MotionSection& section, const RateLimits& limits, double period) {
-  section.path = blended_path(section.waypoints, section.reach);
-  MotionDrive chosen;
-  const double rise = limits.acceleration.cwiseQuotient(limits.jerk).maxCoeff();
-  const auto drive = [&](const MotionDrive& as) {
-    PathSamples samples = time_optimal_samples(section.path, limits.velocity, as.share * limits.acceleration,
-                                               period, as.is_level ? as.share * rise + 2.0 * period : 0.0);
-    const std::size_t window = least_window(samples.positions, limits, period);
-    const bool is_first = section.samples.positions.empty();
-    if (!is_first && samples.positions.size() + window >= section.samples.positions.size() + section.window)
-      return;
-    section.samples = std::move(samples);
-    section.window = window;
-    chosen = as;
-  };
-  section.samples = {};
-  if (section.drive) {
-    drive(*section.drive);
-  } else {
-    for (const MotionDrive& as : drives) try {
-        drive(as);
-      } catch (const std::invalid_argument&) {  // too slow: no matter where another is not
-        if (section.samples.positions.empty()) throw;
-      }
-  }
-  section.drive = chosen;
-  section.control = averaged(section.samples.positions, section.window);
-  section.motion = spline_motion(section.control, period);
-  Configuration lowest = section.waypoints.front(), highest = lowest;
-  for (const Configuration& q : section.waypoints) {
-    lowest = lowest.cwiseMin(q);
-    highest = highest.cwiseMax(q);
-  }
-  for (Configuration& q : section.motion.positions) q = q.cwiseMax(lowest).cwiseMin(highest);  // rounding
-}
 
 /// The greatest share of a torque limit at any knot; not a number where a torque is none.
 double torque_share(const Robot& robot, const Motion& motion, const TorqueTerms& terms,
@@ -142,6 +49,101 @@ Eigen::VectorXd limits_beside_gravity(const Robot& robot, const Motion& motion, 
   }
   return limits;
 }
+
+/// How much a motion takes of what gravity leaves of torque limits, at the knot where it is most.
+double share_beside_gravity(const Robot& robot, const Motion& motion, const TorqueTerms& terms,
+                            const Eigen::VectorXd& limits) {
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(limits.size());
+  double greatest = 0.0;
+  for (std::size_t k = 0; k < motion.positions.size(); ++k) {
+    const Configuration& q = motion.positions[k];
+    const Eigen::ArrayXd held = joint_torques(robot, q, rest, rest, terms),
+                         moved = joint_torques(robot, q, motion.velocities[k], motion.accelerations[k], terms)
+                                     .array() -
+                                 held;
+    const Eigen::ArrayXd most = (moved < 0.0).select(-limits.array() - held, limits.array() - held);
+    greatest = std::max(greatest, (moved / most).maxCoeff());
+  }
+  return greatest;
+}
+
+/// Slows a section until its torques keep their limits. Of what holds the motion that ends first is taken.
+class WithinTorques {
+ public:
+  /// @param section whose motion exceeds them
+  WithinTorques(MotionSection& section, const Robot& robot, const RateLimits& limits,
+                const SmoothMotionOptions& options)
+      : section_(section),
+        robot_(robot),
+        limits_(limits),
+        options_(options),
+        most_(limits_beside_gravity(robot, section.motion, *options.torques)) {}
+
+  void slow(bool chooses_drive) {
+    if (taken() <= 1.0) return;
+    const MotionDrive fastest = *section_.drive;
+    torques_ = torques_along(section_.path, timed_stretches(section_.path), robot_, *options_.torques, most_);
+    if (chooses_drive) section_.drive.reset();
+    try {
+      time_within_torques();
+      lower_acceleration(fastest);
+    } catch (const std::invalid_argument&) {  // too slow: what holds so far counts
+      if (!best_) throw;
+    }
+    if (best_) take(std::move(*best_), options_.period, section_);
+  }
+
+ private:
+  /// The greatest share of a torque limit.
+  double taken() const { return torque_share(robot_, section_.motion, *options_.torques, most_); }
+
+  /// Whether torques hold. Keeps what does and ends before the best.
+  bool holds() {
+    if (!(taken() <= 1.0)) return false;
+    const DrivenSamples made{*section_.drive, section_.samples, section_.window};
+    if (!best_ || made.periods() < best_->periods()) best_ = made;
+    return true;
+  }
+
+  /// The path is timed within that share of torque limits with which the motion, averaged, takes most of
+  /// them.
+  void time_within_torques() {
+    double share = 1.0, held = 0.0;
+    for (int i = 0; i < most_slowings && (held == 0.0 || i < most_tries); ++i) {
+      if (section_.drive) section_.drive->torque_share = share;
+      drive_section(section_, limits_, options_.period, torques_, share);
+      const double part = share_beside_gravity(robot_, section_.motion, *options_.torques, most_);
+      if (holds()) {
+        if (part > nearly_all) return;
+        held = std::max(held, share);
+      }
+      const double next = share * spared / std::max(part, least_part);
+      share = next > held ? next : 0.5 * (held + share);
+    }
+  }
+
+  /// As averaging lowers torques, too, less acceleration alone may end earlier.
+  void lower_acceleration(MotionDrive drive) {
+    double exceeding = 1.0, held = 0.0;
+    for (int halved = 0; halved < most_halvings && exceeding > least_share;) {
+      drive.share = held > 0.0 ? std::sqrt(held * exceeding) : exceeding / std::numbers::sqrt2;
+      if (held > 0.0) ++halved;
+      DrivenSamples made = driven(section_.path, limits_, drive, options_.period, torques_);
+      if (best_ && made.samples.positions.size() + 1 >= best_->periods()) return;
+      made.window = window_of(made, limits_, options_.period);
+      take(std::move(made), options_.period, section_);
+      (holds() ? held : exceeding) = drive.share;
+    }
+  }
+
+  MotionSection& section_;
+  const Robot& robot_;
+  const RateLimits& limits_;
+  const SmoothMotionOptions& options_;
+  const Eigen::VectorXd most_;
+  std::vector<StretchTorques> torques_;
+  std::optional<DrivenSamples> best_;
+};
 
 }  // namespace
 
@@ -173,20 +175,16 @@ MotionSection part_of(const MotionSection& whole, std::size_t first, std::size_t
   return part;
 }
 
-void time_section(MotionSection& section, const Robot& robot, RateLimits limits,
+void time_section(MotionSection& section, const Robot& robot, const RateLimits& limits,
                   const SmoothMotionOptions& options) {
-  time_once(section, limits, options.period);
+  section.path = blended_path(section.waypoints, section.reach);
+  const bool has_drive = section.drive.has_value();
+  if (has_drive) section.drive->torque_share = 0.0;
+  drive_section(section, limits, options.period, {}, 0.0);
   if (!options.torques || options.torques->limits.minCoeff() == no_limit) return;
-  const TorqueTerms& terms = *options.torques;
-  const double share = torque_share(robot, section.motion, terms, terms.limits);
-  if (share <= 1.0 || !std::isfinite(share)) return;  // the check refuses what is not finite
-  const Eigen::VectorXd torques = limits_beside_gravity(robot, section.motion, terms);
-  for (int i = 0; i < most_slowings; ++i) {
-    if (torque_share(robot, section.motion, terms, torques) <= 1.0) return;
-    limits.velocity *= slowing;
-    limits.acceleration *= slowing * slowing;
-    time_once(section, limits, options.period);
-  }
+  const double share = torque_share(robot, section.motion, *options.torques, options.torques->limits);
+  if (!(share > 1.0 && std::isfinite(share))) return;  // the check refuses what is not finite
+  WithinTorques(section, robot, limits, options).slow(!has_drive);
 }
 
 }  // namespace clearway

@@ -16,8 +16,10 @@ namespace clearway {
 /// How hard a motion is driven before it is averaged: less acceleration, and a level speed between
 /// acceleration and braking, need a shorter window for the same jerk.
 struct MotionDrive {
-  double share = 1.0;  ///< of the acceleration limit
+  double rise = 0.0;  ///< seconds: each joint accelerates by no more than its jerk builds up in this time
   bool is_level = false;
+  double share = 1.0;         ///< of the acceleration limits
+  double torque_share = 0.0;  ///< of what gravity leaves; 0: torques do not bind
 };
 
 /// A motion from rest to rest. Control point i is the mean of samples i - 1 - window to i - 2, knot i stands
@@ -60,7 +62,7 @@ MotionSection part_of(const MotionSection& whole, std::size_t first, std::size_t
 /// Times the section within the limits and, slower if need be, within the torques that `options` state.
 /// @throws std::invalid_argument as smooth_motion for a motion that is too long or jerk limits that are too
 ///         low
-void time_section(MotionSection& section, const Robot& robot, RateLimits limits,
+void time_section(MotionSection& section, const Robot& robot, const RateLimits& limits,
                   const SmoothMotionOptions& options);
 
 }  // namespace clearway

@@ -19,9 +19,8 @@ constexpr double longest_level = 4.0;      ///< times what it should be
 constexpr double safe_side = 1.0 - 1e-12;  ///< keeps what is computed on the safe side
 
 /// A stretch between two nodes. x is the path speed squared, u the path acceleration: x' = x + 2 length u.
-struct Stretch {
-  std::size_t piece = 0;
-  double begin = 0.0, length = 0.0;      ///< parameter of the piece
+struct Stretch : PathStretch {
+  const StretchTorques* torques = nullptr;
   double max_x = no_bound, max_u = 0.0;  ///< of x at both ends, and of |u| where the piece is straight
 };
 
@@ -33,9 +32,12 @@ struct Range {
 class Timing {
  public:
   Timing(const SmoothPath& path, const Eigen::VectorXd& max_velocity, const Eigen::VectorXd& max_acceleration,
-         double cruise)
-      : path_(path), velocity_(max_velocity), acceleration_(max_acceleration) {
-    place_nodes();
+         double cruise, const TorqueShare& torques)
+      : path_(path), velocity_(max_velocity), acceleration_(max_acceleration), share_(torques.share) {
+    for (const PathStretch& stretch : timed_stretches(path)) {
+      stretches_.push_back(bounded({stretch}));
+      if (torques.along) stretches_.back().torques = &(*torques.along)[stretches_.size() - 1];
+    }
     pass_backward();
     pass_forward();
     if (cruise > 0.0) level_peaks(cruise);
@@ -64,20 +66,6 @@ class Timing {
   }
 
  private:
-  void place_nodes() {
-    const double step = std::min(longest_step, path_.length() / least_nodes);
-    if (path_.length() > most_nodes_of_leg * step)
-      throw std::invalid_argument("motion: a leg is longer than " + short_text(most_nodes_of_leg * step) +
-                                  " rad or m, expected a shorter path");
-    for (std::size_t i = 0; i < path_.pieces.size(); ++i) {
-      const PathPiece& piece = path_.pieces[i];
-      const double fewest = piece.is_straight() ? 1.0 : fewest_in_blend;
-      const double count = std::max(fewest, std::ceil(piece.length / step));
-      for (double k = 0.0; k < count; ++k)
-        stretches_.push_back(bounded({i, piece.length * (k / count), piece.length / count}));
-    }
-  }
-
   Stretch bounded(Stretch stretch) const {
     const PathPiece& piece = path_.pieces[stretch.piece];
     stretch.max_u = no_bound;
@@ -91,6 +79,11 @@ class Timing {
     stretch.max_x *= safe_side;
     stretch.max_u *= safe_side;
     return stretch;
+  }
+
+  /// Whether |u| <= max_u is all that binds u.
+  bool is_simple(const Stretch& stretch) const {
+    return path_.pieces[stretch.piece].is_straight() && !stretch.torques;
   }
 
   /// The greatest x at each node from which the end can be reached.
@@ -107,7 +100,7 @@ class Timing {
     for (std::size_t k = 0; k < stretches_.size(); ++k) {
       const Stretch& stretch = stretches_[k];
       double u = stretch.max_u;
-      if (!path_.pieces[stretch.piece].is_straight()) {
+      if (!is_simple(stretch)) {
         const Range range = range_at(stretch, x_[k], x_[k + 1]);
         u = range.low <= range.high ? range.high : 0.5 * (range.low + range.high);
       }
@@ -119,7 +112,7 @@ class Timing {
   /// far longer the peak is kept: it is a brief one beside a long stretch, which would creep.
   void level_peaks(double cruise) {
     for (std::size_t k = 1; k + 1 < x_.size(); ++k) {
-      if (!(x_[k] > x_[k - 1] && x_[k] > x_[k + 1])) continue;
+      if (!is_peak(k) || level_time(k, x_[k]) >= cruise) continue;
       double low = 0.0, high = x_[k];
       for (int step = 0; step < 40; ++step) {
         const double level = 0.5 * (low + high);
@@ -129,11 +122,19 @@ class Timing {
     }
   }
 
-  /// Nodes about the peak k that are above a level: the first and the last.
+  /// Whether x rises to node k, and falls after those that are level with it.
+  bool is_peak(std::size_t k) const {
+    if (!(x_[k] > x_[k - 1])) return false;
+    std::size_t last = k;
+    while (last + 1 < x_.size() && x_[last + 1] == x_[k]) ++last;
+    return last + 1 < x_.size() && x_[last + 1] < x_[k];
+  }
+
+  /// Nodes about the peak k that are not below a level: the first and the last.
   std::pair<std::size_t, std::size_t> nodes_above(std::size_t k, double level) const {
     std::size_t first = k, last = k;
-    while (first > 0 && x_[first - 1] > level) --first;
-    while (last + 1 < x_.size() && x_[last + 1] > level) ++last;
+    while (first > 0 && x_[first - 1] >= level) --first;
+    while (last + 1 < x_.size() && x_[last + 1] >= level) ++last;
     return {first, last};
   }
 
@@ -154,6 +155,11 @@ class Timing {
       const double most = std::max(std::min(x_[i], level), std::min(x_[i + 1], level));
       const Eigen::VectorXd& bend = path_.pieces[stretches_[i].piece].bend;
       if ((bend.cwiseAbs() * most - acceleration_ * safe_side).maxCoeff() > 0.0) return;
+      if (const StretchTorques* torques = stretches_[i].torques)
+        for (const TorqueBounds* at : {&torques->begin, &torques->end})
+          if (((share_ * at->low).array() > at->across.array() * most).any() ||
+              ((share_ * at->high).array() < at->across.array() * most).any())
+            return;
     }
     for (std::size_t i = first; i <= last; ++i) x_[i] = level;
   }
@@ -162,8 +168,7 @@ class Timing {
   /// form a convex polygon with the origin in it; from the right, Newton's steps along its sides end at the
   /// corner.
   double highest_start(const Stretch& stretch, double max_x, double next) const {
-    if (path_.pieces[stretch.piece].is_straight())
-      return std::min(max_x, next + 2.0 * stretch.length * stretch.max_u);
+    if (is_simple(stretch)) return std::min(max_x, next + 2.0 * stretch.length * stretch.max_u);
     double x = max_x;
     const PathPiece& piece = path_.pieces[stretch.piece];
     for (Eigen::Index j = 0; j < velocity_.size(); ++j) {  // what u cannot mend: |bend| x <= a
@@ -197,6 +202,14 @@ class Timing {
       bound(from, bend, -limit, limit);
       bound(from + 3.0 * stretch.length * bend, bend, -limit, limit);  // to u + bend (x + 2 length u)
     }
+    if (stretch.torques) {
+      const auto& [begin, end] = *stretch.torques;
+      for (Eigen::Index j = 0; j < begin.along.size(); ++j) {
+        bound(begin.along[j], begin.across[j], share_ * begin.low[j], share_ * begin.high[j]);
+        bound(end.along[j] + 2.0 * stretch.length * end.across[j], end.across[j], share_ * end.low[j],
+              share_ * end.high[j]);
+      }
+    }
     bound(2.0 * stretch.length, 1.0, 0.0, next);
     return range;
   }
@@ -214,15 +227,33 @@ class Timing {
 
   const SmoothPath& path_;
   const Eigen::VectorXd &velocity_, &acceleration_;
+  const double share_;  ///< of torques
   std::vector<Stretch> stretches_;
   std::vector<double> x_;  ///< at each node
 };
 
 }  // namespace
 
+std::vector<PathStretch> timed_stretches(const SmoothPath& path) {
+  const double step = std::min(longest_step, path.length() / least_nodes);
+  if (path.length() > most_nodes_of_leg * step)
+    throw std::invalid_argument("motion: a leg is longer than " + short_text(most_nodes_of_leg * step) +
+                                " rad or m, expected a shorter path");
+  std::vector<PathStretch> stretches;
+  for (std::size_t i = 0; i < path.pieces.size(); ++i) {
+    const PathPiece& piece = path.pieces[i];
+    const double fewest = piece.is_straight() ? 1.0 : fewest_in_blend;
+    const double count = std::max(fewest, std::ceil(piece.length / step));
+    for (double k = 0.0; k < count; ++k)
+      stretches.push_back({i, piece.length * (k / count), piece.length / count});
+  }
+  return stretches;
+}
+
 PathSamples time_optimal_samples(const SmoothPath& path, const Eigen::VectorXd& max_velocity,
-                                 const Eigen::VectorXd& max_acceleration, double period, double cruise) {
-  return Timing(path, max_velocity, max_acceleration, cruise).sample(period);
+                                 const Eigen::VectorXd& max_acceleration, double period, double cruise,
+                                 const TorqueShare& torques) {
+  return Timing(path, max_velocity, max_acceleration, cruise, torques).sample(period);
 }
 
 }  // namespace clearway

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "planning/path/path_torques.hpp"
 #include "planning/path/smooth_path.hpp"
 
 namespace clearway {
@@ -11,6 +12,15 @@ namespace clearway {
 struct PathSamples {
   std::vector<Configuration> positions;
   std::vector<std::size_t> pieces;
+};
+
+/// The parts of a path between the places where speeds are found.
+std::vector<PathStretch> timed_stretches(const SmoothPath& path);
+
+/// Of the stretches of a path, and the share of what gravity leaves of them that may be taken.
+struct TorqueShare {
+  const std::vector<StretchTorques>* along = nullptr;  ///< null: torques have no limits
+  double share = 1.0;
 };
 
 /// The time-optimal motion along the path under limits of joint velocity and acceleration, by reachability
@@ -24,8 +34,10 @@ struct PathSamples {
 /// @param cruise seconds, >= 0: where acceleration would turn into braking at once, the speed is lowered so
 /// that it
 ///        stays level that long in between, if limits allow; the motion then is no longer the fastest one
+/// @param torques limits of torques, which are kept at the ends of stretches
 /// @throws std::invalid_argument for a motion of more than a million samples.
 PathSamples time_optimal_samples(const SmoothPath& path, const Eigen::VectorXd& max_velocity,
-                                 const Eigen::VectorXd& max_acceleration, double period, double cruise = 0.0);
+                                 const Eigen::VectorXd& max_acceleration, double period, double cruise = 0.0,
+                                 const TorqueShare& torques = {});
 
 }  // namespace clearway

@@ -45,14 +45,17 @@ struct SmoothMotion {
 /// 3. Averaged over a window of time, as control points of a cubic spline: velocities and accelerations stay
 ///    within what they were, and jerk within the change of acceleration over the window (Biagiotti and
 ///    Melchiorri, "FIR filters for online trajectory planning with time- and frequency-domain
-///    specifications", 2012). Of several shares of the acceleration limit, with and without level speed
-///    between acceleration and braking, the one that ends first is taken.
+///    specifications", 2012). Of several times in which acceleration may build up, with and without level
+///    speed between acceleration and braking, the one that ends first is taken.
 /// 4. The spline lies on the edges but near blends; there it is proved, piece by piece, by certified chords
 ///    with tubes that hold its control points. A blend that is not proved is halved, at last a stop.
 ///
-/// Where a torque exceeds its limit at a knot, speed and acceleration between two stops are lowered until
-/// none does, but for joints of whose limit gravity alone takes 99 % on the way: slower motion hardly helps
-/// them, and greatest_torques (check/motion_torques.hpp) judges whether they hold.
+/// Where a torque exceeds its limit at a knot, the path between two stops is timed under torque limits, too
+/// (path_torques.hpp), and with less acceleration; what ends first is taken. Joints of whose limit gravity
+/// alone takes 99 % on the way are let be: slower motion hardly helps them, and greatest_torques
+/// (check/motion_torques.hpp) judges whether they hold.
+///
+/// Wider limits hardly ever make a motion slower, and then by a few per cent.
 ///
 /// Limits of velocity, acceleration and jerk hold at all times, within rounding. Positions are averages of
 /// points of the path, so that joint limits hold too. The same on every machine; nothing depends on time.

@@ -64,6 +64,15 @@ TEST(SmoothMotion, OfOneEdgeIsNearlyTheLeastTimeUnderVelocityAccelerationAndJerk
   }
 }
 
+TEST(SmoothMotion, WithAlmostNoJerkTakesItsTime) {
+  const Robot robot = load_robot("point");
+  const ConfigurationSpace space = space_of(robot, {box_of(5, 5, -0.05, 5.1, 5.1, 0.05)});
+  const SmoothMotion made = smooth_motion(space, {{at(0, 0), at(1, 0)}}, {.scales = {.jerk = 1e-5}});
+  const double least = 4 * std::cbrt(1.0 / (2 * 1e-5 * rate_limits(robot).jerk[0]));
+  EXPECT_GE(made.motion.duration(), least - 1e-9);
+  EXPECT_LE(made.motion.duration(), 1.35 * least);
+}
+
 TEST(SmoothMotion, BlendsACornerInTheOpenAndIsFasterThanStoppingThere) {
   const Robot robot = load_robot("point");
   const ConfigurationSpace space = space_of(robot, {box_of(5, 5, -0.05, 5.1, 5.1, 0.05)});
@@ -270,7 +279,7 @@ TEST(SmoothMotion, RefusesWhatIsNoPath) {
   EXPECT_THROW(smooth_motion(space, path, {.reach = 0.6}), std::invalid_argument);
   EXPECT_THROW(smooth_motion(space, path, {.scales = {.speed = 2.0}}), std::invalid_argument);
   EXPECT_THROW(smooth_motion(space, path, {.scales = {.speed = 1e-6}}), std::invalid_argument);
-  for (const double jerk : {1e-5, 1e-20, 1e-200, 1e-308})
+  for (const double jerk : {1e-20, 1e-200, 1e-308})
     EXPECT_THROW(smooth_motion(space, path, {.scales = {.jerk = jerk}}), std::invalid_argument) << jerk;
 }
 
