@@ -18,6 +18,7 @@ namespace clearway {
 namespace {
 
 constexpr double most_held = 0.95;        ///< share of a limit that gravity may take unnamed
+constexpr double most_slowed_for = 0.99;  ///< share of a limit beyond which motions are not slowed
 constexpr double longest_sample = 0.008;  ///< seconds
 
 KDL::Vector kdl_vector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
@@ -86,10 +87,7 @@ class MassTree {
 class Greatest {
  public:
   Greatest(const Robot& robot, const TorqueTerms& terms)
-      : robot_(robot),
-        limits_(terms.limits),
-        rest_(Eigen::VectorXd::Zero(limits_.size())),
-        is_overloaded_(static_cast<std::size_t>(limits_.size()), false) {
+      : robot_(robot), limits_(terms.limits), rest_(Eigen::VectorXd::Zero(limits_.size())), held_(rest_) {
     if ((limits_.array() < std::numeric_limits<double>::infinity()).any()) tree_.emplace(robot, terms);
   }
 
@@ -98,7 +96,8 @@ class Greatest {
     const Eigen::VectorXd held = tree_->torques(state.position, rest_, rest_);
     const Eigen::VectorXd torques = tree_->torques(state.position, state.velocity, state.acceleration);
     for (Eigen::Index j = 0; j < limits_.size(); ++j) {
-      if (!(std::abs(held[j]) <= most_held * limits_[j])) is_overloaded_[static_cast<std::size_t>(j)] = true;
+      const double by_gravity = std::abs(held[j]) / limits_[j];
+      if (!(by_gravity <= held_[j]) && !std::isnan(held_[j])) held_[j] = by_gravity;
       const double share = std::abs(torques[j]) / limits_[j];
       if (share <= found_.share || std::isnan(found_.share)) continue;  // what is no number is kept
       found_.share = share;
@@ -109,8 +108,10 @@ class Greatest {
   }
 
   TorqueFinding found() {
-    for (std::size_t j = 0; j < is_overloaded_.size(); ++j)
-      if (is_overloaded_[j]) found_.overloaded.push_back(robot_.joints[j].name);
+    for (Eigen::Index j = 0; j < held_.size(); ++j)
+      if (!(held_[j] <= most_held))
+        found_.overloaded.push_back(robot_.joints[static_cast<std::size_t>(j)].name);
+    if (held_.size() > 0) found_.held = held_[found_.joint];
     return found_;
   }
 
@@ -118,7 +119,7 @@ class Greatest {
   const Robot& robot_;
   const Eigen::VectorXd& limits_;
   Eigen::VectorXd rest_;
-  std::vector<bool> is_overloaded_;
+  Eigen::VectorXd held_;  ///< the greatest share of each joint's limit that gravity takes
   std::optional<MassTree> tree_;
   TorqueFinding found_;
 };
@@ -165,9 +166,11 @@ std::string torque_fault(const Robot& robot, double period, const TorqueTerms& t
   text << "motion: after " << period * found.place << " s the torque of joint "
        << shortened(robot.joints[static_cast<std::size_t>(found.joint)].name) << " is " << found.torque
        << ", beyond its limit of " << terms.limits[found.joint] << ", the URDF's effort";
-  const std::string& joint = robot.joints[static_cast<std::size_t>(found.joint)].name;
-  if (std::find(found.overloaded.begin(), found.overloaded.end(), joint) != found.overloaded.end())
-    text << ", of which gravity alone takes more than 95 %: no slower motion helps";
+  if (found.held > 1.0)
+    text << ", and gravity alone takes more than all of it: no slower motion helps";
+  else if (found.held > most_slowed_for)
+    text << ", of which gravity alone takes " << 100.0 * found.held
+         << " %: motions are not slowed where it takes more than 99 %";
   return text.str();
 }
 

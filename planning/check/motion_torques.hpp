@@ -16,6 +16,7 @@ struct TorqueFinding {
   double place = 0.0;                ///< in periods from the begin: 1.5 is midway between knots 1 and 2
   Eigen::Index joint = 0;
   std::vector<std::string> overloaded;  ///< joints of whose limit gravity alone takes more than 95 %
+  double held = 0.0;                    ///< the greatest share of the joint's limit that gravity alone takes
 };
 
 /// Torques at all knots, and between them at least every 8 ms, by KDL's recursive Newton-Euler on a tree,

@@ -16,7 +16,7 @@ constexpr double most_of_gravity = 0.99;  ///< of a torque limit that is kept
 constexpr double nearly_all = 0.99;       ///< of what gravity leaves of torques: no more is tried
 constexpr double spared = 0.998;          ///< of it, of which the next motion may take so much
 constexpr double least_part = 0.1;        ///< of it: what takes less is not driven far harder at once
-constexpr double least_share = 1e-4;      ///< of acceleration limits
+constexpr double least_drive = 1e-4;      ///< of acceleration limits
 constexpr int most_halvings = 3;          ///< of a step of acceleration
 constexpr int most_tries = 4;             ///< of faster motions than one that holds
 constexpr int most_slowings = 60;
@@ -125,7 +125,7 @@ class WithinTorques {
   /// As averaging lowers torques, too, less acceleration alone may end earlier.
   void lower_acceleration(MotionDrive drive) {
     double exceeding = 1.0, held = 0.0;
-    for (int halved = 0; halved < most_halvings && exceeding > least_share;) {
+    for (int halved = 0; halved < most_halvings && exceeding > least_drive;) {
       drive.share = held > 0.0 ? std::sqrt(held * exceeding) : exceeding / std::numbers::sqrt2;
       if (held > 0.0) ++halved;
       DrivenSamples made = driven(section_.path, limits_, drive, options_.period, torques_);

@@ -192,7 +192,15 @@ TEST(SmoothMotion, TorquesStayWithinTheirLimitsByKdlToo) {
   EXPECT_EQ(found.overloaded, std::vector<std::string>{robot.joints[1].name});
   EXPECT_GT(found.share, 1.0);
   EXPECT_EQ(found.joint, 1);
-  EXPECT_NE(torque_fault(robot, weak.motion.period, terms, found), "");
+  const auto sentence = [&](double share) {
+    terms.limits.setConstant(1e6);
+    terms.limits[1] = held[1] / share;
+    return torque_fault(robot, weak.motion.period, terms, greatest_torques(robot, free.motion, terms));
+  };
+  EXPECT_NE(sentence(1.1).find("gravity alone takes more than all of it: no slower"), std::string::npos);
+  EXPECT_NE(sentence(0.995).find("gravity alone takes 99.5 %: motions are not slowed"), std::string::npos)
+      << sentence(0.995);
+  EXPECT_EQ(sentence(0.97).find("gravity"), std::string::npos) << sentence(0.97);
 }
 
 TEST(SmoothMotion, LoadsThatTheArmCannotHoldAndTorquesThatAreNoNumbersAreRefused) {
