@@ -177,14 +177,27 @@ bool tells_of_forbidden_file(const std::string& complaints) {
   return false;
 }
 
+/// Whether memory is limited and the program ended with an error of it: by the words of Python, C++, Java,
+/// Go, Rust and the system, or because it took most of what it may.
+bool ran_out_of_memory(const std::string& complaints, int status, const rusage& used) {
+  rlimit memory{};
+  if (::getrlimit(RLIMIT_AS, &memory) != 0 || memory.rlim_cur == RLIM_INFINITY) return false;
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return false;
+  for (const char* words : {"MemoryError", "bad_alloc", "Cannot allocate memory", "OutOfMemory",
+                            "out of memory", "Out of memory", "memory allocation of", "Unable to allocate"})
+    if (complaints.find(words) != std::string::npos) return true;
+  return 1024.0 * static_cast<double>(used.ru_maxrss) > 0.9 * static_cast<double>(memory.rlim_cur);
+}
+
 }  // namespace
 
 /// With the last line that it wrote to its standard error, and how it ended, if it did within a moment.
 void LineProcess::fail(const std::string& what) {
   int status = 0;
   pid_t ended = 0;
+  rusage used{};
   for (int i = 0; i < 50 && ended == 0; ++i) {
-    ended = ::waitpid(process_, &status, WNOHANG);
+    ended = ::wait4(process_, &status, WNOHANG, &used);
     if (ended == 0) ::poll(nullptr, 0, pause_ms);
   }
   while (complaints_.is_open()) {
@@ -205,6 +218,7 @@ void LineProcess::fail(const std::string& what) {
   }
   if (tells_of_forbidden_file(last_words_))
     sentence += "; it tried to write into a file, which an isolated run may not: --isolate no lets it";
+  if (ended > 0 && ran_out_of_memory(last_words_, status, used)) throw ProgramOutOfMemory(sentence);
   throw std::runtime_error(sentence);
 }
 

@@ -4,12 +4,19 @@
 
 #include <functional>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
 #include "mapping/system/file_descriptor.hpp"
 
 namespace clearway {
+
+/// A program that ended because it may take no more memory.
+class ProgramOutOfMemory : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 /// A program of somebody else that reads lines and answers with lines. It runs under `sh`, in a process group
 /// of its own, and dies with the thread that started it; both ends of its talk are one socket. What it writes
@@ -23,7 +30,8 @@ class LineProcess {
   LineProcess& operator=(const LineProcess&) = delete;
 
   /// Sends a line and waits for one; none when `is_late()` says so, which is asked some hundred times a
-  /// second. @throws std::runtime_error when the program ends, closes its output or answers with too much.
+  /// second. @throws std::runtime_error when the program ends, closes its output or answers with too much;
+  /// ProgramOutOfMemory when it ends for want of memory where that is limited, as it is in an isolated run.
   std::optional<std::string> ask(std::string_view line, const std::function<bool()>& is_late);
 
   /// A line that is there and that nobody asked for. @throws as ask

@@ -12,6 +12,7 @@
 
 #include "apps/compare/compare_team.hpp"
 #include "apps/compare/left_processes.hpp"
+#include "apps/compare/line_process.hpp"
 #include "apps/compare/robot_server.hpp"
 #include "apps/compare/worker_process.hpp"
 #include "apps/console/parse.hpp"
@@ -33,7 +34,7 @@ std::string cbor_bytes(const Json& json) {
 Json json_of_cbor(std::string_view bytes) { return Json::from_cbor(bytes.begin(), bytes.end()); }
 
 /// First byte of each part that a run's process sends.
-constexpr char sent_part = 'P', sent_refusal = 'R';
+constexpr char sent_part = 'P', sent_refusal = 'R', sent_shortage = 'M';
 constexpr int out_of_memory_status = 77;
 constexpr double longest_wait = 2e6;  ///< s: what poll() can wait
 
@@ -45,6 +46,8 @@ void run_in_own_process(const PartedWork& work, const SendPart& send) {
     work([&](std::string_view part) { send(sent_part + std::string(part)); });
   } catch (const std::invalid_argument& refusal) {
     send(sent_refusal + std::string(refusal.what()));
+  } catch (const ProgramOutOfMemory& shortage) {
+    send(sent_shortage + std::string(shortage.what()));
   }
 }
 
@@ -52,6 +55,12 @@ IsolatedEnd end_of(const ChildOutcome& outcome, const CompareIsolation& isolatio
   IsolatedEnd end;
   for (const std::string& part : outcome.parts) {
     if (part[0] == sent_refusal) throw std::invalid_argument(part.substr(1));
+    if (part[0] == sent_shortage) {
+      end.ended = "out_of_memory";
+      end.explanation =
+          "The run may take " + significant(isolation.memory / 1e9) + " GB: " + ended(part.substr(1));
+      return end;
+    }
     end.parts.push_back(part.substr(1));
   }
   if (outcome.finished) return end;

@@ -102,6 +102,29 @@ TEST(LineProcess, SaysThatAnIsolatedRunMayNotWriteIntoFiles) {
   EXPECT_EQ(another.find("--isolate"), std::string::npos) << another;
 }
 
+bool is_short_of_memory(const std::string& command) {
+  try {
+    LineProcess(command).ask("line", never);
+  } catch (const ProgramOutOfMemory&) {
+    return true;
+  } catch (const std::runtime_error&) {
+  }
+  return false;
+}
+
+TEST(LineProcess, SaysWhetherAProgramEndsForWantOfMemoryThatIsLimited) {
+  const std::string python = "sh -c 'read l; echo MemoryError >&2; exit 1'";
+  EXPECT_FALSE(is_short_of_memory(python));
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_AS, &before), 0);
+  const rlimit much{rlim_t{1} << 40U, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_AS, &much), 0);
+  EXPECT_TRUE(is_short_of_memory(python));
+  EXPECT_FALSE(is_short_of_memory("sh -c 'read l; echo other >&2; exit 1'"));
+  EXPECT_FALSE(is_short_of_memory("sh -c 'read l; echo MemoryError >&2; exit 0'"));
+  ASSERT_EQ(::setrlimit(RLIMIT_AS, &before), 0);
+}
+
 TEST(LineProcess, SaysThatAnAnswerHasNoNewline) {
   const std::string words = "; its last line has no newline, expected one after each answer";
   EXPECT_EQ(end_of("sh -c 'read l; printf answer'"), "the planner's program ended with status 0" + words);

@@ -87,6 +87,14 @@ class ExternalPlanner(unittest.TestCase):
             self.assertIn("crashed", run.stderr + run.stdout)
             self.assertIn(words, run.stderr + run.stdout)
 
+    def test_who_asks_for_too_much_memory_is_out_of_memory(self):
+        text = ("sys.stdin.readline()\nprint(json.dumps({'ready': True}), flush=True)\nsys.stdin.readline()\n"
+                "bytearray(1 << 42)\n")
+        run, plans = self.compare(self.program(text), "--planners", "mine", "--memory", "2")
+        self.assertEqual(plans, {})
+        self.assertIn("out_of_memory", run.stderr + run.stdout)
+        self.assertIn("MemoryError", run.stderr + run.stdout)
+
     def test_who_does_not_answer_in_time_is_timed_out_and_ended(self):
         text = ("import time\nsys.stdin.readline()\n"
                 "print(json.dumps({'ready': True}), flush=True)\nsys.stdin.readline()\ntime.sleep(1000)\n")
