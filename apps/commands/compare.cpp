@@ -201,7 +201,6 @@ CompareChoice choice_of(const Suite& suite, const CompareOptions& options, const
   return {.seed = suite.seed,
           .jobs = options.jobs,
           .out = folder,
-          .shown_out = options.out,
           .keep_maps = options.keep_maps,
           .isolation = {options.isolate, options.grace, 1e9 * options.memory},
           .shard = {options.shard, options.shards},
@@ -402,8 +401,7 @@ int merge(const CompareOptions& options, Console& console) {
   for (auto shard = options.what.begin() + 1; shard != options.what.end(); ++shard)
     require_apart({{"--out", options.out}}, {{"compare merge", *shard}});
   AtomicFolder folder(options.out, is_of_comparison);
-  const CompareResults results =
-      merge_into(folder.path(), options.out, {options.what.begin() + 1, options.what.end()});
+  const CompareResults results = merge_into(folder.path(), {options.what.begin() + 1, options.what.end()});
   folder.publish();
   report_warnings(results, console);
   print_results(results, console);

@@ -57,7 +57,6 @@ struct CompareChoice {
   std::uint64_t seed = 1;     ///< of the first run of each problem; the next runs have the next seeds
   int jobs = 1;               ///< problems at the same time
   std::filesystem::path out;  ///< folder of results; plans are saved below it, maps with `keep_maps`
-  std::filesystem::path shown_out = {};  ///< where it will be: the name of kept maps in results
   bool keep_maps = false;
   CompareIsolation isolation = {};
   CompareShard shard = {};

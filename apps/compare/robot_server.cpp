@@ -226,12 +226,12 @@ class RobotServer : public ProblemServer {
                              {.padding = experiment_.setup.padding.value_or(0.0)});
     const double space_cpu = thread_cpu_seconds() - before;
     is_kept_ = stage.map_file.empty() && (choice_.keep_maps || !experiment_.setup.generate);
-    if (is_kept_) stage.map_file = (choice_.shown_out / map_folder(stage)).string();
+    if (is_kept_) stage.map_file = map_folder(stage).string();
     open_.emplace(OpenStage{index, std::move(stage), std::move(space), space_cpu});
     return *open_;
   }
 
-  /// A folder that `clearway check --map` reads, named by what is in it.
+  /// Below the results: a folder that `clearway check --map` reads, named by what is in it.
   static fs::path map_folder(const SuiteStage& stage) {
     return fs::path("maps") / (name_as_file(stage.world) + "-" + stage.digest.substr(0, 8));
   }

@@ -99,14 +99,13 @@ void require_whole(const std::vector<ShardRecords>& shards) {
   }
 }
 
-/// Where a map that the shard kept will be; nothing for others.
-std::optional<std::string> moved_map(const ShardRecords& shard, const std::string& map_file,
-                                     const fs::path& shown) {
+/// A map that the shard kept, below its folder, where older results name the folder, too; nothing for others.
+std::optional<std::string> kept_map(const ShardRecords& shard, const std::string& map_file) {
   const fs::path name = fs::path("maps") / fs::path(map_file).filename();
   if (map_file.empty() || name.lexically_normal() != name || !map_file.ends_with(name.string()) ||
       !fs::exists(shard.folder / name))
     return {};
-  return (shown / name).string();
+  return name.string();
 }
 
 void copy_new(const fs::path& from, const fs::path& to) {
@@ -115,7 +114,7 @@ void copy_new(const fs::path& from, const fs::path& to) {
   fs::copy_file(from, to, fs::copy_options::skip_existing);
 }
 
-/// A plan names its map by the folder of results.
+/// A plan names a kept map as the results do.
 void copy_plan(const fs::path& from, const fs::path& to, const std::string& old_map,
                const std::string& new_map) {
   std::string text = read_input(from, "plan file", 64U << 20U);
@@ -126,9 +125,8 @@ void copy_plan(const fs::path& from, const fs::path& to, const std::string& old_
   save_file(to, text);
 }
 
-void copy_files(const ShardRecords& shard, const CompareProblem& problem, const fs::path& folder,
-                const fs::path& shown) {
-  const std::optional<std::string> map = moved_map(shard, problem.map_file, shown);
+void copy_files(const ShardRecords& shard, const CompareProblem& problem, const fs::path& folder) {
+  const std::optional<std::string> map = kept_map(shard, problem.map_file);
   if (map) {
     const fs::path kept = fs::path("maps") / fs::path(problem.map_file).filename();
     for (const auto& file : fs::directory_iterator(shard.folder / kept))
@@ -168,8 +166,7 @@ CompareAsked asked_whole(const std::vector<ShardRecords>& shards) {
   return asked;
 }
 
-/// @param shown where kept maps will be
-CompareRecords merge_all(const std::vector<ShardRecords>& shards, const fs::path& shown) {
+CompareRecords merge_all(const std::vector<ShardRecords>& shards) {
   CompareRecords all(asked_whole(shards));
   for (const ShardRecords& shard : shards) {
     for (const auto& [e, s] : shard.records.stages()) {
@@ -180,8 +177,7 @@ CompareRecords merge_all(const std::vector<ShardRecords>& shards, const fs::path
           problems.push_back(problem.found);
           problems.back().runs.clear();
           problems.back().page.clear();
-          problems.back().map_file =
-              moved_map(shard, problem.found.map_file, shown).value_or(problem.found.map_file);
+          problems.back().map_file = kept_map(shard, problem.found.map_file).value_or(problem.found.map_file);
         }
         const auto& in_vain = shard.records.drawn_in_vain();
         const auto why = in_vain.find({e, s});
@@ -218,14 +214,13 @@ std::vector<ShardRecords> checked_shards(const std::vector<fs::path>& folders) {
 
 }  // namespace
 
-CompareResults merge_into(const fs::path& folder, const fs::path& shown,
-                          const std::vector<fs::path>& folders) {
+CompareResults merge_into(const fs::path& folder, const std::vector<fs::path>& folders) {
   const std::vector<ShardRecords> shards = checked_shards(folders);
   for (const ShardRecords& shard : shards)
     for (const auto& [e, s] : shard.records.stages())
       for (const CompareRecords::Problem& problem : *shard.records.stage(e, s))
-        if (problem.is_finished) copy_files(shard, problem.found, folder, shown);
-  const CompareRecords records = merge_all(shards, shown);
+        if (problem.is_finished) copy_files(shard, problem.found, folder);
+  const CompareRecords records = merge_all(shards);
   records.require_problems();
   require_all(records);
   copy_worst_pages(shards, records, folder);

@@ -199,8 +199,7 @@ TEST(IsolatedRuns, WithoutIsolationFindTheSame) {
   const TemporaryFolder one, other;
   const auto rows = [&](const TemporaryFolder& folder, bool isolated) {
     CompareExperiment found =
-        run_experiment(suite, prepared,
-                       {.seed = 3, .out = folder.path(), .shown_out = "x", .isolation = {.is_on = isolated}});
+        run_experiment(suite, prepared, {.seed = 3, .out = folder.path(), .isolation = {.is_on = isolated}});
     for (CompareProblem& problem : found.problems)
       for (CompareRun& run : problem.runs)
         run.time = run.cpu = run.space_cpu = run.derive_cpu = run.check_time = run.check_cpu =
