@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <functional>
+#include <iomanip>
+#include <locale>
+#include <sstream>
 #include <stdexcept>
 #include FT_FREETYPE_H
 
@@ -29,15 +32,31 @@ class Font {
   int walk(const std::string& text, int size, const std::function<void(const FT_GlyphSlot&, int)>& use) {
     FT_Set_Pixel_Sizes(face_, 0, static_cast<FT_UInt>(size));
     int x = 0;
-    for (std::size_t at = 0; at < text.size();) {
-      if (FT_Load_Char(face_, next_letter(text, at), FT_LOAD_RENDER) != 0) continue;
+    const auto draw = [&](FT_ULong letter) {
+      if (FT_Load_Char(face_, letter, FT_LOAD_RENDER) != 0) return;
       use(face_->glyph, x);
       x += static_cast<int>(face_->glyph->advance.x >> 6);
+    };
+    for (std::size_t at = 0; at < text.size();) {
+      const FT_ULong letter = next_letter(text, at);
+      if (FT_Get_Char_Index(face_, letter) != 0) {
+        draw(letter);
+      } else {
+        for (const char spelt : spelling(letter)) draw(static_cast<unsigned char>(spelt));
+      }
     }
     return x;
   }
 
  private:
+  /// Of a letter that the font lacks, in letters that it has: U+65E5.
+  static std::string spelling(FT_ULong letter) {
+    std::ostringstream text;
+    text.imbue(std::locale::classic());
+    text << "U+" << std::hex << std::uppercase << std::setw(4) << std::setfill('0') << letter;
+    return text.str();
+  }
+
   /// The next code point of UTF-8; what is none becomes U+FFFD.
   static FT_ULong next_letter(const std::string& text, std::size_t& at) {
     const auto first = static_cast<unsigned char>(text[at++]);

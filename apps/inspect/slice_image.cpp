@@ -20,6 +20,7 @@ namespace {
 constexpr std::array<VoxelState, 5> states = {VoxelState::painted, VoxelState::occupied, VoxelState::conflict,
                                               VoxelState::seen_free, VoxelState::unknown};
 constexpr int margin_left = SliceCanvas::margin_left, margin_top = SliceCanvas::margin_top;
+constexpr int label_gap = 7;  ///< pixels, between labels of ticks
 constexpr int margin_bottom = SliceCanvas::margin_bottom, margin_right = SliceCanvas::margin_right;
 
 Picture::Colour colour(VoxelState state) {
@@ -68,15 +69,21 @@ void draw_axes(Picture& image, const SliceCanvas& canvas) {
   constexpr Picture::Colour ink{150, 150, 150};
   const auto draw = [&](double low, double span, bool horizontal) {
     const double step = tick_step(span, 6);
+    int written = horizontal ? -label_gap : margin_top + canvas.height() + 2 * label_gap;  // up to where
     for (double value = std::ceil(low / step) * step; value <= low + span + 1e-9; value += step) {
       const std::string label = significant(std::abs(value) < 1e-12 ? 0.0 : value);
       if (horizontal) {
         const int x = canvas.x(value), bottom = margin_top + canvas.height();
         image.fill(x, bottom, x, bottom + 5, ink);
-        image.write(label, x - Picture::text_width(label) / 2, bottom + 19);
+        const int half = Picture::text_width(label) / 2;
+        if (x - half < written + label_gap) continue;
+        image.write(label, x - half, bottom + 19);
+        written = x + half;
       } else {
         const int y = canvas.y(value);
         image.fill(margin_left - 5, y, margin_left, y, ink);
+        if (y > written - 2 * label_gap) continue;
+        written = y;
         image.write(label, margin_left - 9 - Picture::text_width(label), y + 4);
       }
     }
