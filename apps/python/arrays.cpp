@@ -186,9 +186,11 @@ std::vector<Eigen::Isometry3d> poses_from(py::handle value, const std::string& n
 }
 
 Eigen::AlignedBox3d box_from(py::handle value, const std::string& name) {
-  const std::vector<Eigen::Vector3d> corners = points_from(value, name);
-  if (corners.size() != 2)
-    refuse(name, "two points, low and high", std::to_string(corners.size()) + " of them");
+  const std::string expected = "two points (low, high), real numbers of shape (2, 3)";
+  const py::array array = numeric(value, name, expected);
+  if (array.ndim() != 2 || array.shape(0) != 2 || array.shape(1) != 3)
+    refuse(name, expected, described(array));
+  const std::vector<Eigen::Vector3d> corners = points_from(array, name);
   if (!corners[0].allFinite() || !corners[1].allFinite() || !(corners[0].array() <= corners[1].array()).all())
     throw std::invalid_argument(name + ": expected two finite points, low before high on every axis");
   return {corners[0], corners[1]};

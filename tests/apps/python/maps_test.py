@@ -150,6 +150,13 @@ class Scans(unittest.TestCase):
         self.assertEqual(counts.as_dict()["dropped_invalid"], 2)
         self.assertEqual(cw.FreeSpaceMap().insert(np.empty((0, 3))).inserted, 0)
 
+    def test_a_box_is_two_points(self):
+        fused = cw.FreeSpaceMap(0.1)
+        for box in ([0, 0, 0, 1, 1, 1], [[0, 0, 0]], [[0, 0], [1, 1]], "box"):
+            with self.assertRaisesRegex((TypeError, ValueError), r"^crop: expected two points \(low, high\)"):
+                fused.insert([[0.5, 0.0, 0.0]], crop=box)
+        self.assertEqual(fused.insert([[0.5, 0.0, 0.0]], crop=[[0, 0, 0], [1, 1, 1]]).inserted, 1)
+
     def test_times_that_no_map_keeps_are_refused(self):
         for made in (cw.FreeSpaceMap(0.1), cw.ContinuedMap(cw.FreeSpaceMap(0.1).snapshot())):
             for time in (1.79e18, -1.79e18, np.inf, np.nan):
