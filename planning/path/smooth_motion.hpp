@@ -55,7 +55,8 @@ struct SmoothMotion {
 /// alone takes 99 % on the way are let be: slower motion hardly helps them, and greatest_torques
 /// (check/motion_torques.hpp) judges whether they hold.
 ///
-/// Wider limits hardly ever make a motion slower, and then by a few per cent.
+/// Wider limits hardly ever make a motion slower; where torques bind a path of many waypoints, that is not
+/// promised.
 ///
 /// Limits of velocity, acceleration and jerk hold at all times, within rounding. Positions are averages of
 /// points of the path, so that joint limits hold too. The same on every machine; nothing depends on time.
