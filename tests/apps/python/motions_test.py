@@ -198,7 +198,7 @@ class Gates(unittest.TestCase):
             cw.Gate().publish(self.space(), loads=[cw.Load("rod", "link6", box=[0.03, 0.03, 0.4], legs=[0])])
 
     def test_a_chunk_may_leave_the_last_one_in_its_midst(self):
-        gate = cw.Gate()
+        gate = cw.Gate(allow_outside=["all"])
         gate.publish(self.space())
         positions = np.tile([-0.8, -0.8, 0.3, 0.0, 0.4, 0.0], (8, 1))
         positions[:, 0] += 0.01 * np.arange(8)
