@@ -81,22 +81,6 @@ void report_start(const ConfigurationSpace& space, const GateOptions& terms, Con
   console.warn("warning: --start is not free, so no chunk passes: " + space.check(*terms.start).sentence());
 }
 
-GateVerdict judge(Gate& gate, const ChunkLine& line) {
-  if (line.is_read()) return gate.judge(line.chunk, line.leaves_at);
-  return {.reason = line.fault.reason, .sentence = line.fault.sentence};
-}
-
-/// Empty, or why not.
-std::string restart(Gate& gate, const ChunkLine& line) {
-  try {
-    gate.restart(line.restart);
-    return {};
-  } catch (const std::invalid_argument& error) {
-    const std::string sentence = error.what(), begin = "gate: start";
-    return sentence.starts_with(begin) ? "restart" + sentence.substr(begin.size()) : sentence;
-  }
-}
-
 /// What a line is answered. A line that restarts counts only where it is refused.
 struct LineAnswer {
   std::string text;
@@ -119,24 +103,60 @@ void report_inputs(const GateCommandOptions& options, const Robot& robot, const 
   console.note(hand_edit_caveat(map));
 }
 
-LineAnswer answer(Gate& gate, const Robot& robot, const InputLine& text, std::size_t number,
-                  std::size_t max_line) {
-  ChunkLine line = text.is_too_long ? ChunkLine{} : parse_chunk_line(text.text);
-  take_order_of(robot, line);
-  if (line.restarts && line.is_read()) {
-    const std::string why_not = restart(gate, line);
-    return {restart_line(number, line.id, why_not), !why_not.empty(), false};
+/// Answers line by line. After a line that should say where the robot stands, and cannot, nobody knows:
+/// chunks are refused until one does.
+class LineGate {
+ public:
+  LineGate(Gate& gate, const Robot& robot, std::size_t max_line)
+      : gate_(gate), robot_(robot), max_line_(max_line) {}
+
+  LineAnswer answer(const InputLine& text) {
+    ++number_;
+    if (text.is_too_long) return said("null", too_long(max_line_));
+    ChunkLine line = parse_chunk_line(text.text);
+    take_order_of(robot_, line);
+    if (line.restarts) {
+      const std::string why_not = line.is_read() ? restart(line) : line.fault.sentence;
+      refused_restart_ = why_not.empty() ? 0 : number_;
+      return {restart_line(number_, line.id, why_not), !why_not.empty(), false};
+    }
+    if (!line.is_read()) return said(line.id, {.reason = line.fault.reason, .sentence = line.fault.sentence});
+    if (refused_restart_ > 0)
+      return said(line.id, {.reason = GateReason::jump,
+                            .sentence = "nobody knows where the robot stands since the restart of line " +
+                                        std::to_string(refused_restart_) + " was refused: expected another"});
+    return said(line.id, gate_.judge(line.chunk, line.leaves_at));
   }
-  const GateVerdict verdict = text.is_too_long ? too_long(max_line) : judge(gate, line);
-  return {verdict_line(number, line.id, verdict), true, verdict.is_passed()};
-}
+
+ private:
+  LineAnswer said(const std::string& id, const GateVerdict& verdict) const {
+    return {verdict_line(number_, id, verdict), true, verdict.is_passed()};
+  }
+
+  /// Empty, or why not.
+  std::string restart(const ChunkLine& line) {
+    try {
+      gate_.restart(line.restart);
+      return {};
+    } catch (const std::invalid_argument& error) {
+      const std::string sentence = error.what(), begin = "gate: start";
+      return sentence.starts_with(begin) ? "restart" + sentence.substr(begin.size()) : sentence;
+    }
+  }
+
+  Gate& gate_;
+  const Robot& robot_;
+  std::size_t max_line_, number_ = 0;
+  std::size_t refused_restart_ = 0;  ///< its line; 0: none since the last one that was taken
+};
 
 /// An answer for each line, until there are no more, or nobody reads them.
 int answer_lines(Gate& gate, const Robot& robot, std::size_t max_line, Console& console) {
   LineReader lines(console.in(), max_line);
-  std::size_t number = 0, chunks = 0, passed = 0;
+  LineGate answers(gate, robot, max_line);
+  std::size_t chunks = 0, passed = 0;
   while (const std::optional<InputLine> text = lines.next()) {
-    const LineAnswer answered = answer(gate, robot, *text, ++number, max_line);
+    const LineAnswer answered = answers.answer(*text);
     chunks += answered.counts;
     passed += answered.is_passed;
     console.out() << answered.text << '\n';

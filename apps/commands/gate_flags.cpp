@@ -27,7 +27,8 @@ Command add_gate(CLI::App& app, Console& console) {
       "other means, {\"restart\": [0, 0.5]} says where it stands (null: anywhere); its answer has "
       "`restarted`.\n"
       "Times of one chunk are not compared with those of another: whoever runs them starts one when the last "
-      "has ended, or\nthe robot stands. The map is read once; start gate anew for another.\n"
+      "has ended, at\nleaves_at, or when the robot stands. The map is read once; start gate anew for "
+      "another.\n"
       "Exit status: 0 all chunks passed, 1 some were refused, 2 bad input.");
   add_map(*command, options->map, options->cloud_resolution)->required();
   add_robot_flags(*command, options->robot);

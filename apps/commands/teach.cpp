@@ -218,9 +218,8 @@ void LedSession::keep(const TaughtEvent& reported) {
   console_.log(line_of(reported));
   if (!growing_) return;
   growing_->add(session_.events());
-  if (session_.map_version() > 0)
-    folder_.note_progress("the session so far is",
-                          done_again(AtomicFolder::partial_of(command_.out) / "session"));
+  folder_.note_progress("the session so far is",
+                        done_again(AtomicFolder::partial_of(command_.out) / "session"));
 }
 
 fs::path LedSession::frames_file() const {

@@ -333,7 +333,7 @@ std::unique_ptr<FrameSource> open_any(const fs::path& recording, const SourceOpt
   } catch (const std::invalid_argument&) {
     if (kind == ".bz2")
       throw std::invalid_argument("recording " + quote_path(recording.string()) +
-                                  " is packed: expected it unpacked (`bunzip2`)");
+                                  " is packed: expected an unpacked file (`bunzip2`)");
     throw std::invalid_argument("recording " + quote_path(recording.string()) +
                                 " is of no kind that is read here; expected " + kinds_of_recordings);
   }

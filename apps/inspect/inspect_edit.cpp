@@ -37,7 +37,7 @@ std::vector<PaintedVolume> painted_volumes(const std::filesystem::path& file, do
 /// Ages count back from the newest look of all, so that they hold only where all looks are of one clock.
 std::string clock_remark(const Snapshot& map, const Snapshot& other) {
   const SeenStamps *a = map.seen(), *b = other.seen();
-  if (a == nullptr || b == nullptr || a->empty() || b->empty() || a->newest() == b->newest()) return {};
+  if (a == nullptr || b == nullptr || a->empty() || b->empty()) return {};
   const bool dated = a->newest() >= clock_begins, other_dated = b->newest() >= clock_begins;
   if (dated && other_dated) return {};
   const std::string why = dated || other_dated ? "only one of the maps has times since 1970"

@@ -45,6 +45,12 @@ double radius_about(int axis, const std::vector<PlacedShape>& shapes) {
   return radius;
 }
 
+/// Two digits, none larger than the value.
+std::string rounded_down(double value) {
+  const double step = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
+  return short_text(step * std::floor(value / step), 2);
+}
+
 std::string millimetres(double length) { return short_text(1e3 * length, 3) + " mm"; }
 
 }  // namespace
@@ -71,7 +77,7 @@ std::string ball_for_voxels(double ball_radius, double resolution) {
          (is_hopeless ? "holds no voxel" : "does not always hold a voxel") + " of " +
          millimetres(resolution) + " as a whole, and only such voxels are painted: expected a ball of " +
          millimetres(sure) + " and what tracking may be off, or --resolution " +
-         short_text(ball_radius / std::sqrt(3.0), 2) + " or less";
+         rounded_down(ball_radius / std::sqrt(3.0)) + " or less";
 }
 
 std::string ball_for_hand(double ball_radius, const VirtualRobot& robot) {

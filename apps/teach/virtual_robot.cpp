@@ -49,14 +49,17 @@ const std::string& VirtualRobot::tip_link() const {
 double VirtualRobot::padding() const { return choose_padding(choice_, robot_); }
 
 std::vector<std::string> VirtualRobot::painted_parts() const {
+  const auto is_painted = [this](const std::string& part) {
+    if (const auto chosen = policies_.parts.find(part); chosen != policies_.parts.end())
+      return chosen->second == Policy::painted;
+    const auto& critical = robot_.critical_parts;
+    return policies_.critical_by_default ? std::find(critical.begin(), critical.end(), part) != critical.end()
+                                         : policies_.other == Policy::painted;
+  };
   std::vector<std::string> parts;
-  for (const Body& body : robot_.bodies) {
-    const auto chosen = policies_.parts.find(body.part);
-    const bool is_critical = std::find(robot_.critical_parts.begin(), robot_.critical_parts.end(),
-                                       body.part) != robot_.critical_parts.end();
-    if (chosen == policies_.parts.end() ? is_critical : chosen->second == Policy::painted)
+  for (const Body& body : robot_.bodies)
+    if (is_painted(body.part) && std::find(parts.begin(), parts.end(), body.part) == parts.end())
       parts.push_back(body.part);
-  }
   return parts;
 }
 
@@ -83,13 +86,19 @@ std::string VirtualRobot::take_next_branch() {
   const std::vector<Configuration> found = pose.is_exact()
                                                ? goal_configurations(robot_, pose.map_from_tip, near_)
                                                : goal_configurations(robot_, pose, near_);
-  const auto apart = [this](const Configuration& q) { return (q - q_).lpNorm<Eigen::Infinity>(); };
+  constexpr std::size_t most_branches = 16;  // shoulder, elbow and wrist, with half turns; more: it floats
+  if (robot_.dof() > 6 || found.size() > most_branches)
+    throw std::invalid_argument("the joints of robot '" + robot_.name +
+                                "' can move while its tip stands: it has no separate arm configurations");
+  const auto apart = [this](const Configuration& q) {
+    return (by_whole_turns(robot_, q, q_) - q_).lpNorm<Eigen::Infinity>();
+  };
   const auto present =
       std::min_element(found.begin(), found.end(),
                        [&](const Configuration& a, const Configuration& b) { return apart(a) < apart(b); });
   if (found.size() < 2) throw std::invalid_argument("no other arm configuration has the tip there");
   const auto next = std::next(present) == found.end() ? found.begin() : std::next(present);
-  q_ = *next;
+  q_ = by_whole_turns(robot_, *next, q_);
   return std::to_string(next - found.begin() + 1) + " of " + std::to_string(found.size());
 }
 

@@ -128,10 +128,8 @@ class StreamLines {
   std::size_t at_ = 0, size_ = 0, number_ = 0;
 };
 
-bool is_empty_or_comment(const std::string& line) {
-  const std::size_t first = line.find_first_not_of(" \t");
-  return first == std::string::npos || line[first] == '#';
-}
+/// OctoMap passes over lines that begin with a blank, too.
+bool is_passed_over(const std::string& line) { return line.empty() || line[0] == '#' || line[0] == ' '; }
 
 /// Lines "NODE x y z roll pitch yaw" and "x y z".
 class TextNodes final : public GraphNodes {
@@ -141,12 +139,12 @@ class TextNodes final : public GraphNodes {
   bool next(CloudFrame& node) override {
     while (!has_pose_) {
       if (!lines_.next(line_)) return false;
-      if (!is_empty_or_comment(line_)) take_pose();
+      if (!is_passed_over(line_)) take_pose();
     }
     node.world_from_sensor = pose_;
     has_pose_ = false;
     while (lines_.next(line_)) {
-      if (is_empty_or_comment(line_)) continue;
+      if (is_passed_over(line_)) continue;
       if (line_.starts_with("NODE")) {
         take_pose();
         break;
@@ -199,7 +197,9 @@ class TextNodes final : public GraphNodes {
       at += std::strspn(at, " \t");
       const std::size_t length = std::strcspn(at, " \t");
       const char* const from = at + (*at == '+' ? 1 : 0);
-      const auto end = std::from_chars(from, at + length, value);  // NaN and infinity, too
+      double number = 0.0;
+      const auto end = std::from_chars(from, at + length, number);  // NaN and infinity, too
+      value = static_cast<float>(number);
       if (end.ec != std::errc() || end.ptr != at + length) fail("a point 'x y z' or the next 'NODE'");
       at += length;
     }
@@ -224,6 +224,21 @@ bool is_named_graph(const fs::path& file) {
   return extension_of(extension_of(file) == ".gz" ? file.stem() : file) == ".graph";
 }
 
+/// Of a text.
+bool begins_with_node(const fs::path& file) {
+  try {
+    const InputFile input(file, "recording");
+    InflatingStream stream(input.descriptor());
+    StreamLines lines(stream);
+    std::string line;
+    while (lines.next(line))
+      if (!is_passed_over(line)) return line.starts_with("NODE ") || line.starts_with("NODE\t");
+  } catch (const std::runtime_error&) {     // no text, or not gz
+  } catch (const std::invalid_argument&) {  // cannot be read
+  }
+  return false;
+}
+
 class ScanGraph final : public FrameSource {
  public:
   ScanGraph(const fs::path& file, const SourceOptions& options)
@@ -232,7 +247,7 @@ class ScanGraph final : public FrameSource {
         points_in_(options.clouds.value_or(CloudFrameOf::sensor)),
         input_(file, "recording"),
         stream_(input_.descriptor()) {
-    if (is_named_graph(file))
+    if (is_named_graph(file) && !begins_with_node(file))
       nodes_ = std::make_unique<BinaryNodes>(stream_, most_points(input_.size()));
     else
       nodes_ = std::make_unique<TextNodes>(stream_, most_points(input_.size()));
@@ -295,18 +310,7 @@ class ScanGraph final : public FrameSource {
 bool is_scan_graph(const fs::path& file) {
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return false;
-  if (is_named_graph(file)) return true;
-  try {
-    const InputFile input(file, "recording");
-    InflatingStream stream(input.descriptor());
-    StreamLines lines(stream);
-    std::string line;
-    while (lines.next(line))
-      if (!is_empty_or_comment(line)) return line.starts_with("NODE ") || line.starts_with("NODE\t");
-  } catch (const std::runtime_error&) {     // no text, or not gz
-  } catch (const std::invalid_argument&) {  // cannot be read
-  }
-  return false;
+  return is_named_graph(file) || begins_with_node(file);
 }
 
 std::unique_ptr<FrameSource> open_scan_graph(const fs::path& file, const SourceOptions& options) {

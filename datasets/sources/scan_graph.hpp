@@ -8,7 +8,7 @@
 namespace clearway {
 
 /// Whether a file is a scan graph of OctoMap: by its name, NAME.graph or NAME.graph.gz, or as a text, plain
-/// or gz, whose first line that is neither empty nor a comment (#) begins with NODE.
+/// or gz, whose first line begins with NODE. Lines that are empty or begin with # or a blank do not count.
 bool is_scan_graph(const std::filesystem::path& file);
 
 /// A scan graph of OctoMap, plain or gz, its nodes in their order as scans of kind "points", called like the

@@ -46,7 +46,7 @@ class ChunkReader {
   }
   bool string(std::string& value) {
     if (field_ == "joints" && depth_ == 2) {
-      line_.joints.push_back(std::move(value));
+      line_.joints->push_back(std::move(value));
       return true;
     }
     return field_ == "id" ? id(PlainJson(value).dump(-1, ' ', true)) : wrong_value();
@@ -66,11 +66,11 @@ class ChunkReader {
     bool& is_given = given_[static_cast<std::size_t>(known - fields.begin())];
     if (is_given) return refuse("the chunk has the field '" + name + "' twice");
     is_given = true;
+    line_.restarts = given_[restart_field];
     field_ = *known;
     return true;
   }
   bool end_object() {
-    line_.restarts = given_[restart_field];
     for (const std::size_t i : {times_field, positions_field, leaves_at_field}) {
       const std::string name = "'" + std::string(fields[i]) + "'";
       if (line_.restarts && given_[i])
@@ -89,6 +89,7 @@ class ChunkReader {
     if (!fits || depth_ == 0) return wrong_value();
     ++depth_;
     values_.clear();
+    if (field_ == "joints") line_.joints.emplace();
     return true;
   }
   bool end_array() {
@@ -137,7 +138,7 @@ class ChunkReader {
     if (field_ == "positions" && depth_ >= 2)
       name += "[" + std::to_string(line_.chunk.positions.size()) + "]";
     if (depth_ == depth_of_numbers()) name += "[" + std::to_string(values_.size()) + "]";
-    if (field_ == "joints" && depth_ == 2) name += "[" + std::to_string(line_.joints.size()) + "]";
+    if (field_ == "joints" && depth_ == 2) name += "[" + std::to_string(line_.joints->size()) + "]";
     return name.empty() ? "the line" : name;
   }
   bool wrong_value() {
@@ -256,21 +257,21 @@ ChunkLine parse_chunk_line(std::string_view text) {
 }
 
 void take_order_of(const Robot& robot, ChunkLine& line) {
-  if (line.joints.empty() || !line.is_read()) return;
+  if (!line.joints || !line.is_read()) return;
   const std::vector<std::string> own = joint_names(robot);
-  std::vector<std::string> given = line.joints, wanted = own;
+  std::vector<std::string> given = *line.joints, wanted = own;
   std::sort(given.begin(), given.end());
   std::sort(wanted.begin(), wanted.end());
   if (given != wanted) {
-    line.fault = {GateReason::not_a_chunk,
-                  "joints: expected each of " + listed(own) + " once, got " + listed(line.joints)};
+    line.fault = {GateReason::not_a_chunk, "joints: expected each of " + listed(own) + " once, got " +
+                                               (given.empty() ? "none" : listed(*line.joints))};
     return;
   }
   const auto reorder = [&](Configuration& q) {
     if (q.size() != static_cast<Eigen::Index>(own.size())) return;  // told when it is judged
     const Configuration sent = q;
     for (std::size_t i = 0; i < own.size(); ++i) {
-      const auto place = std::find(own.begin(), own.end(), line.joints[i]) - own.begin();
+      const auto place = std::find(own.begin(), own.end(), (*line.joints)[i]) - own.begin();
       q[place] = sent[static_cast<Eigen::Index>(i)];
     }
   };

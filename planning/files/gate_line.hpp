@@ -20,10 +20,10 @@ struct ChunkLine {
   std::string id = "null";  ///< as JSON
   MotionChunk chunk;
   std::optional<std::size_t> leaves_at{};
-  std::vector<std::string> joints{};  ///< none: the robot's, in its order
-  bool restarts = false;
-  std::optional<Configuration> restart{};  ///< of a line that restarts
-  ChunkFault fault;                        ///< not_a_chunk or not_finite; none: the line was read
+  std::optional<std::vector<std::string>> joints{};  ///< none: the robot's, in its order
+  bool restarts = false;                             ///< or means to, where it has a fault
+  std::optional<Configuration> restart{};            ///< of a line that restarts
+  ChunkFault fault;                                  ///< not_a_chunk or not_finite; none: the line was read
 
   bool is_read() const { return fault.reason == GateReason::none; }
 };

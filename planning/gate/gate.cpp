@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 
@@ -21,6 +22,12 @@ struct Gate::Map {
 };
 
 namespace {
+
+/// What single precision took beyond a limit is at it.
+Configuration at_limits(const Robot& robot, Configuration q) {
+  const auto drawn = drawn_to_limits({{}, {q}}, robot);
+  return drawn ? drawn->positions.front() : q;
+}
 
 /// The largest difference of a joint.
 double gap(const Configuration& a, const Configuration& b) { return (a - b).cwiseAbs().maxCoeff(); }
@@ -57,6 +64,18 @@ std::string leaving_hint(const std::vector<Configuration>& passed, const Configu
       return "; it is where configuration " + std::to_string(i) +
              " of that is: leaves_at says that the robot leaves it there";
   return {};
+}
+
+std::string no_such_place(std::size_t leaves_at, std::size_t passed) {
+  return "leaves_at is " + std::to_string(leaves_at) + ", but " +
+         (passed == 0 ? "no chunk was passed before"
+                      : "the last passed chunk has " + counted(passed, "configuration"));
+}
+
+/// What a jump is compared with.
+std::string where_it_is(const MotionChunk& passed, const std::optional<std::size_t>& leaves_at) {
+  if (leaves_at) return "at leaves_at, " + std::to_string(*leaves_at) + ",";
+  return passed.positions.empty() ? "where the robot was said to start" : "where the last passed motion ends";
 }
 
 std::string stale_sentence(double age, double max_age) {
@@ -146,13 +165,12 @@ Gate::~Gate() = default;
 
 void Gate::restart(std::optional<Configuration> start) {
   if (const std::shared_ptr<const Map> map = maps_.get(); map != nullptr && start) {
-    if (const auto drawn = drawn_to_limits({{}, {*start}}, map->proof.space.robot()))
-      start = drawn->positions.front();
+    start = at_limits(map->proof.space.robot(), *std::move(start));
     const std::string violation = limit_violation(map->proof.space.robot(), *start);
     require(violation.empty(), "gate: start: " + violation);
   }
   standing_.clear();
-  passed_.clear();
+  passed_ = {};
   gripped_ = start;
   if (start) standing_.push_back(std::move(*start));
 }
@@ -161,7 +179,7 @@ std::uint64_t Gate::publish(ConfigurationSpace space, double taken,
                             std::shared_ptr<const Provenance> history) {
   const JointLimits limits = joint_limits(space.robot(), options_.limits);
   if (options_.start) {
-    const std::string violation = limit_violation(space.robot(), *options_.start);
+    const std::string violation = limit_violation(space.robot(), at_limits(space.robot(), *options_.start));
     require(violation.empty(), "gate: start: " + violation);
   }
   require(options_.max_age == std::numeric_limits<double>::infinity() || std::isfinite(taken),
@@ -183,6 +201,22 @@ GateVerdict Gate::judge(const MotionChunk& chunk, std::optional<std::size_t> lea
   return judge_on(*map, drawn ? *drawn : chunk, leaves_at);
 }
 
+std::vector<Configuration> Gate::places_for(const Map& map, const MotionChunk& chunk,
+                                            std::optional<std::size_t> leaves_at) const {
+  const Robot& robot = map.proof.space.robot();
+  const Configuration& first = chunk.positions.front();
+  std::vector<Configuration> places;
+  const auto add = [&](const Configuration& place) {
+    require(place.size() == first.size(), "gate: start: " + limit_violation(robot, place));
+    places.push_back(by_whole_turns(robot, place, first));
+  };
+  if (leaves_at)
+    add(passed_.positions[*leaves_at]);
+  else
+    std::for_each(standing_.begin(), standing_.end(), add);
+  return places;
+}
+
 GateVerdict Gate::judge_on(const Map& map, const MotionChunk& chunk, std::optional<std::size_t> leaves_at) {
   GateVerdict verdict;
   const auto refused = [&](GateReason reason, std::string sentence) {
@@ -198,28 +232,26 @@ GateVerdict Gate::judge_on(const Map& map, const MotionChunk& chunk, std::option
   if (options_.max_age != std::numeric_limits<double>::infinity() && !(std::abs(age) <= options_.max_age))
     return refused(GateReason::stale_map, stale_sentence(age, options_.max_age));
   const Configuration& first = chunk.positions.front();
-  if (leaves_at && *leaves_at >= passed_.size())
-    return refused(GateReason::jump, "leaves_at is " + std::to_string(*leaves_at) + ", but " +
-                                         (passed_.empty() ? "no chunk was passed before"
-                                                          : "the last passed chunk has " +
-                                                                counted(passed_.size(), "configuration")));
-  std::vector<Configuration> places, standing;  // nobody says which of them it is
-  for (const Configuration& place : leaves_at ? std::vector{passed_[*leaves_at]} : standing_) {
-    require(place.size() == first.size(), "gate: start: " + limit_violation(robot, place));
-    places.push_back(by_whole_turns(robot, place, first));
-    if (gap(places.back(), first) <= options_.tolerance) standing.push_back(places.back());
-  }
+  if (leaves_at && *leaves_at >= passed_.positions.size())
+    return refused(GateReason::jump, no_such_place(*leaves_at, passed_.positions.size()));
+  const std::vector<Configuration> places = places_for(map, chunk, leaves_at);
+  std::vector<Configuration> standing;  // nobody says which of them it is
+  std::copy_if(places.begin(), places.end(), std::back_inserter(standing),
+               [&](const Configuration& place) { return gap(place, first) <= options_.tolerance; });
   if (!places.empty() && standing.empty())
     return refused(GateReason::jump,
                    jump_sentence(robot, nearest_of(places, first), first, options_.tolerance,
-                                 leaves_at         ? "at leaves_at, " + std::to_string(*leaves_at) + ","
-                                 : passed_.empty() ? "where the robot was said to start"
-                                                   : "where the last passed motion ends") +
-                       (leaves_at ? "" : leaving_hint(passed_, first, options_.tolerance)));
+                                 where_it_is(passed_, leaves_at)) +
+                       (leaves_at ? "" : leaving_hint(passed_.positions, first, options_.tolerance)));
 
   if (const std::string lost = lost_grip(robot, chunk, gripped_, options_.tolerance); !lost.empty())
     return refused(GateReason::joint_limit, lost);
-  const std::vector<StraightPiece> pieces = straight_pieces(chunk, map.limits, standing);
+  std::vector<StraightPiece> pieces = straight_pieces(chunk, map.limits, standing);
+  if (leaves_at) {
+    const Configuration& place = passed_.positions[*leaves_at];
+    if (const auto stop = stop_at_leaving(passed_, *leaves_at, chunk, map.limits))
+      pieces.insert(pieces.begin(), {{MotionPiece::Kind::braking, 0}, place, *stop});
+  }
   const std::size_t unproved = first_unproved(map.proof, pieces);
   if (unproved < pieces.size()) {
     explain(map.proof, map.history.get(), map.limits, chunk, pieces[unproved], verdict);
@@ -229,7 +261,7 @@ GateVerdict Gate::judge_on(const Map& map, const MotionChunk& chunk, std::option
   const Configuration stop = stop_from(end, edge_velocity(chunk, chunk.positions.size() - 2), map.limits);
   verdict.may_go = ProvedPart{chunk.times.back(), end, stop};
   standing_.assign({end, stop});
-  passed_ = chunk.positions;
+  passed_ = chunk;
   if (!gripped_) gripped_ = first;
   return verdict;
 }

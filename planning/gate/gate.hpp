@@ -67,18 +67,19 @@ struct GateVerdict {
 ///
 /// The motion. Straight joint-space edges join the configurations, each joint at a constant rate on each. All
 /// configurations on them are proved, whenever they are taken. So a receiver must interpolate linearly in the
-/// joints, at the chunk's times or slower, and start a chunk only where and when the last one ends, or at
-/// rest. What it deviates by (blended corners, splines, control errors) is the padding's: bodies stay clear
-/// of voxels as long as no point of them is farther than the padding from where the edges have it. Towards
-/// other bodies of the robot there is no such margin.
+/// joints, at the chunk's times or slower, and start a chunk only where and when the last one ends, where
+/// it says that it leaves that, or at rest. What it deviates by (blended corners, splines, control errors) is
+/// the padding's: bodies stay clear of voxels as long as no point of them is farther than the padding from
+/// where the edges have it. Towards other bodies of the robot there is no such margin.
 ///
 /// The stop. A robot that gets no further chunk goes on at the last edge's velocity for the reaction time,
 /// then brakes along that direction, all joints in proportion, and stands at stop_from(...). That edge is
 /// proved as well; so is, at each configuration where the rates change by more than the joints can, the way
 /// straight on. So at every moment there is a proved way to stop: run the chunk to its end and brake; or slow
 /// down the chunk's clock, anywhere, which leaves the edges nowhere, slows no joint by more than its
-/// deceleration on any of them, and ends at the latest where the stop after the end ends. Drives that brake
-/// each joint by itself leave the edges: only the padding stands for that.
+/// deceleration on any of them, and ends at the latest where the stop after the end ends. Where a chunk
+/// leaves the last one and the rates change by more than the joints can, the way straight on is proved, too.
+/// Drives that brake each joint by itself leave the edges: only the padding stands for that.
 ///
 /// The bounds. A part with the policy `not_occupied` must not leave the map's bounds (survey_path) anywhere
 /// on these edges, unless `allow_outside` names it: of what is beyond them nothing is known.
@@ -129,13 +130,16 @@ class Gate {
  private:
   struct Map;
 
+  /// Where the robot may be when a chunk begins, beside the first of its configurations.
+  std::vector<Configuration> places_for(const Map& map, const MotionChunk& chunk,
+                                        std::optional<std::size_t> leaves_at) const;
   GateVerdict judge_on(const Map& map, const MotionChunk& chunk, std::optional<std::size_t> leaves_at);
 
   GateOptions options_;
   Latest<Map> maps_;
   std::uint64_t published_ = 0;             ///< the publishing thread's
   std::vector<Configuration> standing_;     ///< where the next chunk may start; none: anywhere
-  std::vector<Configuration> passed_;       ///< of the last passed chunk; none: none was passed since restart
+  MotionChunk passed_;                      ///< the last one; empty: none was passed since restart
   std::optional<Configuration> gripped_{};  ///< since the start: where the joints that hold loads stand
 };
 

@@ -89,6 +89,18 @@ std::vector<StraightPiece> straight_pieces(const MotionChunk& chunk, const Joint
   return pieces;
 }
 
+std::optional<Configuration> stop_at_leaving(const MotionChunk& passed, std::size_t at,
+                                             const MotionChunk& next, const JointLimits& limits) {
+  if (at == 0) return std::nullopt;
+  const Configuration& place = passed.positions[at];
+  const double before = passed.times[at] - passed.times[at - 1], after = next.times[1] - next.times[0];
+  const MotionChunk corner{
+      {0.0, before, before + after},
+      {passed.positions[at - 1], place, place + (next.positions[1] - next.positions[0])}};
+  if (!is_sharp(corner, 1, limits)) return std::nullopt;
+  return stop_from(place, edge_velocity(passed, at - 1), limits);
+}
+
 std::size_t first_unproved(const ProofSpace& proof, const std::vector<StraightPiece>& pieces) {
   const auto unproved = std::find_if(pieces.begin(), pieces.end(), [&](const StraightPiece& piece) {
     return !proof.holds(piece.from, piece.to);
@@ -141,6 +153,7 @@ std::optional<ProvedPart> proved_part(const ProofSpace& proof, const MotionChunk
                                       const JointLimits& limits, const MotionPiece& unproved) {
   if (unproved.kind == MotionPiece::Kind::joining) return std::nullopt;
   std::size_t k = unproved.waypoint;
+  if (unproved.kind == MotionPiece::Kind::braking && k == 0) return std::nullopt;  // as it leaves another one
   if (unproved.kind == MotionPiece::Kind::braking) --k;  // there it cannot stop, and no waypoint follows
   while (k > 0 && !stops_free(proof, chunk, k, limits)) --k;
   std::optional<ProvedPart> part;

@@ -30,6 +30,11 @@ struct StraightPiece {
 std::vector<StraightPiece> straight_pieces(const MotionChunk& chunk, const JointLimits& limits,
                                            const std::vector<Configuration>& standing);
 
+/// Where the robot comes to rest that leaves the passed chunk at its configuration `at` and cannot turn into
+/// the first edge of `next` there (is_sharp); none: it can, or `at` is 0.
+std::optional<Configuration> stop_at_leaving(const MotionChunk& passed, std::size_t at,
+                                             const MotionChunk& next, const JointLimits& limits);
+
 /// The first piece that is not proved free; pieces.size() when all are.
 std::size_t first_unproved(const ProofSpace& proof, const std::vector<StraightPiece>& pieces);
 

@@ -40,7 +40,7 @@ struct BitStarFclOptions {
   bool simplify = true;          ///< OMPL's path simplification
   int batch = 100;               ///< samples of a batch, 1 to 1,000,000
   double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
-  int max_samples = 5000;        ///< drawn to improve the path; without one the search goes on
+  int max_samples = 5000;        ///< drawn to improve the path; without one only time ends the search
 };
 RrtConnectFclOptions read_options(OptionReader& reader, RrtConnectFclOptions initial);
 KpieceFclOptions read_options(OptionReader& reader, KpieceFclOptions initial);

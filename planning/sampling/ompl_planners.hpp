@@ -33,14 +33,14 @@ struct PrmOptions {
 struct RrtStarOptions {
   double range = 0.0;            ///< longest edge tried, weighted units, up to 1e3; 0: OMPL's choice
   double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
-  int max_samples = 5000;        ///< drawn to improve the path; without one the search goes on
+  int max_samples = 5000;        ///< drawn to improve the path; without one only time ends the search
   int shortcuts = 100;           ///< tries to shorten the path, 0 to 1,000,000
 };
 /// Options of `bitstar`.
 struct BitStarOptions {
   int batch = 100;               ///< samples of a batch, 1 to 1,000,000
   double prismatic_scale = 0.0;  ///< rad per metre, up to 1e6; 0: see joint_weights
-  int max_samples = 5000;        ///< drawn to improve the path; without one the search goes on
+  int max_samples = 5000;        ///< drawn to improve the path; without one only time ends the search
   int shortcuts = 100;           ///< tries to shorten the path, 0 to 1,000,000
 };
 RrtConnectOmplOptions read_options(OptionReader& reader, RrtConnectOmplOptions initial);

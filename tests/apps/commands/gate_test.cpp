@@ -220,6 +220,21 @@ TEST_F(GateCommand, AStreamWithARecedingHorizonGoesOnAndRestarts) {
   EXPECT_EQ(lines[4]["restarted"], false);
   EXPECT_EQ(lines[4]["sentence"].get<std::string>().find("restart: joint"), 0U) << lines[4];
   EXPECT_EQ(lines[5]["restarted"], true);
+
+  // Who said that the robot is elsewhere, but not where, is asked again.
+  const std::string on = R"({"times":[0.2,0.3],"positions":[[0.2,0],[0.25,0]]})"
+                         "\n";
+  for (const char* bad : {R"({"restart":[1e9,0]})", R"({"restart":[0.2,NaN]})", R"({"restart":[0.2]})"}) {
+    const std::vector<Json> lost = verdicts(gate(pass + "\n" + bad + "\n" + on +
+                                                 R"({"restart":[0.2,0]})"
+                                                 "\n" +
+                                                 on));
+    ASSERT_EQ(lost.size(), 5U);
+    EXPECT_EQ(lost[1]["restarted"], false) << lost[1];
+    EXPECT_EQ(lost[2]["reason"], "jump") << lost[2];
+    EXPECT_NE(lost[2]["sentence"].get<std::string>().find("restart of line 2"), std::string::npos) << lost[2];
+    EXPECT_EQ(lost[4]["passed"], true) << lost[4];
+  }
 }
 
 TEST_F(GateCommand, TheSameChunksGiveTheSameBytes) {

@@ -154,5 +154,14 @@ TEST_F(SignalledSession, LeavesWhatASecondSignalOrAKillFoundThereToBeDoneAgain) 
   }
 }
 
+TEST_F(SignalledSession, LeavesAFirstStrokeThatASecondSignalCutShort) {
+  const int status = teach("paint_on  [painting]", {SIGINT, SIGTERM});
+  ASSERT_TRUE(WIFEXITED(status));
+  if (WEXITSTATUS(status) == exit_done) return;  // it was saved before the second one came
+  EXPECT_EQ(WEXITSTATUS(status), 128 + SIGTERM);
+  EXPECT_NE(read_file(*folder_ / "taught.partial/session/events.jsonl").find("paint_on"), std::string::npos);
+  EXPECT_EQ(replay("taught.partial/session").status, exit_damaged);
+}
+
 }  // namespace teach_signal_test
 }  // namespace clearway

@@ -211,13 +211,14 @@ TEST_F(Inspect, merging_maps_of_two_clocks_says_so) {
   EXPECT_NE(log_of(40.0, 1764500000.0).find("only one of the maps has times since 1970"), std::string::npos);
   EXPECT_NE(log_of(1764500000.0, 40.0).find("--seen-within, means nothing"), std::string::npos);
   EXPECT_NE(log_of(40.0, 50.0).find("count from a start of their own"), std::string::npos);
-  EXPECT_EQ(log_of(40.0, 40.0), "");
+  EXPECT_NE(log_of(40.0, 40.0).find("count from a start of their own"), std::string::npos);
   EXPECT_EQ(log_of(1764500000.0, 1764600000.0), "");
 }
 
 TEST_F(Inspect, makes_new_maps_of_maps) {
   const std::string out = folder_.file("out");
-  const Json merged = json({map_, "--merge", other_, "--save", out});
+  const Json merged =
+      Json::parse(run_command({"inspect", map_, "--merge", other_, "--save", out, "--json"}).out);
   EXPECT_EQ(merged["saved"], out);
   // All that the one holds the other holds as well: merging adds nothing.
   EXPECT_EQ(run_command({"inspect", out, "--diff", other_, "--json"}).status, exit_done);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 namespace clearway {
 namespace ball_size_test {
 
@@ -20,8 +22,10 @@ TEST(BallSize, TheHandIsTheNarrowestCylinderRoundWhatStaysInPaint) {
   EXPECT_NEAR(half - 0.001, 0.5 * (full - 0.001), 1e-9);
   RobotChoice free;
   free.robot = "point";
-  free.policies = {"base=not_occupied"};
-  EXPECT_EQ(hand_radius(VirtualRobot(free, {})), 0.0);
+  for (const char* policy : {"base=not_occupied", "not_occupied"}) {
+    free.policies = {policy};
+    EXPECT_EQ(hand_radius(VirtualRobot(free, {})), 0.0) << policy;
+  }
 }
 
 /// Each point of what stays in paint lies in the cylinder, whose length alone is left open.
@@ -33,6 +37,8 @@ TEST(BallSize, ABallIsComparedWithTheHandAndItsPadding) {
   EXPECT_NE(sentence.find("is narrower than what of robot 'panda' has to stay in paint"), std::string::npos)
       << sentence;
   EXPECT_NE(sentence.find("strokes side by side do"), std::string::npos);
+  const std::vector<std::string> parts = robot.painted_parts();
+  EXPECT_EQ(std::set<std::string>(parts.begin(), parts.end()).size(), parts.size()) << sentence;
 }
 
 TEST(BallSize, ABallThatIsNotSureToHoldAVoxelSaysHowLargeItMustBe) {
@@ -41,7 +47,8 @@ TEST(BallSize, ABallThatIsNotSureToHoldAVoxelSaysHowLargeItMustBe) {
   EXPECT_EQ(ball_for_voxels(0.02, 0.02),
             "the probe's ball, 20 mm in radius, does not always hold a voxel of 20 mm as a whole, and only "
             "such voxels are painted: expected a ball of 34.6 mm and what tracking may be off, or "
-            "--resolution 0.012 or less");
+            "--resolution 0.011 or less");
+  EXPECT_EQ(ball_for_voxels(0.02, 0.011), "") << "what it advises is enough";
   EXPECT_NE(ball_for_voxels(0.017, 0.02).find(", holds no voxel of 20 mm as a whole"), std::string::npos);
 }
 

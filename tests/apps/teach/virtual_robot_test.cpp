@@ -60,6 +60,9 @@ TEST(VirtualRobot, FollowsTheProbeInItsNewBranch) {
 TEST(VirtualRobot, SaysWhereThereIsNoOtherBranch) {
   VirtualRobot point = robot_of("point", {0.1, 0.2});
   EXPECT_EQ(complaint([&] { point.take_next_branch(); }), "no other arm configuration has the tip there");
+  VirtualRobot floats = robot_of("panda", {0.1, -0.6, 0.2, -2.0, 0.1, 1.5, 0.7});
+  EXPECT_NE(complaint([&] { floats.take_next_branch(); }).find("no separate arm configurations"),
+            std::string::npos);
   VirtualRobot nowhere = robot_of("planar2", {});
   EXPECT_NE(complaint([&] { nowhere.take_next_branch(); }).find("stands nowhere yet"), std::string::npos);
 }

@@ -101,7 +101,7 @@ TEST_F(ScanGraphs, InBinaryHoldWhatOctoMapWrote) {
 
 TEST_F(ScanGraphs, InTextHoldWhatOctoMapReads) {
   const std::string text =
-      "# a comment\n\nNODE 1 2 0.5 0.1 -0.2 1.5\n1 0 0\n2.5e-1 -1 0.25\n# more\n3 3 3 17\r\n"
+      "# a comment\n\nNODE 1 2 0.5 0.1 -0.2 1.5\n1 0 0\n 9 9 9\n2.5e-1 -1 1e-50\n# more\n3 3 3 17\r\n"
       "NODE -1 0 0 0 0 -3.1\nNODE 0 0 1 0 0.3 0\n-1 -2 -3";
   const std::string file = folder_.write("walk.log", text);
   ASSERT_TRUE(is_scan_graph(file));
@@ -109,6 +109,7 @@ TEST_F(ScanGraphs, InTextHoldWhatOctoMapReads) {
   std::istringstream in(text + "\n");  // OctoMap leaves out a last line without an end
   graph.readPlainASCII(in);
   expect_as_octomap_has_it(frames_in(file), graph);
+  expect_as_octomap_has_it(frames_in(folder_.write("text.graph", text)), graph);
   EXPECT_TRUE(is_scan_graph(gz(text, folder_.file("walk.dat.gz"))));
   expect_as_octomap_has_it(frames_in(folder_.file("walk.dat.gz")), graph);
 }

@@ -84,7 +84,7 @@ TEST(GateLine, ReadsNamesOfJointsAndWhereTheRobotLeavesOrRestarts) {
   EXPECT_EQ(line.restart, Configuration(Eigen::Vector2d(2, 1)));
   line = parse_chunk_line(R"({"restart": null})");
   EXPECT_TRUE(line.is_read() && line.restarts && !line.restart);
-  for (const char* names : {R"(["x"])", R"(["x", "x"])", R"(["x", "z"])", R"(["x", "y", "y"])"}) {
+  for (const char* names : {"[]", R"(["x"])", R"(["x", "x"])", R"(["x", "z"])", R"(["x", "y", "y"])"}) {
     line = parse_chunk_line(R"({"times": [0, 1], "positions": [[1, 2], [3, 4]], "joints": )" +
                             std::string(names) + "}");
     take_order_of(robot, line);

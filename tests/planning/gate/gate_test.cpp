@@ -92,6 +92,26 @@ TEST(Gate, AChunkMayLeaveTheLastOneAtAConfigurationThatItNames) {
             std::string::npos);
 }
 
+/// Towards the wall at 1 m/s and slowing before it: who turns back in its midst needs the way straight on.
+TEST(Gate, WhereAChunkLeavesTheLastOneTheRobotCanStop) {
+  const MotionChunk slowing = along_x({0.13, 0.23, 0.33, 0.43, 0.53, 0.63, 0.705, 0.755, 0.78, 0.78});
+  Gate gate(with_limits(2.6));  // 0.19 m from 1 m/s; the disc may come to 0.8 m
+  gate.publish(before_wall());
+  for (const auto& [at, x, passes] :
+       {std::tuple{std::size_t{2}, 0.33, true}, {std::size_t{5}, 0.63, false}}) {
+    gate.restart();
+    ASSERT_TRUE(gate.judge(slowing).is_passed()) << gate.judge(slowing).sentence;
+    const GateVerdict back = gate.judge(along_x({x, x - 0.1}), at);
+    EXPECT_EQ(back.is_passed(), passes) << at << ": " << back.sentence;
+    if (passes) continue;
+    EXPECT_EQ(back.reason, GateReason::blocked);
+    ASSERT_TRUE(back.piece);
+    EXPECT_EQ(back.piece->kind, Kind::braking);
+    EXPECT_FALSE(back.may_go);
+    EXPECT_TRUE(gate.judge(along_x({0.78, 0.7})).is_passed()) << "which goes on to its end";
+  }
+}
+
 /// A hand that is passed at its limit, as a policy of single precision sends it.
 TEST(Gate, ChunksOfSinglePrecisionAtALimitAreProvedThere) {
   Robot robot = disc();
