@@ -1,5 +1,6 @@
 // How a session takes back what was done: the last action, or the last stroke alone.
 #include <algorithm>
+#include <stdexcept>
 
 #include "apps/teach/teach_session.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -72,11 +73,13 @@ std::string TeachSession::withdraw_plans(std::size_t stroke) {
 /// A clause about the start and the goals that are not free, now that the map has changed; empty for none.
 std::string TeachSession::blocked_places() {
   std::string clause;
-  const auto look = [&](const TaughtPlace& place, const std::string& what) try {
-    if (const Verdict verdict = check(place.q, place.held); !verdict.is_free())
-      clause += "; " + what + " is not free any more: " + verdict.sentence();
-  } catch (const std::invalid_argument& error) {  // the stroke is undone all the same
-    clause += "; " + what + " cannot be looked at: " + error.what();
+  const auto look = [&](const TaughtPlace& place, const std::string& what) {
+    try {
+      if (const Verdict verdict = check(place.q, place.held); !verdict.is_free())
+        clause += "; " + what + " is not free any more: " + verdict.sentence();
+    } catch (const std::invalid_argument& error) {  // the stroke is undone all the same
+      clause += "; " + what + " cannot be looked at: " + error.what();
+    }
   };
   if (choice_.start) look(*choice_.start, "the start");
   for (const TaughtPlace& via : choice_.vias) look(via, "a goal on the way");
