@@ -177,15 +177,25 @@ bool tells_of_forbidden_file(const std::string& complaints) {
   return false;
 }
 
+/// The last line that is not empty.
+std::string last_line(const std::string& text) {
+  const std::size_t end = text.find_last_not_of(" \r\n");
+  if (end == std::string::npos) return {};
+  const std::size_t begin = text.find_last_of('\n', end);
+  return text.substr(begin == std::string::npos ? 0 : begin + 1,
+                     end - (begin == std::string::npos ? 0 : begin + 1) + 1);
+}
+
 /// Whether memory is limited and the program ended with an error of it: by the words of Python, C++, Java,
-/// Go, Rust and the system, or because it took most of what it may.
+/// Rust and the system in its last line, or because it took most of what it may.
 bool ran_out_of_memory(const std::string& complaints, int status, const rusage& used) {
   rlimit memory{};
   if (::getrlimit(RLIMIT_AS, &memory) != 0 || memory.rlim_cur == RLIM_INFINITY) return false;
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return false;
+  const std::string last = last_line(complaints);
   for (const char* words : {"MemoryError", "bad_alloc", "Cannot allocate memory", "OutOfMemory",
                             "out of memory", "Out of memory", "memory allocation of", "Unable to allocate"})
-    if (complaints.find(words) != std::string::npos) return true;
+    if (last.find(words) != std::string::npos) return true;
   return 1024.0 * static_cast<double>(used.ru_maxrss) > 0.9 * static_cast<double>(memory.rlim_cur);
 }
 

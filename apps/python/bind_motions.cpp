@@ -171,7 +171,7 @@ void bind_making(py::module_& module) {
   module.def(
       "plan_motion",
       [](const NamedSpace& space, const Plan& plan, double speed, double acceleration, double jerk,
-         double period, double straighten, double reach, double grip_time) {
+         double period, double straighten, double reach, double grip_time, bool accept_map) {
         SmoothMotionOptions options;
         options.scales.speed = speed;
         options.scales.acceleration = acceleration;
@@ -181,14 +181,15 @@ void bind_making(py::module_& module) {
         options.reach = reach;
         return without_lock([&] {
           const Plan ordered = in_order_of(space->robot(), plan);
-          require_own_space(space, ordered);
+          require_own_space(space, ordered, accept_map);
           return plan_motion(*space, ordered, options, grip_time);
         });
       },
       py::arg("space"), py::arg("plan"), py::kw_only(), py::arg("speed") = usual.speed,
       py::arg("acceleration") = usual.acceleration, py::arg("jerk") = usual.jerk,
       py::arg("period") = smooth.period, py::arg("straighten") = smooth.straighten,
-      py::arg("reach") = smooth.reach, py::arg("grip_time") = usual_grip_time, doc("plan_motion"));
+      py::arg("reach") = smooth.reach, py::arg("grip_time") = usual_grip_time, py::arg("accept_map") = false,
+      doc("plan_motion"));
   const TrajectoryOptions timed;
   module.def(
       "time_parameterize",

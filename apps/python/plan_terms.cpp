@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "mapping/files/map_digest.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/files/joint_order.hpp"
@@ -19,15 +20,14 @@ namespace {
 /// x, y, z; roll, pitch, yaw.
 std::string place_text(const Eigen::Isometry3d& pose) {
   const Eigen::Vector3d at = pose.translation(), turn = pose.linear().eulerAngles(2, 1, 0).reverse();
-  const auto text = [](const Eigen::Vector3d& v) {
+  const auto text = [](Eigen::Vector3d v) {
+    v.array() += 0.0;  // no -0
     return short_text(v.x(), 9) + ", " + short_text(v.y(), 9) + ", " + short_text(v.z(), 9);
   };
   return "(" + text(at) + "; " + text(turn) + ")";
 }
 
-std::string digest_text(const std::string& digest) {
-  return digest.empty() ? "of no file" : "with the sha256 " + digest.substr(0, 16) + "…";
-}
+std::string digest_text(const std::string& digest) { return "with the sha256 " + digest.substr(0, 16) + "…"; }
 
 std::string age_text(double seconds) { return seconds > 0.0 ? short_text(seconds) + " s" : "ever"; }
 
@@ -60,30 +60,32 @@ void require_own_robot(const Robot& robot, const std::string& asked, const Plan&
 }
 
 void require_own_map(const NamedSpace& space, const Plan& plan) {
-  if (space.map_digest != plan.map_sha256)
-    refuse("that was made on the space's map, " + digest_text(space.map_digest),
-           "one made on another, " + digest_text(plan.map_sha256));
+  if (!plan.map_sha256.empty()) {
+    const std::string own = space.map_digest.empty() ? map_sha256(space->map()) : space.map_digest;
+    if (own != plan.map_sha256)
+      refuse("that was made on the space's map, " + digest_text(own),
+             "one made on another, " + digest_text(plan.map_sha256) + "; accept_map=True lets it");
+  }
   const double edge = space->map().resolution();
   if (plan.map_resolution > 0.0 && std::abs(plan.map_resolution - edge) > contract_tolerance)
     refuse("that was made on voxels of " + short_text(edge) + " m, as the space's are",
            short_text(plan.map_resolution) + " m");
 }
 
-void require_own_space(const NamedSpace& space, const Plan& plan) {
+void require_own_space(const NamedSpace& space, const Plan& plan, bool accept_map) {
   require_own_robot(space->robot(), space.asked, plan, "space");
-  require_own_map(space, plan);
+  if (!accept_map) require_own_map(space, plan);
   for (const auto& [part, policy] : space->policies())
     if (const auto said = plan.policies.find(part); said != plan.policies.end() && said->second < policy)
-      refuse(
-          "whose part " + quote(part) + " may be where the space lets it, " + std::string(to_string(policy)),
-          std::string(to_string(said->second)));
+      refuse("that lets part " + quote(part) + " be where the space does, " + std::string(to_string(policy)),
+             "one that demands " + std::string(to_string(said->second)));
   const auto& [padding, seen_within] = std::pair(space->options().padding, space->options().seen_within);
   if (plan.padding > padding + contract_tolerance)
     refuse("with at most the space's padding, " + short_text(padding) + " m",
            short_text(plan.padding) + " m");
   if (plan.seen_within > 0.0 && !(seen_within > 0.0 && seen_within <= plan.seen_within))
-    refuse("that asks for no newer evidence than the space, " + age_text(seen_within),
-           age_text(plan.seen_within));
+    refuse("that accepts what the space does, seen within " + age_text(seen_within),
+           "one that demands within " + age_text(plan.seen_within));
 }
 
 }  // namespace clearway

@@ -13,12 +13,13 @@ namespace clearway {
 void require_own_robot(const Robot& robot, const std::string& asked, const Plan& plan,
                        const std::string& whose);
 
-/// As `clearway check` does: by the digest of the map's file. Maps of no file have none, and are told apart
-/// by their resolution alone. @throws std::invalid_argument for a plan that was made on another map
+/// As `clearway check` does: by the digest of the map, which it has without a file, too. A plan that names no
+/// map is told apart by its resolution alone. @throws std::invalid_argument for a plan that was made on
+/// another map
 void require_own_map(const NamedSpace& space, const Plan& plan);
 
-/// Its robot, map and terms. @throws std::invalid_argument also for a space whose policies, padding or age
-/// of evidence ask less than the plan's
-void require_own_space(const NamedSpace& space, const Plan& plan);
+/// Its robot, map (unless another is accepted) and terms. @throws std::invalid_argument also for a space
+/// whose policies, padding or age of evidence ask less than the plan's
+void require_own_space(const NamedSpace& space, const Plan& plan, bool accept_map);
 
 }  // namespace clearway

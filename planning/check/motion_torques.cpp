@@ -170,7 +170,7 @@ std::string torque_fault(const Robot& robot, double period, const TorqueTerms& t
     text << ", and gravity alone takes more than all of it: no slower motion helps";
   else if (found.held > most_slowed_for)
     text << ", of which gravity alone takes " << 100.0 * found.held
-         << " %: motions are not slowed where it takes more than 99 %";
+         << " % at its worst: motions are not slowed where it takes more than 99 %";
   return text.str();
 }
 

@@ -18,23 +18,36 @@ constexpr double spared = 0.998;          ///< of it, of which the next motion m
 constexpr double least_part = 0.1;        ///< of it: what takes less is not driven far harder at once
 constexpr double least_drive = 1e-4;      ///< of acceleration limits
 constexpr int most_halvings = 3;          ///< of a step of acceleration
-constexpr int most_tries = 4;             ///< of faster motions than one that holds
+constexpr int most_tries = 4;             ///< of motions, once one of them holds
+constexpr double longest_sample = 0.008;  ///< s: torques are judged so often, between knots, too
 constexpr int most_slowings = 60;
 
 constexpr double least_reach = 1e-9;  ///< rad or m; of a shorter blend acceleration is rounding
 constexpr double end_share = 1.6;     ///< as much more a blend may take of the first and of the last edge
 
-/// The greatest share of a torque limit at any knot; not a number where a torque is none.
+/// Moments of a motion: all knots, and so many between them that none is farther from the next than 8 ms.
+std::vector<MotionState> judged_states(const Motion& motion) {
+  const int parts = std::max(1, static_cast<int>(std::ceil(motion.period / longest_sample - 1e-9)));
+  std::vector<MotionState> states;
+  for (std::size_t k = 0; k < motion.positions.size(); ++k) {
+    states.push_back({motion.positions[k], motion.velocities[k], motion.accelerations[k], {}});
+    for (int i = 1; i < parts && k + 1 < motion.positions.size(); ++i)
+      states.push_back(motion.at(motion.period * (static_cast<double>(k) + static_cast<double>(i) / parts)));
+  }
+  return states;
+}
+
+/// The greatest share of a torque limit at any moment; not a number where a torque is none.
 double torque_share(const Robot& robot, const Motion& motion, const TorqueTerms& terms,
                     const Eigen::VectorXd& limits) {
   double greatest = 0.0;
-  for (std::size_t k = 0; k < motion.positions.size() && !std::isnan(greatest); ++k) {
-    const double share =
-        joint_torques(robot, motion.positions[k], motion.velocities[k], motion.accelerations[k], terms)
-            .cwiseAbs()
-            .cwiseQuotient(limits)
-            .maxCoeff<Eigen::PropagateNaN>();
+  for (const auto& [q, velocity, acceleration, jerk] : judged_states(motion)) {
+    const double share = joint_torques(robot, q, velocity, acceleration, terms)
+                             .cwiseAbs()
+                             .cwiseQuotient(limits)
+                             .maxCoeff<Eigen::PropagateNaN>();
     if (!(share <= greatest)) greatest = share;
+    if (std::isnan(greatest)) break;
   }
   return greatest;
 }
@@ -43,31 +56,28 @@ double torque_share(const Robot& robot, const Motion& motion, const TorqueTerms&
 Eigen::VectorXd limits_beside_gravity(const Robot& robot, const Motion& motion, const TorqueTerms& terms) {
   Eigen::VectorXd limits = terms.limits;
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(limits.size());
-  for (const Configuration& q : motion.positions) {
+  for (const auto& [q, velocity, acceleration, jerk] : judged_states(motion)) {
     const Eigen::VectorXd held = joint_torques(robot, q, rest, rest, terms).cwiseAbs();
     limits = (held.array() <= most_of_gravity * limits.array()).select(limits, no_limit);
   }
   return limits;
 }
 
-/// How much a motion takes of what gravity leaves of torque limits, at the knot where it is most.
+/// How much a motion takes of what gravity leaves of torque limits, at the moment when it is most.
 double share_beside_gravity(const Robot& robot, const Motion& motion, const TorqueTerms& terms,
                             const Eigen::VectorXd& limits) {
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(limits.size());
   double greatest = 0.0;
-  for (std::size_t k = 0; k < motion.positions.size(); ++k) {
-    const Configuration& q = motion.positions[k];
+  for (const auto& [q, velocity, acceleration, jerk] : judged_states(motion)) {
     const Eigen::ArrayXd held = joint_torques(robot, q, rest, rest, terms),
-                         moved = joint_torques(robot, q, motion.velocities[k], motion.accelerations[k], terms)
-                                     .array() -
-                                 held;
+                         moved = joint_torques(robot, q, velocity, acceleration, terms).array() - held;
     const Eigen::ArrayXd most = (moved < 0.0).select(-limits.array() - held, limits.array() - held);
     greatest = std::max(greatest, (moved / most).maxCoeff());
   }
   return greatest;
 }
 
-/// Slows a section until its torques keep their limits. Of what holds the motion that ends first is taken.
+/// Slows a section until its torques keep their limits. Keeps the shortest motion that holds.
 class WithinTorques {
  public:
   /// @param section whose motion exceeds them
@@ -179,7 +189,7 @@ void time_section(MotionSection& section, const Robot& robot, const RateLimits& 
                   const SmoothMotionOptions& options) {
   section.path = blended_path(section.waypoints, section.reach);
   const bool has_drive = section.drive.has_value();
-  if (has_drive) section.drive->torque_share = 0.0;
+  if (has_drive) section.drive->torque_share = 0.0, section.drive->share = 1.0;
   drive_section(section, limits, options.period, {}, 0.0);
   if (!options.torques || options.torques->limits.minCoeff() == no_limit) return;
   const double share = torque_share(robot, section.motion, *options.torques, options.torques->limits);

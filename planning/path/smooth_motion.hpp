@@ -50,7 +50,7 @@ struct SmoothMotion {
 /// 4. The spline lies on the edges but near blends; there it is proved, piece by piece, by certified chords
 ///    with tubes that hold its control points. A blend that is not proved is halved, at last a stop.
 ///
-/// Where a torque exceeds its limit at a knot, the path between two stops is timed under torque limits, too
+/// Where a torque exceeds its limit, the path between two stops is timed under torque limits, too
 /// (path_torques.hpp), and with less acceleration; what ends first is taken. Joints of whose limit gravity
 /// alone takes 99 % on the way are let be: slower motion hardly helps them, and greatest_torques
 /// (check/motion_torques.hpp) judges whether they hold.

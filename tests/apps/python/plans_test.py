@@ -127,7 +127,7 @@ class Arm(unittest.TestCase):
         memory = cw.ConfigurationSpace(self.robot, empty, "not_occupied")
         for space, said, sentence in (
             (other, plan, "plan: expected one that was made on the space's map, with the sha256 .*…, got one made on another"),
-            (memory, plan, "space's map, of no file, got one made on another, with the sha256"),
+            (memory, plan, "space's map, with the sha256 .*, got one made on another, .*; accept_map=True lets it"),
             (scaled, plan, "scale 0.5, as the space's is, got 1"),
             (self.space, renamed, "for the space's robot, 'puma560', got one for 'elsewhere/other.urdf'"),
         ):
@@ -139,12 +139,22 @@ class Arm(unittest.TestCase):
         self.assertIs(cw.require_proved(plan, memory, accept_map=True, allow_outside=["all"]), plan)
         ours = cw.plan(memory, self.start, self.goal)
         self.assertTrue(cw.check_plan(memory, ours).valid)
-        with self.assertRaisesRegex(ValueError, "with the sha256 .*, got one made on another, of no file"):
-            cw.check_plan(self.space, ours)
+        with worlds.folder() as folder:  # a map is the same with a file and without
+            empty.save(folder)
+            again = cw.ConfigurationSpace(self.robot, cw.load_map(folder), "not_occupied")
+            of_file = cw.plan(again, self.start, self.goal)
+        self.assertTrue(cw.check_plan(again, ours).valid)
+        self.assertTrue(cw.check_plan(memory, of_file).valid)
+        seen = cw.FreeSpaceMap(self.map.resolution)
+        seen.insert(np.array([[2.0, 2.0, 2.0]]), worlds.pose(1.9, 1.9, 1.9))
+        newer = cw.ConfigurationSpace(self.robot, seen.snapshot(), "not_occupied")
+        with self.assertRaisesRegex(ValueError, "accept_map=True lets it"):
+            cw.plan_motion(newer, of_file)
+        self.assertGreater(len(cw.plan_motion(newer, of_file, accept_map=True).motion.positions), 1)
         coarse = cw.ConfigurationSpace(self.robot, cw.FreeSpaceMap(0.5).snapshot(), "not_occupied")
         with self.assertRaisesRegex(ValueError, "on voxels of 0.5 m"):
             cw.check_plan(coarse, ours)
-        for looser, sentence in ((cw.ConfigurationSpace(self.robot, self.map, "not_occupied"), "not_occupied, got painted"),
+        for looser, sentence in ((cw.ConfigurationSpace(self.robot, self.map, "not_occupied"), "not_occupied, got one that demands painted"),
                                  (cw.ConfigurationSpace(self.robot, self.map, padding=0.0), "padding, 0 m, got ")):
             with self.assertRaisesRegex(ValueError, sentence):
                 cw.plan_motion(looser, plan)
