@@ -46,6 +46,19 @@ std::size_t least_window(const Waypoints& samples, const RateLimits& limits, dou
   }
 }
 
+/// Refuses, before the work, jerk with which no joint gets as far as the waypoints are from the first within
+/// 20,000 periods: from rest it goes jerk t^3 / 6 in the time t.
+void require_enough_jerk(const Waypoints& waypoints, const RateLimits& limits, double period) {
+  constexpr double most_periods = 2e4;
+  double least = 0.0;
+  for (const Configuration& q : waypoints)
+    least = std::max(
+        least, std::cbrt(6.0 * (q - waypoints.front()).cwiseAbs().cwiseQuotient(limits.jerk).maxCoeff()));
+  if (!(least <= most_periods * period))
+    throw std::invalid_argument("motion: jerk limits are so low that the motion takes more than " +
+                                short_text(least, 3) + " s, expected greater ones");
+}
+
 Waypoints averaged(const Waypoints& samples, std::size_t window) {
   const auto last = static_cast<std::ptrdiff_t>(samples.size()) - 1;
   const auto w = static_cast<std::ptrdiff_t>(window);
@@ -164,6 +177,7 @@ void take(DrivenSamples made, double period, MotionSection& section) {
 
 void drive_section(MotionSection& section, const RateLimits& limits, double period,
                    const std::vector<StretchTorques>& torques, double torque_share) {
+  require_enough_jerk(section.waypoints, limits, period);
   if (!section.drive) {
     take(FastestDrive(section.path, limits, period, torques, torque_share).find(), period, section);
     return;
