@@ -317,14 +317,14 @@ TEST_F(CommandLine, no_trajectory_is_written_without_a_valid_plan_or_for_a_robot
 
 TEST_F(CommandLine, plan_says_no_when_the_trajectory_it_was_asked_for_was_not_written) {
   const std::string csv = folder_.write("motion.csv", "old"), file = folder_.file("plan.json");
-  const CommandRun run = plan("-1,0", "1.4,0.1", {"--export", "csv", csv, "--out", file, "--jerk", "1e-9"});
+  const CommandRun run = plan("-1,0", "1.4,0.1", {"--export", "csv", csv, "--out", file, "--speed", "1e-6"});
   EXPECT_EQ(run.status, exit_no) << run.log;
   EXPECT_NE(run.log.find("no trajectory was written: "), std::string::npos) << run.log;
   EXPECT_NE(run.log.find("motion.csv' stays as it was"), std::string::npos) << run.log;
   EXPECT_EQ(read_file(csv), "old");
   EXPECT_EQ(nlohmann::json::parse(read_file(file))["validation"]["verdict"], "valid");
-  EXPECT_EQ(plan("-1,0", "1.4,0.1", {"--motion", "--jerk", "1e-9"}).status, exit_no);
-  EXPECT_EQ(plan("-1,0", "1.4,0.1", {"--jerk", "1e-9", "--view", folder_.file("plan.html")}).status,
+  EXPECT_EQ(plan("-1,0", "1.4,0.1", {"--motion", "--speed", "1e-6"}).status, exit_no);
+  EXPECT_EQ(plan("-1,0", "1.4,0.1", {"--speed", "1e-6", "--view", folder_.file("plan.html")}).status,
             exit_done);
 }
 
