@@ -198,7 +198,8 @@ TEST(SmoothMotion, TorquesStayWithinTheirLimitsByKdlToo) {
     return torque_fault(robot, weak.motion.period, terms, greatest_torques(robot, free.motion, terms));
   };
   EXPECT_NE(sentence(1.1).find("gravity alone takes more than all of it: no slower"), std::string::npos);
-  EXPECT_NE(sentence(0.995).find("gravity alone takes 99.5 % at its worst: motions are not slowed"), std::string::npos)
+  EXPECT_NE(sentence(0.995).find("gravity alone takes 99.5 % at its worst: motions are not slowed"),
+            std::string::npos)
       << sentence(0.995);
   EXPECT_EQ(sentence(0.97).find("gravity"), std::string::npos) << sentence(0.97);
 }
