@@ -133,7 +133,9 @@ void spoil(MotionChunk& chunk, const Robot& robot, Random& random) {
       const auto j = joint();
       const Joint& limited = robot.joints[static_cast<std::size_t>(j)];
       const double limit = random.below(2) == 0 ? limited.lower : limited.upper;
-      chunk.positions[at][j] = std::nextafter(limit, random.below(2) == 0 ? -infinity : infinity);
+      const double farther = limit * (1.0 + (random.below(2) == 0 ? 3e-7 : -3e-7));
+      const double next = std::nextafter(limit, random.below(2) == 0 ? -infinity : infinity);
+      chunk.positions[at][j] = random.below(2) == 0 ? farther : next;
       break;
     }
     case 9:  // faster, evenly
@@ -169,6 +171,21 @@ void spoil(MotionChunk& chunk, const Robot& robot, Random& random) {
       if (random.below(2) == 0)
         for (std::size_t i = at; i < chunk.times.size(); ++i) chunk.times[i] += 10.0;
   }
+}
+
+/// What single precision took beyond a limit is at it.
+double at_limit(double value, const Joint& joint) {
+  for (const double limit : {joint.lower, joint.upper})
+    if (std::abs(value - limit) <= std::abs(limit) / 8388608.0)
+      return std::clamp(value, joint.lower, joint.upper);
+  return value;
+}
+
+MotionChunk at_limits(MotionChunk chunk, const Robot& robot) {
+  for (Configuration& q : chunk.positions)
+    for (std::size_t j = 0; j < robot.dof() && q.size() == static_cast<Eigen::Index>(robot.dof()); ++j)
+      q[static_cast<Eigen::Index>(j)] = at_limit(q[static_cast<Eigen::Index>(j)], robot.joints[j]);
+  return chunk;
 }
 
 /// Why a chunk must not pass whatever the map says, by rules written down once more; empty: it may.
@@ -281,6 +298,7 @@ class Wanderer {
     ++evidence_.asked;
     evidence_.hostile += is_hostile;
     const GateVerdict verdict = gate_.judge(chunk);
+    chunk = at_limits(std::move(chunk), robot());
     const std::string rule = forbidden(chunk, robot(), terms_, places_);
     if (verdict.is_passed()) {
       if (!rule.empty())
