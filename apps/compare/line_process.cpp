@@ -181,9 +181,8 @@ bool tells_of_forbidden_file(const std::string& complaints) {
 std::string last_line(const std::string& text) {
   const std::size_t end = text.find_last_not_of(" \r\n");
   if (end == std::string::npos) return {};
-  const std::size_t begin = text.find_last_of('\n', end);
-  return text.substr(begin == std::string::npos ? 0 : begin + 1,
-                     end - (begin == std::string::npos ? 0 : begin + 1) + 1);
+  const std::string words = text.substr(0, end + 1);
+  return words.substr(words.find_last_of('\n') + 1);  // all of it where there is none
 }
 
 /// Whether memory is limited and the program ended with an error of it: by the words of Python, C++, Java,
@@ -219,13 +218,8 @@ void LineProcess::fail(const std::string& what) {
   if (ended > 0) process_ = -1;
   if (!received_.empty() && received_.size() <= longest_line)
     sentence += "; its last line has no newline, expected one after each answer";
-  const std::size_t end = last_words_.find_last_not_of(" \r\n");
-  if (end != std::string::npos) {
-    const std::string words = last_words_.substr(0, end + 1);
-    const std::size_t begin = words.find_last_of('\n');
-    sentence +=
-        "; its last line of errors: " + quote(words.substr(begin == std::string::npos ? 0 : begin + 1));
-  }
+  if (const std::string last = last_line(last_words_); !last.empty())
+    sentence += "; its last line of errors: " + quote(last);
   if (tells_of_forbidden_file(last_words_))
     sentence += "; it tried to write into a file, which an isolated run may not: --isolate no lets it";
   if (ended > 0 && ran_out_of_memory(last_words_, status, used)) throw ProgramOutOfMemory(sentence);
