@@ -99,15 +99,20 @@ TeachAction action_of(const JsonField& field) {
   return static_cast<TeachAction>(found - action_names.begin());
 }
 
+/// Where a robot stands: numbers, or where the ball is.
+void read_base(const JsonField& field, TeachEvent& event) {
+  constexpr const char* expected = "x, y, z or x, y, z, roll, pitch, yaw (m, rad), or \"ball\"";
+  event.base_at_ball = field.is_text() && field.text() == "ball";
+  if (event.base_at_ball) return;
+  if (field.is_text()) field.refuse(expected);
+  event.robot.base = numbers_of(field);
+  if (event.robot.base.size() != 3 && event.robot.base.size() != 6) field.refuse(expected);
+}
+
 RobotChoice robot_of(const JsonField& line) {
   RobotChoice robot;
   robot.robot = line.at("robot").text();
   if (line.has("scale")) robot.scale = scale_of(line.at("scale"));
-  if (line.has("base")) {
-    robot.base = numbers_of(line.at("base"));
-    if (robot.base.size() != 3 && robot.base.size() != 6)
-      line.at("base").refuse("x, y, z or x, y, z, roll, pitch, yaw (m, rad)");
-  }
   if (line.has("group")) robot.group = line.at("group").text();
   if (line.has("fixed"))
     for (const auto& [joint, value] : line.at("fixed").members()) {
@@ -201,7 +206,10 @@ TeachEvent event_of(const JsonField& line, const char* when) {
   if (line.has("name")) event.name = name_of(line, event.action);
   if (event.action == TeachAction::volume) event.name = line.at("label").text();
   if (line.has("critical_parts")) event.critical_parts = texts_of(line.at("critical_parts"));
-  if (event.action == TeachAction::robot) event.robot = robot_of(line);
+  if (event.action == TeachAction::robot) {
+    event.robot = robot_of(line);
+    if (line.has("base")) read_base(line.at("base"), event);
+  }
   read_object(line, event);
   if (line.has("touches")) event.touches = texts_of(line.at("touches"));
   if (line.has("near")) event.near = numbers_of(line.at("near"));
@@ -229,6 +237,7 @@ void add_robot(const TeachEvent& event, Json& json) {
   json["robot"] = robot.robot;
   if (robot.scale) json["scale"] = *robot.scale;
   if (!robot.base.empty()) json["base"] = robot.base;
+  if (event.base_at_ball) json["base"] = "ball";
   if (!robot.group.empty()) json["group"] = robot.group;
   for (const std::string& text : robot.fixed)
     json["fixed"][text.substr(0, text.find('='))] = std::stod(text.substr(text.find('=') + 1));

@@ -58,6 +58,7 @@ struct TeachEvent {
   std::optional<TaughtLoad> load{};           ///< of attach: the load itself, not one of the setup's
   std::vector<std::string> critical_parts{};  ///< of a volume
   RobotChoice robot{};
+  bool base_at_ball = false;   ///< of a robot: its base goes where the ball is set down; `robot` has none
   std::vector<double> near{};  ///< of a robot: a configuration on the arm configuration to keep, rad or m
   std::string link{};          ///< of an object: that carries it; empty: the tip's
   double mass = 0.0;           ///< of an object, kg at full size

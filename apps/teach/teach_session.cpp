@@ -75,6 +75,9 @@ Brush TeachSession::brush() const {
 
 void TeachSession::see(const SeenImage& image) {
   if (doing_ == Doing::marking && image.sample != nullptr && image.sample->accepted) mark(*image.sample);
+  if (image.sample != nullptr && image.sample->accepted && base_ != nullptr)
+    ball_ = {*base_->map_from_board * image.sample->sphere.center, image.sample->bound.total,
+             image.since_start};
   see_base(image);
   if (!image.map_from_gripper) return;
   shown_tip_ = {*image.map_from_gripper * setup_->gripper->board_from_tip, image.since_start};

@@ -215,6 +215,7 @@ class TeachSession final : public FusionGuide {
   std::string new_conflicts();
   void choose_volume(const TeachEvent& event, std::string& remark);
   void choose_robot(const TeachEvent& event, std::string& remark);
+  Eigen::Isometry3d base_at_ball(double time) const;
   void choose_branch(double time, std::string& remark);
   std::string unknown_parts(const PaintedVolume& volume) const;
   std::string cure_of(const Verdict& verdict);
@@ -280,7 +281,13 @@ class TeachSession final : public FusionGuide {
     double time;  ///< s after the first frame
   };
   std::optional<ShownTip> shown_tip_;  ///< by the gripper probe, the last one
-  const BoardSetup* base_ = nullptr;   ///< the board that anchors the map; null: there is none
+  struct ShownBall {
+    Eigen::Vector3d center;  ///< map frame
+    double bound;            ///< how far it may be off, m
+    double time;             ///< s after the first frame
+  };
+  std::optional<ShownBall> ball_;     ///< the last one that was accepted
+  const BoardSetup* base_ = nullptr;  ///< the board that anchors the map; null: there is none
   std::optional<double> base_seen_at_;
   bool is_base_hidden_ = false;  ///< in the last image
   Choice choice_;

@@ -38,14 +38,32 @@ void TeachSession::choose_robot(const TeachEvent& event, std::string& remark) {
     map_from_base = setup_->robot->map_from_base;
     choice = with_terms_of(*setup_->robot, std::move(choice));
   }
+  if (event.base_at_ball) map_from_base = base_at_ball(event.time);
   auto robot = std::make_shared<VirtualRobot>(choice, event.near, map_from_base);
   remember("robot");
   choice_.robot = robot;
   use_robot(std::move(robot), event.time);
   choice_.held.clear();
   forget_places();
+  if (event.base_at_ball) {
+    const Eigen::Vector3d at = map_from_base->translation();
+    remark = "its base is at " + place_text(at.x()) + ", " + place_text(at.y()) + ", " + place_text(at.z()) +
+             " m, within " + short_text(1e3 * ball_->bound, 2) + " mm";
+  }
   for (const PaintedVolume& volume : map_->volumes()) remark = joined(remark, unknown_parts(volume));
   note_ball();
+}
+
+/// Where the ball, set down, touches what the robot is to stand on. The base turns no other way for it.
+Eigen::Isometry3d TeachSession::base_at_ball(double time) const {
+  if (!setup_->probe) refuse("the setup has no probe whose ball could show the base");
+  if (!ball_ || time - ball_->time > VirtualRobot::longest_gap)
+    refuse("the ball has not been accepted " +
+           (ball_ ? "for " + short_text(time - ball_->time, 2) + " s" : std::string("yet")) +
+           "; hold it where the base is to stand");
+  Eigen::Isometry3d map_from_base = robot_ ? robot_->robot().map_from_base : Eigen::Isometry3d::Identity();
+  map_from_base.translation() = ball_->center - setup_->probe->ball_radius * map_from_base.linear().col(2);
+  return map_from_base;
 }
 
 /// Whether the ball is large enough for the robot's hand.

@@ -57,6 +57,8 @@ bool JsonField::is_composed() const { return value_->is_structured() && !value_-
 
 bool JsonField::is_null() const { return value_->is_null(); }
 
+bool JsonField::is_text() const { return value_->is_string(); }
+
 std::string JsonField::text() const {
   if (!value_->is_string()) refuse("a text");
   return value_->get<std::string>();

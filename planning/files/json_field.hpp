@@ -29,6 +29,7 @@ class JsonField {
   std::vector<std::pair<std::string, JsonField>> members() const;
 
   bool is_null() const;
+  bool is_text() const;
   bool is_composed() const;  ///< a list or an object with something in it
   std::string text() const;
   double number() const;  ///< finite

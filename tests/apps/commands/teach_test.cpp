@@ -6,6 +6,7 @@
 #include "mapping/files/map_file.hpp"
 #include "mapping/free_space_map.hpp"
 #include "tests/apps/run_command.hpp"
+#include "tests/datasets/complaint.hpp"
 
 namespace clearway {
 namespace teach_test {
@@ -185,6 +186,7 @@ TEST(Teach, EventsAreReadBackAsTheyWere) {
       "\"fixed\":{\"j\":0.25},\"policies\":{\"default\":\"known_free\",\"tool\":\"painted\"},\"padding\":0."
       "001,"
       "\"near\":[0.0,1.0]}\n"
+      "{\"time\":0.4,\"action\":\"robot\",\"robot\":\"arm6\",\"base\":\"ball\"}\n"
       "{\"time\":0.5,\"action\":\"attach\",\"load\":{\"name\":\"can\",\"cylinder\":[0.03,0.1],\"link\":"
       "\"hand\",\"pose_deg\":[0.1,0,0,10,20,30.3],\"touches\":[\"finger\"]}}\n"
       "{\"time\":0.5,\"action\":\"attach\",\"name\":\"a cup\"}\n"
@@ -207,6 +209,9 @@ TEST(Teach, EventsAreReadBackAsTheyWere) {
   std::string again;
   for (const TeachEvent& event : load_teach_events(folder / "e.jsonl")) again += to_json_line(event) + "\n";
   EXPECT_EQ(again, text);
+  folder.write("e.jsonl", R"({"time": 0, "action": "robot", "robot": "arm6", "base": "probe"})");
+  const std::string why = complaint([&] { load_teach_events(folder / "e.jsonl"); });
+  EXPECT_NE(why.find("roll, pitch, yaw (m, rad), or \"ball\""), std::string::npos) << why;
 }
 
 TEST(Teach, EventsThatWouldFillTheMemoryAreRefused) {

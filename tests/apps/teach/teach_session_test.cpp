@@ -209,6 +209,49 @@ TEST_F(TeachSessionOf, ABaseBoardThatIsNotSeenIsNamedAndNotTheProbe) {
   EXPECT_EQ(act(TeachAction::start), "the base board 'table' was not seen for 1.8 s");
 }
 
+TEST_F(TeachSessionOf, TheBallShowsWhereARobotIsToStand) {
+  BoardSetup board;
+  board.name = "table";
+  board.map_from_board.emplace(Eigen::Translation3d(0.0, 0.0, 0.5));
+  setup_.boards = {board};
+  setup_.probe->ball_radius = 0.02;
+  setup_.robot->map_from_base.linear() =
+      Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitX()).toRotationMatrix();  // its z is the map's -y
+  session_.begin(setup_, map_, counts_);
+  const auto at_ball = [&](double after) {
+    TeachEvent event;
+    event.time = time_ + after;
+    event.action = TeachAction::robot;
+    event.robot.robot = "planar2";
+    event.base_at_ball = true;
+    return event;
+  };
+  const auto take = [&](double after) {
+    due_ = {at_ball(after)};
+    session_.before(time_ + after);
+    return session_.events().back().refusal;
+  };
+  EXPECT_EQ(take(0.0), "the ball has not been accepted yet; hold it where the base is to stand");
+  const Frame frame;
+  PaintingSample sample;
+  sample.sphere.center = {0.3, 0.2, 0.1};
+  session_.see({frame, {}, &sample, {}, time_, {}});
+  EXPECT_EQ(take(0.1), "the ball has not been accepted yet; hold it where the base is to stand");
+  sample.accepted = true;
+  sample.bound.total = 0.004;
+  session_.see({frame, {}, &sample, {}, time_, {}});
+  EXPECT_EQ(take(1.5), "the ball has not been accepted for 1.5 s; hold it where the base is to stand");
+  ASSERT_EQ(take(0.2), "");
+  EXPECT_EQ(remark(), "its base is at 0.3, 0.22, 0.6 m, within 4 mm");
+  const Eigen::Isometry3d base = session_.robot()->robot().map_from_base;
+  EXPECT_TRUE(base.translation().isApprox(Eigen::Vector3d(0.3, 0.22, 0.6), 1e-12));
+  EXPECT_TRUE(base.linear().isApprox(setup_.robot->map_from_base.linear(), 1e-12));
+  ASSERT_EQ(act(TeachAction::undo), "");
+  EXPECT_TRUE(session_.robot()->robot().map_from_base.isApprox(setup_.robot->map_from_base));
+  setup_.probe.reset();
+  EXPECT_EQ(take(0.2), "the setup has no probe whose ball could show the base");
+}
+
 TEST_F(TeachSessionOf, PartsThatTheRobotHasNotAreNamedAsTheVolumeOrTheRobotIsChosen) {
   TeachEvent volume;
   volume.time = ++time_;
