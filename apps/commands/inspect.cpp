@@ -144,6 +144,11 @@ struct Questions {
   std::vector<Eigen::Vector3d> points;
 };
 
+/// No difference is too far away to be shown, and a box that was asked for is not cut.
+bool is_shown_whole(const InspectOptions& options) {
+  return options.whole || !options.diff.empty() || !options.crop.empty();
+}
+
 /// @throws std::invalid_argument for flags that are none, or do not go together
 Questions read_questions(const InspectOptions& options, bool is_json) {
   Questions asked;
@@ -158,6 +163,11 @@ Questions read_questions(const InspectOptions& options, bool is_json) {
     throw std::invalid_argument("--clearance: expected --slice beside it, in which to draw the lines");
   if (options.age && asked.slices.empty())
     throw std::invalid_argument("--age: expected --slice beside it, which it colours");
+  if (options.whole && asked.slices.empty() && asked.terms.empty() && options.view.empty())
+    throw std::invalid_argument("--whole: expected --slice, --term or --view beside it, which it widens");
+  const bool is_whole = is_shown_whole(options);
+  for (auto& [plane, file] : asked.slices) plane.is_whole = is_whole;
+  for (SlicePlane& plane : asked.terms) plane.is_whole = is_whole;
   asked.points = points_of(options.at);
   return asked;
 }
@@ -217,7 +227,8 @@ Json answers(const InspectOptions& options, const Questions& asked, const Inspec
 }
 
 /// Draws and writes the map, or its difference to the other one. Returns the pictures for the terminal.
-std::string draw(const InspectOptions& options, const Questions& asked, const InspectedMaps& maps) {
+std::string draw(const InspectOptions& options, const Questions& asked, const InspectedMaps& maps,
+                 Console& console) {
   const bool is_difference = maps.other.has_value();
   const bool draws = !asked.slices.empty() || !asked.terms.empty() || !options.view.empty();
   const MapLeaves drawn =
@@ -225,15 +236,18 @@ std::string draw(const InspectOptions& options, const Questions& asked, const In
   const std::string name = is_difference
                                ? "from " + name_of_map(options.map) + " to " + name_of_map(options.diff)
                                : name_of_map(options.map);
-  for (const auto& [plane, file] : asked.slices)
-    write_slice_image(drawn, plane, file, {name, asked.clearance, is_difference, options.age});
+  for (const auto& [plane, file] : asked.slices) {
+    const std::string beyond =
+        write_slice_image(drawn, plane, file, {name, asked.clearance, is_difference, options.age});
+    if (!beyond.empty()) console.note(file.string() + ": " + beyond);
+  }
   std::string text;
   for (const SlicePlane& plane : asked.terms) text += '\n' + draw_in_terminal(drawn, plane, is_difference);
   for (const auto& file : options.exports) export_map(maps.map(), file);
   const auto place = is_edited(options) ? std::nullopt : std::optional(options.map.string());
   if (!options.view.empty())
-    save_file(options.view,
-              is_difference ? difference_page(drawn, name) : map_page(maps.leaves, name, place));
+    save_file(options.view, is_difference ? difference_page(drawn, name)
+                                          : map_page(maps.leaves, name, place, is_shown_whole(options)));
   return text;
 }
 
@@ -250,7 +264,7 @@ int run_inspect(const InspectOptions& options, Console& console) {
   const std::optional<Provenance> provenance = provenance_of(options, console);
 
   Json json = answers(options, asked, maps, provenance ? &*provenance : nullptr);
-  const std::string text = draw(options, asked, maps);
+  const std::string text = draw(options, asked, maps, console);
   if (!options.save.empty()) {
     save_edited(options, maps.kept.record, maps.map());
     json["saved"] = options.save.string();

@@ -22,6 +22,10 @@ void add_pictures(CLI::App& command, InspectOptions& options) {
   command.add_flag(
       "--age", options.age,
       "colour free voxels of the slices by age: the time from their last to the newest observation");
+  command.add_flag(
+      "--whole", options.whole,
+      "slices and page reach to the farthest voxel; else a few that are far from all others are left "
+      "out, and counted");
   add_repeatable(
       command, "--export", options.exports,
       "write .ot (all states, by colour), .bt (occupied and conflict against all that is free), .pcd or "

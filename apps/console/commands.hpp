@@ -196,6 +196,7 @@ struct InspectOptions {
   std::vector<std::string> terms;                           ///< "z=0.3": slices as text
   std::string clearance;  ///< policy whose clearance the slices show; or empty
   bool age = false;       ///< slices colour what was seen free by when
+  bool whole = false;     ///< slices reach as far as the map, not as far as most of it
   std::vector<std::filesystem::path> exports;
   std::filesystem::path view;     ///< HTML
   bool holes = false;             ///< quality of the painted volumes

@@ -122,6 +122,12 @@ double draw_clearance(Picture& image, const SliceCanvas& canvas, const Snapshot&
   const double step = voxels_a_line * map.resolution();
   const double reach = step * (lines + 1);
   Eigen::AlignedBox3d region = map.bounds();
+  region.min()[canvas.right] = std::max(region.min()[canvas.right], canvas.low_right - reach);
+  region.max()[canvas.right] =
+      std::min(region.max()[canvas.right], canvas.low_right + canvas.columns * canvas.resolution + reach);
+  region.min()[canvas.up] = std::max(region.min()[canvas.up], canvas.low_up - reach);
+  region.max()[canvas.up] =
+      std::min(region.max()[canvas.up], canvas.low_up + canvas.rows * canvas.resolution + reach);
   region.min()[plane.axis] = std::max(region.min()[plane.axis], plane.value - reach);
   region.max()[plane.axis] = std::min(region.max()[plane.axis], plane.value + reach);
   const auto space = map.blocked_space({policy, 0xffff}, region, reach);

@@ -97,10 +97,9 @@ void draw_axes(Picture& image, const SliceCanvas& canvas) {
                 ink);
 }
 
-/// Names as people write them.
 /// Returns where the legend ends.
-int draw_legend(Picture& image, const SliceCanvas& canvas, const std::array<std::size_t, 5>& counts,
-                const SliceLook& look, double step) {
+int draw_legend(Picture& image, const SliceCanvas& canvas, const SlicePixels& pixels, const SliceLook& look,
+                double step) {
   int y = margin_top + 12;
   const int x = margin_left + canvas.width() + 16;
   for (const VoxelState state : states) {
@@ -108,7 +107,7 @@ int draw_legend(Picture& image, const SliceCanvas& canvas, const std::array<std:
     image.fill(x, y - 10, x + 13, y + 3, colour(state));
     image.outline(x, y - 10, x + 13, y + 3, {150, 150, 150});
     const std::string name = slice_label(state, look.shows_difference);
-    image.write(name + "  " + grouped(counts[static_cast<std::size_t>(at)]), x + 20, y + 1);
+    image.write(name + "  " + grouped(pixels.counts[static_cast<std::size_t>(at)]), x + 20, y + 1);
     y += 22;
   }
   const auto line = [&](const std::string& text) {
@@ -120,6 +119,10 @@ int draw_legend(Picture& image, const SliceCanvas& canvas, const std::array<std:
     line("pixel " + significant(canvas.resolution * 1000.0 / canvas.pixels, 3) + " mm:");
     line("what blocks hides the rest");
   }
+  for (std::size_t i = 0; i < slice_states.size(); ++i)
+    if (pixels.beyond[i] > 0)
+      line("outside: " + grouped(pixels.beyond[i]) + " " +
+           slice_label(slice_states[i], look.shows_difference));
   if (!look.clearance) return y;
   y += 12;
   line("clearance, " + spoken(to_string(*look.clearance)) + ":");
@@ -164,8 +167,8 @@ void draw_voxels(Picture& image, const SliceCanvas& canvas, const MapLeaves& map
 
 SlicePlane parse_slice(const std::string& text) { return parse_plane(text, "--slice"); }
 
-void write_slice_image(const MapLeaves& map, const SlicePlane& plane, const std::filesystem::path& file,
-                       const SliceLook& look) {
+std::string write_slice_image(const MapLeaves& map, const SlicePlane& plane,
+                              const std::filesystem::path& file, const SliceLook& look) {
   if (extension_of(file) != ".png") {
     throw std::invalid_argument("--slice: expected a .png file, got '" + file.string() + "'");
   }
@@ -180,7 +183,7 @@ void write_slice_image(const MapLeaves& map, const SlicePlane& plane, const std:
   const double step =
       look.clearance ? draw_clearance(image, canvas, map.about(), plane, *look.clearance) : 0.0;
   draw_axes(image, canvas);
-  const int end = draw_legend(image, canvas, pixels.counts, look, step);
+  const int end = draw_legend(image, canvas, pixels, look, step);
   if (ages) draw_age_legend(image, canvas, end + 22, *ages);
   const char* names = "xyz";
   std::string title = look.name;
@@ -188,6 +191,7 @@ void write_slice_image(const MapLeaves& map, const SlicePlane& plane, const std:
   title += std::string(1, names[plane.axis]) + " = " + significant(plane.value) + " m";
   image.write(Picture::shortened(title, image.width() - margin_left - 10, 14), margin_left, 21, 14);
   save_file(file, image.png());
+  return beyond_text(pixels);
 }
 
 }  // namespace clearway

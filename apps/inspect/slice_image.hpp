@@ -21,11 +21,11 @@ SlicePlane parse_slice(const std::string& text);
 
 /// Draws the voxel states in the plane as a PNG: one square per voxel, axes in metres, a legend with the
 /// states' colours and voxel counts in the plane. Planes of more than 1,400 voxels are drawn smaller; of the
-/// voxels that share a pixel the one that blocks most is seen.
+/// voxels that share a pixel the one that blocks most is seen. Returns beyond_text.
 /// @throws std::invalid_argument when the map is empty or the plane misses it (naming its range), or when the
 ///         map does not know when its voxels were seen;
 ///         std::runtime_error when the file cannot be written.
-void write_slice_image(const MapLeaves& map, const SlicePlane& plane, const std::filesystem::path& file,
-                       const SliceLook& look = {});
+std::string write_slice_image(const MapLeaves& map, const SlicePlane& plane,
+                              const std::filesystem::path& file, const SliceLook& look = {});
 
 }  // namespace clearway

@@ -77,11 +77,24 @@ std::string difference_label(VoxelState state) {
   return "";
 }
 
+std::string beyond_text(const SlicePixels& pixels) {
+  std::string text;
+  std::size_t all = 0;
+  for (std::size_t i = 0; i < slice_states.size(); ++i) {
+    if (pixels.beyond[i] == 0) continue;
+    text += (text.empty() ? "" : ", ") + grouped(pixels.beyond[i]) + " " + spoken(to_string(slice_states[i]));
+    all += pixels.beyond[i];
+  }
+  if (all == 0) return {};
+  return counted(all, "voxel") + " (" + text + ") " + (all == 1 ? "lies" : "lie") +
+         " outside; --whole shows " + (all == 1 ? "it" : "them");
+}
+
 SliceFrame slice_frame(const MapLeaves& map, const SlicePlane& plane) {
   SliceFrame frame;
   frame.right = plane.axis == 0 ? 1 : 0;
   frame.up = plane.axis == 2 ? 1 : 2;
-  const Eigen::AlignedBox3d bounds = map.bounds();
+  const Eigen::AlignedBox3d bounds = plane.is_whole ? map.bounds() : map.main_bounds();
   if (bounds.isEmpty()) return frame;
   for (int axis = 0; axis < 3; ++axis)
     frame.low[axis] = static_cast<int>(std::lround(bounds.min()[axis] / map.resolution()));
@@ -90,61 +103,110 @@ SliceFrame slice_frame(const MapLeaves& map, const SlicePlane& plane) {
   return frame;
 }
 
-SlicePixels slice_pixels(const MapLeaves& map, const SlicePlane& plane, double across, double upward,
-                         bool shows_difference) {
-  const SliceFrame frame = slice_frame(map, plane);
-  SlicePixels pixels;
-  pixels.width = std::max(1, static_cast<int>(std::lround(frame.columns * across)));
-  pixels.height = std::max(1, static_cast<int>(std::lround(frame.rows * upward)));
-  const auto width = static_cast<std::size_t>(pixels.width);
-  std::vector<std::uint8_t> ranks(width * static_cast<std::size_t>(pixels.height), slice_states.size() - 1);
-  std::vector<double> painted(ranks.size()), known(ranks.size());  // shares that are painted, that are either
-  const auto cell = map.about().tree().cell(plane.value * Eigen::Vector3d::Unit(plane.axis));
-  const int layer = cell ? (*cell)[plane.axis] : std::numeric_limits<int>::max();
-  pixels.counts.back() = static_cast<std::size_t>(frame.columns) * static_cast<std::size_t>(frame.rows);
-  map.visit([&](const MapLeaf& leaf) {
-    if (layer < leaf.corner[plane.axis] || layer >= leaf.corner[plane.axis] + leaf.edge) return;
+namespace {
+
+/// The pixels of a plane while its leaves come.
+class SliceRaster {
+ public:
+  SliceRaster(const MapLeaves& map, const SlicePlane& plane, double across, double upward,
+              bool shows_difference)
+      : frame_(slice_frame(map, plane)),
+        axis_(plane.axis),
+        across_(across),
+        upward_(upward),
+        shows_difference_(shows_difference) {
+    if (const auto cell = map.about().tree().cell(plane.value * Eigen::Vector3d::Unit(axis_)))
+      layer_ = (*cell)[axis_];
+    pixels_.width = std::max(1, static_cast<int>(std::lround(frame_.columns * across)));
+    pixels_.height = std::max(1, static_cast<int>(std::lround(frame_.rows * upward)));
+    pixels_.counts.back() = static_cast<std::size_t>(frame_.columns) * static_cast<std::size_t>(frame_.rows);
+    ranks_.resize(static_cast<std::size_t>(pixels_.width) * static_cast<std::size_t>(pixels_.height),
+                  slice_states.size() - 1);
+    painted_.resize(ranks_.size());
+    known_.resize(ranks_.size());
+  }
+
+  void add(const MapLeaf& leaf) {
+    if (layer_ < leaf.corner[axis_] || layer_ >= leaf.corner[axis_] + leaf.edge) return;
+    const Run right = run_of(leaf.corner[frame_.right] - frame_.low[frame_.right], leaf.edge, frame_.columns),
+              up = run_of(leaf.corner[frame_.up] - frame_.low[frame_.up], leaf.edge, frame_.rows);
     const std::size_t state = rank(leaf.state);
-    const std::size_t voxels = static_cast<std::size_t>(leaf.edge) * static_cast<std::size_t>(leaf.edge);
-    pixels.counts[state] += voxels;
-    pixels.counts.back() -= voxels;
-    const auto [left, right] =
-        pixels_of(leaf.corner[frame.right] - frame.low[frame.right], leaf.edge, across, pixels.width);
-    const auto [bottom, top] =
-        pixels_of(leaf.corner[frame.up] - frame.low[frame.up], leaf.edge, upward, pixels.height);
+    const std::size_t inside = static_cast<std::size_t>(right.voxels) * static_cast<std::size_t>(up.voxels);
+    pixels_.counts[state] += inside;
+    pixels_.counts.back() -= inside;
+    pixels_.beyond[state] +=
+        static_cast<std::size_t>(leaf.edge) * static_cast<std::size_t>(leaf.edge) - inside;
+    if (inside > 0) draw(leaf.state, right, up);
+  }
+
+  /// Free is only what is so wholly, as far as the picture goes: nothing unknown may look free.
+  SlicePixels take() {
+    for (int row = 0; row < pixels_.height; ++row)
+      for (int column = 0; column < pixels_.width; ++column) {
+        const std::size_t at = place(column, row);
+        if (ranks_[at] + 1U < slice_states.size()) continue;
+        const double whole = covered(column, 0, frame_.columns, across_) *
+                                 covered(pixels_.height - 1 - row, 0, frame_.rows, upward_) -
+                             1e-6;
+        if (known_[at] >= whole)
+          ranks_[at] = static_cast<std::uint8_t>(
+              rank(painted_[at] >= whole ? VoxelState::painted : VoxelState::seen_free));
+      }
+    pixels_.states.reserve(ranks_.size());
+    for (const std::uint8_t each : ranks_) pixels_.states.push_back(slice_states[each]);
+    return std::move(pixels_);
+  }
+
+ private:
+  std::size_t place(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(pixels_.width) +
+           static_cast<std::size_t>(column);
+  }
+
+  /// Voxels first ... first + voxels - 1 of a row or column of the picture.
+  struct Run {
+    int first, voxels;
+  };
+  static Run run_of(int first, int edge, int size) {
+    const int low = std::max(first, 0);
+    return {low, std::max(0, std::min(first + edge, size) - low)};
+  }
+
+  void draw(VoxelState state, const Run& right, const Run& up) {
+    const auto [first_column, end_column] = pixels_of(right.first, right.voxels, across_, pixels_.width);
+    const auto [first_row, end_row] = pixels_of(up.first, up.voxels, upward_, pixels_.height);
     const bool is_anywhere =
-        shows_difference || leaf.state == VoxelState::occupied || leaf.state == VoxelState::conflict;
-    const int from = leaf.corner[frame.right] - frame.low[frame.right],
-              low = leaf.corner[frame.up] - frame.low[frame.up];
-    for (int up = bottom; up < top; ++up) {
-      const std::size_t row = static_cast<std::size_t>(pixels.height - 1 - up) * width;
-      for (int column = left; column < right; ++column) {
-        const std::size_t at = row + static_cast<std::size_t>(column);
+        shows_difference_ || state == VoxelState::occupied || state == VoxelState::conflict;
+    for (int row = first_row; row < end_row; ++row)
+      for (int column = first_column; column < end_column; ++column) {
+        const std::size_t at = place(column, pixels_.height - 1 - row);
         if (is_anywhere) {
-          ranks[at] = std::min(ranks[at], static_cast<std::uint8_t>(state));
+          ranks_[at] = std::min(ranks_[at], static_cast<std::uint8_t>(rank(state)));
           continue;
         }
-        const double share = covered(column, from, leaf.edge, across) * covered(up, low, leaf.edge, upward);
-        known[at] += share;
-        if (leaf.state == VoxelState::painted) painted[at] += share;
+        const double share =
+            covered(column, right.first, right.voxels, across_) * covered(row, up.first, up.voxels, upward_);
+        known_[at] += share;
+        if (state == VoxelState::painted) painted_[at] += share;
       }
-    }
-  });
-  // Free is only what is so wholly, as far as the map goes: nothing unknown may look free.
-  for (int row = 0; row < pixels.height; ++row)
-    for (int column = 0; column < pixels.width; ++column) {
-      const std::size_t at = static_cast<std::size_t>(row) * width + static_cast<std::size_t>(column);
-      if (ranks[at] + 1U < slice_states.size()) continue;
-      const double whole = covered(column, 0, frame.columns, across) *
-                               covered(pixels.height - 1 - row, 0, frame.rows, upward) -
-                           1e-6;
-      if (known[at] >= whole)
-        ranks[at] = static_cast<std::uint8_t>(
-            rank(painted[at] >= whole ? VoxelState::painted : VoxelState::seen_free));
-    }
-  pixels.states.reserve(ranks.size());
-  for (const std::uint8_t each : ranks) pixels.states.push_back(slice_states[each]);
-  return pixels;
+  }
+
+  SliceFrame frame_;
+  int axis_, layer_ = std::numeric_limits<int>::max();
+  double across_, upward_;
+  bool shows_difference_;
+  SlicePixels pixels_;
+  std::vector<std::uint8_t> ranks_;
+  std::vector<double> painted_, known_;  // shares of each pixel that are painted, that are either
+};
+
+}  // namespace
+
+SlicePixels slice_pixels(const MapLeaves& map, const SlicePlane& plane, double across, double upward,
+                         bool shows_difference) {
+  SliceRaster raster(map, plane, across, upward, shows_difference);
+  map.visit([&](const MapLeaf& leaf) { raster.add(leaf); });
+  return raster.take();
 }
 
 }  // namespace clearway

@@ -13,6 +13,7 @@ namespace clearway {
 struct SlicePlane {
   int axis = 2;
   double value = 0.0;
+  bool is_whole = false;  ///< drawn up to the farthest voxel, else as far as MapLeaves::main_bounds
 };
 
 /// Parses "z=0.3". @throws std::invalid_argument naming `flag`, with the expected form.
@@ -34,7 +35,8 @@ std::string difference_label(VoxelState state);
 struct SlicePixels {
   int width = 0, height = 0;
   std::vector<VoxelState> states;       ///< row by row, the highest first
-  std::array<std::size_t, 5> counts{};  ///< voxels of the plane by state, as in `slice_states`
+  std::array<std::size_t, 5> counts{};  ///< voxels in the picture by state, as in `slice_states`
+  std::array<std::size_t, 5> beyond{};  ///< the same of the plane's known voxels outside of the picture
 
   VoxelState at(int column, int row) const {
     return states[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
@@ -42,11 +44,11 @@ struct SlicePixels {
   }
 };
 
-/// The axes of a plane's picture and how many voxels it spans.
+/// The axes of a plane's picture and the voxels that it spans.
 struct SliceFrame {
   int right = 0, up = 0;  ///< map axes
   int columns = 0, rows = 0;
-  Eigen::Vector3i low = Eigen::Vector3i::Zero();  ///< the map's lowest voxel
+  Eigen::Vector3i low = Eigen::Vector3i::Zero();  ///< the lowest of them
 };
 SliceFrame slice_frame(const MapLeaves& map, const SlicePlane& plane);
 
@@ -55,6 +57,9 @@ std::string spoken(std::string_view name);
 
 /// The state as people say it: "seen free"; of a difference, as difference_label.
 std::string slice_label(VoxelState state, bool shows_difference);
+
+/// "14 voxels (3 occupied, 11 seen free) lie outside; --whole shows them", where there are some.
+std::string beyond_text(const SlicePixels& pixels);
 
 /// What slice_text shows: "z = 0.3 m; to the right x, -0.26 to 0.14 m; upwards y, 0 to 0.6 m".
 std::string slice_caption(const MapLeaves& map, const SlicePlane& plane);

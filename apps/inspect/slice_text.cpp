@@ -83,14 +83,14 @@ std::string slice_legend(bool colours, bool shows_difference) {
 
 std::string slice_caption(const MapLeaves& map, const SlicePlane& plane) {
   const SliceFrame frame = slice_frame(map, plane);
-  const Eigen::AlignedBox3d bounds = map.bounds();
+  const double voxel = map.resolution();
   const auto name = [](int axis) { return std::string(1, static_cast<char>('x' + axis)); };
-  const auto span = [&](int axis) {
-    return name(axis) + ", " + place_text(bounds.min()[axis]) + " to " + place_text(bounds.max()[axis]) +
-           " m";
+  const auto span = [&](int axis, int voxels) {
+    return name(axis) + ", " + place_text(frame.low[axis] * voxel) + " to " +
+           place_text((frame.low[axis] + voxels) * voxel) + " m";
   };
-  return name(plane.axis) + " = " + place_text(plane.value) + " m; to the right " + span(frame.right) +
-         "; upwards " + span(frame.up) + "\n";
+  return name(plane.axis) + " = " + place_text(plane.value) + " m; to the right " +
+         span(frame.right, frame.columns) + "; upwards " + span(frame.up, frame.rows) + "\n";
 }
 
 std::string slice_text(const MapLeaves& map, const SlicePlane& plane, int columns, bool colours,
@@ -101,7 +101,8 @@ std::string slice_text(const MapLeaves& map, const SlicePlane& plane, int column
   const double across = std::min(2.0, static_cast<double>(columns) / frame.columns);
   const SlicePixels pixels =
       slice_pixels(map, plane, across, colours ? across : across / 2.0, shows_difference);
-  return colours ? in_colours(pixels) : in_letters(pixels);
+  const std::string beyond = beyond_text(pixels);
+  return (colours ? in_colours(pixels) : in_letters(pixels)) + beyond + (beyond.empty() ? "" : "\n");
 }
 
 }  // namespace clearway

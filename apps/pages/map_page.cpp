@@ -181,12 +181,28 @@ PageShape page_shape(const Shape& s) {
   return shape;
 }
 
-ReportPage page_of_map(const MapLeaves& map, const std::string& title) {
+namespace {
+
+/// Whether the middle of a leaf lies outside of a box that is not empty.
+bool is_beyond(const MapLeaf& leaf, double resolution, const Eigen::AlignedBox3d& box) {
+  return !box.isEmpty() &&
+         !box.contains((resolution * (leaf.corner.cast<double>().array() + 0.5 * leaf.edge)).matrix());
+}
+
+}  // namespace
+
+ReportPage page_of_map(const MapLeaves& map, const std::string& title, bool is_whole) {
   ReportPage page;
   page.title = title;
   page.resolution = map.resolution();
+  if (!is_whole && map.main_bounds().volume() < map.bounds().volume()) page.first_look = map.main_bounds();
   EvidenceGrid evidence(map);
-  page.voxels = drawn_voxels(map, most_faces_shown, false, [&](const MapLeaf& leaf) { evidence.add(leaf); });
+  page.voxels = drawn_voxels(map, most_faces_shown, false, [&](const MapLeaf& leaf) {
+    evidence.add(leaf);
+    if (leaf.state == VoxelState::occupied && is_beyond(leaf, map.resolution(), page.first_look))
+      page.occupied_beyond += static_cast<std::size_t>(leaf.edge) * static_cast<std::size_t>(leaf.edge) *
+                              static_cast<std::size_t>(leaf.edge);
+  });
   page.evidence = evidence.take();
   for (std::size_t v = 0; v < map.volumes().size(); ++v) {
     page.volume_labels.push_back(map.volumes()[v].label);
@@ -333,8 +349,9 @@ std::string difference_page(const MapLeaves& difference, const std::string& name
   return render_report_page(page);
 }
 
-std::string map_page(const MapLeaves& map, const std::string& name, const std::optional<std::string>& place) {
-  ReportPage page = page_of_map(map, name.empty() ? "map" : name);
+std::string map_page(const MapLeaves& map, const std::string& name, const std::optional<std::string>& place,
+                     bool is_whole) {
+  ReportPage page = page_of_map(map, name.empty() ? "map" : name, is_whole);
   page.map_place = place;
   look_from_free(page, map);
   const VoxelCounts counts = map.counts();

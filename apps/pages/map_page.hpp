@@ -12,8 +12,9 @@ namespace clearway {
 
 /// A page that shows `map`: its voxels by state and its exact spheres. States with more surface than a viewer
 /// can draw are shown in larger voxels: painted and seen free where all of one is, occupied and conflict
-/// where any is; see PageVoxels::cells.
-ReportPage page_of_map(const MapLeaves& map, const std::string& title);
+/// where any is; see PageVoxels::cells. @param is_whole its first view and colours reach to the farthest
+/// voxel, else as far as MapLeaves::main_bounds
+ReportPage page_of_map(const MapLeaves& map, const std::string& title, bool is_whole = false);
 
 /// The first view of the page stands beside `from`, so that no wall hides what can be seen from there: where
 /// sensors stood, or the robot. Left as it is where `from` is amid the occupied voxels. Metres, map frame.
@@ -37,6 +38,6 @@ std::string difference_page(const MapLeaves& difference, const std::string& name
 
 /// The page of `inspect --view`. @param place where the map is, for `clearway inspect`; none: in no file
 std::string map_page(const MapLeaves& map, const std::string& name,
-                     const std::optional<std::string>& place = {});
+                     const std::optional<std::string>& place = {}, bool is_whole = false);
 
 }  // namespace clearway

@@ -291,6 +291,11 @@ json plan_json(PageArrays& arrays, const PagePlan& plan, std::size_t links) {
           {"paint", place(arrays.add(std::span<const float>(paint)))}};
 }
 
+json box_json(const Eigen::AlignedBox3d& box) {
+  if (box.isEmpty()) return nullptr;
+  return {{box.min().x(), box.min().y(), box.min().z()}, {box.max().x(), box.max().y(), box.max().z()}};
+}
+
 json page_json(PageArrays& arrays, const ReportPage& page) {
   const std::size_t links = link_count(page);
   require_links(page.robot_home, links, "robot_home");
@@ -307,6 +312,8 @@ json page_json(PageArrays& arrays, const ReportPage& page) {
           {"figures", figures_json(page.figures)},
           {"opens", page.opens},
           {"isoAzimuth", page.iso_azimuth_deg},
+          {"firstLook", box_json(page.first_look)},
+          {"occupiedBeyond", page.occupied_beyond},
           {"resolution", page.resolution},
           {"origin", kOriginVoxel},
           {"stateLabels", figures_json(page.state_labels)},

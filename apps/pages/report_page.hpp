@@ -111,9 +111,11 @@ struct PagePicture {
 struct ReportPage {
   std::string title, subtitle;
   std::vector<PageFigure> figures;
-  std::string opens{};            ///< what it shows where its address asks nothing: "cut=z:0.5"
-  double iso_azimuth_deg = 35.0;  ///< where the eye of the first view stands: 0 at -y, 90 at +x
-  double resolution = 0.0;        ///< of the map, metres; > 0 when there are voxels
+  std::string opens{};               ///< what it shows where its address asks nothing: "cut=z:0.5"
+  double iso_azimuth_deg = 35.0;     ///< where the eye of the first view stands: 0 at -y, 90 at +x
+  Eigen::AlignedBox3d first_look{};  ///< what it shows of a map alone, metres; empty: all that is occupied
+  std::size_t occupied_beyond = 0;   ///< voxels outside of that
+  double resolution = 0.0;           ///< of the map, metres; > 0 when there are voxels
   std::vector<std::pair<std::string, std::string>> state_labels{};  ///< (state, what it is called) if not so
   std::vector<PageVoxels> voxels;  ///< at most one per state, all with `size` equal to the resolution
   std::vector<PageSphere> spheres;

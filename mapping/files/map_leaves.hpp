@@ -44,6 +44,12 @@ class MapLeaves {
   const std::vector<PaintedVolume>& volumes() const { return about_.volumes(); }
   VoxelCounts counts() const { return counts_; }
   Eigen::AlignedBox3d bounds() const;  ///< of all stored leaves' cubes; empty for an empty map
+  /// Where to look first: `bounds` without a few far returns of a sensor, which else leave a map a dot in its
+  /// picture. All that is painted or in conflict is inside. Of what is occupied at most 0.2 % is left out at
+  /// each end of an axis, of what is seen free where slabs of 16 voxels hold less than 1 % of the fullest
+  /// one's; both only if they lie farther away than the rest is long, and an axis is cut only if it is three
+  /// times as long. Goes through the map at the first call; not to be called by several threads at once.
+  Eigen::AlignedBox3d main_bounds() const;
   std::size_t tree_bytes() const { return tree_bytes_; }  ///< of memory, of the map as a tree
   const std::string& sha256() const { return sha256_; }   ///< of the file; empty for a map in memory
   /// All that is known of the map beside its voxels, for the functions that report it; where its leaves come
@@ -58,12 +64,14 @@ class MapLeaves {
   using Visit = std::function<void(const MapLeaf&)>;
   MapLeaves(Snapshot about, std::function<void(const Visit&)> walk);
   void survey();
+  Eigen::AlignedBox3d metres(const Eigen::AlignedBox3i& cells) const;
 
   Snapshot about_;
   std::function<void(const Visit&)> walk_;  ///< through all stored leaves
   VoxelCounts counts_;
   Eigen::AlignedBox3i cells_;
-  unsigned painted_ = 0;  ///< masks of all voxels, united
+  mutable std::optional<Eigen::AlignedBox3i> main_cells_;  ///< once it was asked for
+  unsigned painted_ = 0;                                   ///< masks of all voxels, united
   std::size_t leaves_ = 0, tree_bytes_ = 0;
   std::string sha256_;
 };

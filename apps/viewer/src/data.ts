@@ -87,6 +87,8 @@ export interface Page {
   resolution: number; origin: number;
   opens: string;       // what is asked for where the address says nothing of it, as after '#'
   isoAzimuth: number;  // degrees
+  firstLook: [number[], number[]] | null;  // corners of the map's main part, m, where some lies far outside
+  occupiedBeyond: number;                  // voxels outside of that
   stateLabels: [StateName, string][];  // of states that mean something else than usual
   voxels: VoxelSet[]; balls: Place; volumes: string[];
   evidence: Evidence; timeline: Timeline | null;

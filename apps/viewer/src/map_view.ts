@@ -6,7 +6,7 @@ import type { Arrays, Page, Place, Plan } from "./data";
 import { byId, el, grouped, millimetres } from "./dom";
 import { EvidenceGrid } from "./evidence";
 import { unpackFaces, type Faces } from "./faces";
-import { ballLayer, labelOf, Slice, unpackAll, voxelLayer, type Layer } from "./map_layers";
+import { ballLayer, facesBounds, labelOf, Slice, unpackAll, voxelLayer, type Layer } from "./map_layers";
 import { openingCuts } from "./opening_cuts";
 import type { Options } from "./options";
 import { palette } from "./palette";
@@ -113,8 +113,8 @@ export class MapView {
 
   private addMap(faces: ReturnType<typeof unpackAll>): void {
     const occupied = faces.find((f) => f.state === "occupied");
-    const z = (cell: number) => (cell - this.page.origin) * this.page.resolution;
-    const heights: [number, number] = occupied ? [z(occupied.low[2]), z(occupied.high[2])] : [0, 1];
+    const box = occupied ? this.nearBy(facesBounds(occupied, this.page)) : null;
+    const heights: [number, number] = box ? [box.min.z, box.max.z] : [0, 1];
     for (const state of ["painted", "occupied", "conflict", "seen_free"]) {
       const set = faces.find((f) => f.state === state);
       if (!set) continue;
@@ -174,7 +174,7 @@ export class MapView {
     }
     if (this.page.robot.length > 0) addPoints(this.page.home, 7);
     if (this.page.plans.length === 0) this.workBox.union(new Box3().setFromObject(this.robot.robot));
-    if (this.workBox.isEmpty()) this.workBox.copy(this.row("occupied")?.layer?.bounds ?? this.wholeBox);
+    if (this.workBox.isEmpty()) this.workBox.copy(this.nearBy(this.row("occupied")?.layer?.bounds ?? this.wholeBox));
     else {
       const ground = this.workBox.min.z;
       this.workBox.expandByScalar(0.06 * this.workBox.getSize(new Vector3()).length());
@@ -231,13 +231,23 @@ export class MapView {
     const grid = this.stage.gridStep > 0 ? `grid ${Number(this.stage.gridStep.toPrecision(2))} m` : "";
     const all = el("button", { type: "button", class: "small", title: "This browser draws slowly: larger cubes are shown" }, "draw all");
     all.addEventListener("click", () => this.stage.drawAll());
-    byId("scale").replaceChildren(...(coarse ? ["drawn coarser ", all, " · "] : []), grid);
+    const far = this.page.occupiedBeyond;
+    const beyond = far > 0 ? [`${grouped(far)} occupied ${far === 1 ? "voxel" : "voxels"} far outside · `] : [];
+    byId("scale").replaceChildren(...(coarse ? ["drawn coarser ", all, " · "] : []), ...beyond, grid);
   }
 
-  /// Of all voxels, m.
+  /// Of the voxels in the map's main part, m.
   private heights(): [number, number] {
-    const box = this.rows.reduce((sum, row) => row.layer && row.name !== "balls" ? sum.union(row.layer.bounds) : sum, new Box3());
+    const box = this.nearBy(this.rows.reduce((sum, row) => row.layer && row.name !== "balls" ? sum.union(row.layer.bounds) : sum, new Box3()));
     return [box.min.z, box.max.z];
+  }
+
+  /// What of a box is not far outside of the map's main part.
+  private nearBy(box: Box3): Box3 {
+    if (!this.page.firstLook) return box;
+    const [low, high] = this.page.firstLook.map((corner) => new Vector3(...(corner as [number, number, number])));
+    const near = box.clone().intersect(new Box3(low, high));
+    return near.isEmpty() ? box : near;
   }
 
   /// The menus of colours, under the layers.

@@ -18,7 +18,7 @@ export class VoxelColors {
   private readonly menu = el("select", { id: "voxel-color", "aria-label": "Colour voxels by" });
   private readonly legend = el("div", { class: "legend" });
 
-  /// @param heights of all voxels, m @param changed is called when the colours are others
+  /// @param heights between which colours change, m @param changed is called when the colours are others
   constructor(private readonly page: Page, private readonly grid: EvidenceGrid, private readonly heights: [number, number],
               first: string, changed: () => void) {
     const modes: [ColorMode, string][] = [["state", "state"], ["height", "height"]];

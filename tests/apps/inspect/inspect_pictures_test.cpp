@@ -158,5 +158,39 @@ TEST_F(InspectPictures, RefuseWhatDoesNotGoTogether) {
   }
 }
 
+TEST_F(InspectPictures, AFarReturnIsLeftOutAndToldOfUnlessTheWholeOrABoxIsAskedFor) {
+  ASSERT_EQ(run_command({"inspect", path("a"), "--occupy", "box:0,0,0,4,4,0.5", "--occupy",
+                         "sphere:40.025,0.025,0.125,0.001", "--save", path("far")})
+                .status,
+            exit_done);
+  const auto inspect = [&](std::vector<std::string> flags) {
+    flags.insert(flags.begin(), {"inspect", path("far"), "--term", "z=0.125", "--slice", "z=0.125",
+                                 path("far.png"), "--view", path("far.html")});
+    return run_command(flags);
+  };
+  const auto first_look = [&] { return PageReader(bytes("far.html")).page.at("firstLook"); };
+  const std::string told = "1 voxel (1 occupied) lies outside; --whole shows it";
+  const CommandRun part = inspect({});
+  EXPECT_NE(part.out.find(told), std::string::npos) << part.out;
+  EXPECT_NE(part.log.find("far.png: " + told), std::string::npos) << part.log;
+  ASSERT_FALSE(first_look().is_null());
+  EXPECT_LT(first_look()[1][0].get<double>(), 5.0);
+  EXPECT_EQ(PageReader(bytes("far.html")).page.at("occupiedBeyond"), 1);
+  for (const std::vector<std::string>& flags :
+       {std::vector<std::string>{"--whole"},
+        std::vector<std::string>{"--crop=-9,-9,-9,50,9,9", "--save", path("cropped")}}) {
+    const CommandRun whole = inspect(flags);
+    EXPECT_EQ(whole.status, exit_done) << whole.log;
+    EXPECT_EQ((whole.out + whole.log).find("outside"), std::string::npos) << whole.out;
+    EXPECT_TRUE(first_look().is_null());
+  }
+  EXPECT_EQ(
+      run_command({"inspect", path("a"), "--diff", path("far"), "--term", "z=0.125"}).out.find("outside"),
+      std::string::npos);
+  const CommandRun refused = run_command({"inspect", path("far"), "--whole"});
+  EXPECT_EQ(refused.status, exit_bad_input);
+  EXPECT_NE(refused.log.find("--whole: expected --slice, --term or --view beside it"), std::string::npos);
+}
+
 }  // namespace inspect_pictures_test
 }  // namespace clearway

@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include "mapping/free_space_map.hpp"
+#include "mapping/maps/hand_edit.hpp"
 #include "tests/worlds/random_map.hpp"
 
 namespace clearway {
@@ -85,6 +87,63 @@ TEST(SliceStates, NothingUnknownLooksFreeBesideFreeVoxelsThatTouchItsPixel) {
                     difference = slice_pixels(map, plane, scale, 1.0, true);
   EXPECT_LE(std::count(pixels.states.begin(), pixels.states.end(), VoxelState::painted), 2);  // at the ends
   EXPECT_GT(std::count(difference.states.begin(), difference.states.end(), VoxelState::painted), 200);
+}
+
+/// A room of 64 voxels with a floor and a ceiling, free but for its walls, and a far return with its ray,
+/// four voxels thick.
+Snapshot room_with_far_return() {
+  const auto box = [](const Eigen::Vector3i& low, const Eigen::Vector3i& high) {
+    std::vector<Eigen::Vector3d> points;
+    for (int x = low.x(); x < high.x(); ++x)
+      for (int y = low.y(); y < high.y(); ++y)
+        for (int z = low.z(); z < high.z(); ++z)
+          points.emplace_back(0.1 * Eigen::Vector3d(x + 0.5, y + 0.5, z + 0.5));
+    return points;
+  };
+  HandEditTally tally;
+  Snapshot map = FreeSpaceMap({.resolution = 0.1}).snapshot();
+  for (const int z : {0, 32}) map = with_occupied_voxels(map, box({-32, -32, z}, {32, 32, z + 1}), tally);
+  map = with_cleared_voxels(map, box({-32, -32, 1}, {32, 32, 32}), tally);
+  map = with_cleared_voxels(map, box({32, 0, 4}, {600, 4, 8}), tally);
+  return with_occupied_voxels(map, box({600, 1, 5}, {601, 3, 6}), tally);
+}
+
+TEST(SliceStates, AFarReturnIsCountedOutsideUnlessTheWholeIsAskedFor) {
+  const MapLeaves map(room_with_far_return());
+  const SlicePlane part{2, 0.55}, whole{2, 0.55, true};
+  const SlicePixels pixels = slice_pixels(map, part, 1.0, 1.0), all = slice_pixels(map, whole, 1.0, 1.0);
+  ASSERT_EQ(pixels.width, 70);  // six more than the room, a tenth of it
+  EXPECT_EQ(pixels.counts[1], 0U);
+  EXPECT_EQ(pixels.counts[3], 64U * 64U + 4U * 6U);
+  EXPECT_EQ(pixels.beyond[1], 2U);
+  EXPECT_EQ(pixels.beyond[3], 4U * 562U);
+  EXPECT_EQ(beyond_text(pixels),
+            "2,250 voxels (2 occupied, 2,248 seen free) lie outside; --whole shows them");
+  EXPECT_EQ(std::accumulate(pixels.counts.begin(), pixels.counts.end(), std::size_t{0}),
+            pixels.states.size());
+  EXPECT_EQ(all.width, 633);
+  EXPECT_EQ(all.counts[1], 2U);
+  EXPECT_EQ(std::count(all.states.begin(), all.states.end(), VoxelState::occupied), 2);
+  EXPECT_EQ(beyond_text(all), "");
+}
+
+TEST(SliceStates, NothingUnknownLooksFreeAtTheEdgeOfAPictureThatCutsAFreeLeaf) {
+  const Snapshot snapshot = room_with_far_return();
+  const MapLeaves map(snapshot);
+  const SlicePlane plane{2, 0.55};
+  const SliceFrame frame = slice_frame(map, plane);
+  for (const double scale : {0.3, 0.28, 0.9}) {
+    const SlicePixels pixels = slice_pixels(map, plane, scale, scale);
+    for (int row = 0; row < frame.rows; ++row)
+      for (int column = 0; column < frame.columns; ++column) {
+        if (snapshot.state(center(map, frame, plane, column, row)) != VoxelState::unknown) continue;
+        const int x = static_cast<int>((column + 0.5) * scale), y = static_cast<int>((row + 0.5) * scale);
+        if (x < pixels.width && y < pixels.height) {
+          EXPECT_EQ(pixels.at(x, pixels.height - 1 - y), VoxelState::unknown)
+              << scale << ' ' << column << ' ' << row;
+        }
+      }
+  }
 }
 
 TEST(SliceStates, OfPlanesBesideTheMapAreRefusedWithItsRange) {

@@ -11,6 +11,7 @@
 #include "mapping/files/map_digest.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/files/octree_file.hpp"
+#include "mapping/maps/hand_edit.hpp"
 #include "mapping/stamps/seen_stamps.hpp"
 #include "mapping/system/child_process.hpp"
 #include "mapping/voxels/fused_tree.hpp"
@@ -226,6 +227,83 @@ TEST(MapLeaves, OfAFileTakeNoMemoryThatGrowsWithIt) {
     return std::to_string(counts.occupied + counts.seen_free);
   };
   EXPECT_EQ(result(count, std::size_t{4} << 20U), "1000000");
+}
+
+constexpr double cell = 0.1;  ///< m
+
+/// Voxels of a box of cells, low to high - 1.
+std::vector<Eigen::Vector3d> box(const Eigen::Vector3i& low, const Eigen::Vector3i& high) {
+  std::vector<Eigen::Vector3d> points;
+  for (int x = low.x(); x < high.x(); ++x)
+    for (int y = low.y(); y < high.y(); ++y)
+      for (int z = low.z(); z < high.z(); ++z)
+        points.emplace_back(cell * Eigen::Vector3d(x + 0.5, y + 0.5, z + 0.5));
+  return points;
+}
+
+Snapshot occupied_at(const Snapshot& map, const std::vector<Eigen::Vector3d>& points) {
+  HandEditTally tally;
+  return with_occupied_voxels(map, points, tally);
+}
+
+Snapshot free_at(const Snapshot& map, const std::vector<Eigen::Vector3d>& points) {
+  HandEditTally tally;
+  return with_cleared_voxels(map, points, tally);
+}
+
+/// A floor of 4 m and a ceiling.
+Snapshot room() {
+  const Snapshot floor =
+      occupied_at(FreeSpaceMap({.resolution = cell}).snapshot(), box({-20, -20, 0}, {20, 20, 1}));
+  return occupied_at(floor, box({-20, -20, 25}, {20, 20, 26}));
+}
+
+TEST(MapLeaves, AFewFarReturnsAreNoPartOfTheMainBounds) {
+  const MapLeaves plain(room()), far(occupied_at(room(), box({600, 0, 0}, {601, 1, 3}))),
+      near(occupied_at(room(), box({50, 0, 0}, {51, 1, 3}))),
+      many(occupied_at(room(), box({600, 0, 0}, {602, 10, 10})));
+  EXPECT_TRUE(plain.main_bounds().isApprox(plain.bounds()));
+  EXPECT_TRUE(near.main_bounds().isApprox(near.bounds())) << "no farther from the rest than that is long";
+  EXPECT_TRUE(many.main_bounds().isApprox(many.bounds())) << "one voxel in 17 is not few";
+  const Eigen::AlignedBox3d main = far.main_bounds();
+  EXPECT_GT(far.bounds().max().x(), 60.0);
+  EXPECT_TRUE(main.contains(plain.bounds()));
+  EXPECT_LT(main.max().x(), 5.0);
+  EXPECT_EQ(main.min(), far.bounds().min());
+  EXPECT_TRUE(MapLeaves(FreeSpaceMap({.resolution = cell}).snapshot()).main_bounds().isEmpty());
+}
+
+TEST(MapLeaves, TheFewFreeVoxelsOnTheWayToAFarReturnAreNoPartOfTheMainBounds) {
+  const Snapshot seen = free_at(room(), box({-60, -20, 1}, {20, 20, 25}));
+  const MapLeaves near(seen),
+      far(free_at(occupied_at(seen, box({600, 0, 5}, {601, 1, 6})), box({20, 0, 5}, {600, 1, 6})));
+  EXPECT_TRUE(near.main_bounds().isApprox(near.bounds()));
+  EXPECT_LT(far.main_bounds().max().x(), 5.0);
+  EXPECT_TRUE(far.main_bounds().contains(near.bounds()));
+  const MapLeaves only_free(
+      free_at(free_at(FreeSpaceMap({.resolution = cell}).snapshot(), box({-20, -20, 1}, {20, 20, 25})),
+              box({20, 0, 5}, {600, 1, 6})));
+  EXPECT_LT(only_free.main_bounds().max().x(), 5.0);
+}
+
+TEST(MapLeaves, WhatIsPaintedOrInConflictIsPartOfTheMainBoundsHoweverFarAway) {
+  FreeSpaceMap map({.resolution = cell});
+  map.paint(map.add_volume("niche", {}), {Eigen::Vector3d(60.05, 0.05, 0.05), 0.25}, 0.0);
+  const Snapshot with_room = occupied_at(occupied_at(map.snapshot(), box({-20, -20, 0}, {20, 20, 1})),
+                                         box({-20, -20, 25}, {20, 20, 26}));
+  const MapLeaves painted(with_room), conflict(occupied_at(with_room, box({600, 0, 0}, {601, 1, 1})));
+  EXPECT_EQ(conflict.counts().conflict, 1U);
+  EXPECT_TRUE(painted.main_bounds().isApprox(painted.bounds()));
+  EXPECT_TRUE(conflict.main_bounds().isApprox(conflict.bounds()));
+}
+
+TEST(MapLeaves, WhatStandsOrHangsOverALargeFloorIsPartOfTheMainBounds) {
+  const Snapshot floor =
+      occupied_at(FreeSpaceMap({.resolution = cell}).snapshot(), box({-150, -150, 0}, {150, 150, 1}));
+  for (const auto& [low, high] : {std::pair(1, 120), std::pair(118, 120)}) {
+    const MapLeaves leaves(occupied_at(floor, box({0, 0, low}, {1, 1, high})));
+    EXPECT_EQ(leaves.main_bounds().max().z(), leaves.bounds().max().z());
+  }
 }
 
 }  // namespace map_leaves_test
