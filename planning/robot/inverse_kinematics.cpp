@@ -5,6 +5,7 @@
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "mapping/system/random_unit.hpp"
 #include "planning/robot/kinematics.hpp"
@@ -79,52 +80,79 @@ Eigen::VectorXd damping_of_joints(const Robot& robot, double size) {
   return damping;
 }
 
+/// Where a configuration brings the tip, and what of the pose's error counts there.
+struct Reached {
+  LinkPoses poses;
+  Eigen::Isometry3d tip;
+  Eigen::Matrix<double, 6, 1> error;
+  FreedRows freed;
+};
+
+void reach(const Robot& robot, const Eigen::Isometry3d& wanted, const IkOptions& options,
+           const Configuration& q, Reached& reached) {
+  forward_kinematics(robot, q, reached.poses);
+  reached.tip = reached.poses[static_cast<std::size_t>(robot.tip_link)] * robot.link_from_tip;
+  reached.error = pose_error(wanted, reached.tip);
+  if (options.leaves_freedom()) reached.freed = leave_free(options, wanted, reached.tip, reached.error);
+}
+
+using Weights = Eigen::Matrix<double, 6, 1>;
+
+/// The weighted error's normal equations.
+struct NormalEquations {
+  Eigen::MatrixXd matrix;
+  Eigen::VectorXd pull;
+};
+
+NormalEquations equations_at(const Robot& robot, const IkOptions& options, const Weights& weights,
+                             const Reached& at) {
+  const Eigen::Index rows = options.position_only ? 3 : 6;
+  Eigen::MatrixXd j = weights.head(rows).asDiagonal() *
+                      jacobian(robot, at.poses, robot.tip_link, at.tip.translation()).topRows(rows);
+  if (options.leaves_freedom()) {
+    j.topRows<3>() = (at.freed.translation * j.topRows<3>()).eval();
+    if (!options.position_only) j.bottomRows<3>() = (at.freed.rotation * j.bottomRows<3>()).eval();
+  }
+  return {j.transpose() * j, j.transpose() * at.error.cwiseProduct(weights).head(rows)};
+}
+
 /// Levenberg-Marquardt on the pose error, orientation weighted by the robot's size, steps clamped into the
 /// limits; a step that does not help is tried again with more damping.
 bool descend(const Robot& robot, const Eigen::Isometry3d& wanted, const IkOptions& options, double size,
              Configuration& q) {
   const Eigen::Index rows = options.position_only ? 3 : 6;
-  Eigen::Matrix<double, 6, 1> weights;
+  Weights weights;
   weights << 1.0, 1.0, 1.0, size, size, size;
-  LinkPoses poses = forward_kinematics(robot, q);
-  const auto tip = [&] { return poses[static_cast<std::size_t>(robot.tip_link)] * robot.link_from_tip; };
-  Eigen::Matrix<double, 6, 1> error;
-  FreedRows freed;
-  const auto look = [&] {
-    error = pose_error(wanted, tip());
-    if (options.leaves_freedom()) freed = leave_free(options, wanted, tip(), error);
-  };
-  look();
+  Reached here, there;
+  reach(robot, wanted, options, q, here);
   const Eigen::VectorXd damped = damping_of_joints(robot, size);
-  const auto cost = [&] { return error.cwiseProduct(weights).head(rows).squaredNorm(); };
-  double damping = 1e-3, last = cost();
+  const auto cost = [&](const Reached& at) {
+    return at.error.cwiseProduct(weights).head(rows).squaredNorm();
+  };
+  double damping = 1e-3, last = cost(here);
+  NormalEquations equations;
+  bool has_moved = true;  // since they were made
   for (int i = 0; i < options.max_iterations; ++i) {
-    const bool there = error.head<3>().norm() <= options.position_tolerance;
-    if (there && (options.position_only || error.tail<3>().norm() <= options.orientation_tolerance))
+    const bool is_near = here.error.head<3>().norm() <= options.position_tolerance;
+    if (is_near && (options.position_only || here.error.tail<3>().norm() <= options.orientation_tolerance))
       return true;
-    Eigen::MatrixXd j = weights.head(rows).asDiagonal() *
-                        jacobian(robot, poses, robot.tip_link, tip().translation()).topRows(rows);
-    if (options.leaves_freedom()) {
-      j.topRows<3>() = (freed.translation * j.topRows<3>()).eval();
-      if (!options.position_only) j.bottomRows<3>() = (freed.rotation * j.bottomRows<3>()).eval();
-    }
-    Eigen::MatrixXd normal = j.transpose() * j;
-    normal.diagonal() += damping * damped;
-    const Configuration old = q;
-    q += normal.ldlt().solve(j.transpose() * error.cwiseProduct(weights).head(rows));
-    clamp_to_limits(robot, q);
-    forward_kinematics(robot, q, poses);
-    look();
-    if (const double now = cost(); now < last) {
+    if (has_moved) equations = equations_at(robot, options, weights, here);
+    Eigen::MatrixXd matrix = equations.matrix;
+    matrix.diagonal() += damping * damped;
+    Configuration next = q + matrix.ldlt().solve(equations.pull);
+    clamp_to_limits(robot, next);
+    reach(robot, wanted, options, next, there);
+    const double now = cost(there);
+    has_moved = now < last;
+    if (has_moved) {
+      q = next;
+      std::swap(here, there);
       last = now;
       damping = std::max(damping / 5.0, 1e-12);
-      continue;
+    } else {
+      damping *= 4.0;
+      if (damping > 1e6) break;
     }
-    q = old;
-    forward_kinematics(robot, q, poses);
-    look();
-    damping *= 4.0;
-    if (damping > 1e6) break;
   }
   return false;
 }
