@@ -23,12 +23,16 @@ std::optional<NormalEquations> linearise(const Camera& camera, const std::vector
     if (!pixel) return std::nullopt;
     Eigen::Matrix<double, 2, 6> by_motion;
     by_motion.leftCols<3>() = pixel_by_point * camera_from_body.linear();
-    by_motion.rightCols<3>() = -by_motion.leftCols<3>() * cross_matrix(corner.in_body);
+    for (int i = 0; i < 2; ++i) by_motion.row(i).tail<3>() = corner.in_body.cross(by_motion.row(i).head<3>());
     const Eigen::Vector2d error = *pixel - corner.pixel;
     sum.squared_error += error.squaredNorm();
-    sum.information += by_motion.transpose() * by_motion;
-    sum.gradient += by_motion.transpose() * error;
+    for (int i = 0; i < 6; ++i) {  // the symmetric half; Eigen's product takes several times as long
+      for (int k = 0; k <= i; ++k)
+        sum.information(i, k) += by_motion(0, i) * by_motion(0, k) + by_motion(1, i) * by_motion(1, k);
+      sum.gradient[i] += by_motion(0, i) * error[0] + by_motion(1, i) * error[1];
+    }
   }
+  sum.information.triangularView<Eigen::StrictlyUpper>() = sum.information.transpose();
   return sum;
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <utility>
 
 #include "tracking/calibration/bundle_problem.hpp"
 #include "tracking/tag_pose.hpp"
@@ -53,6 +55,32 @@ void note_residuals(const BundleProblem& problem, const BundleState& state, cons
   }
   fit.rms_px = std::sqrt(squares / std::max(1, corners));
   fit.freedom = std::max(1, 2 * corners + problem.priors() - problem.unknowns());
+}
+
+/// See adjust. Starts at `begin`, where there is one, and leaves there what it reached.
+BundleFit adjust_from(std::optional<BundleState>& begin, Bundle& bundle, const BundlePriors& priors,
+                      double noise_px, double edge_bias) {
+  BundleFit fit;
+  const BundleProblem problem(bundle, priors, noise_px, edge_bias);
+  BundleState state = begin ? *begin : problem.start();
+  fit.is_converged = descend(problem, state);
+  const auto equations = problem.equations(state);
+  if (!equations) return {};
+  fit.covariance = problem.covariance(*equations);
+  fit.is_converged = fit.is_converged && fit.covariance.size() > 0 && fit.covariance.allFinite();
+  fit.chi_square = problem.cost(state);
+  fit.noise_px = noise_px;
+  note_residuals(problem, state, bundle, fit);
+  std::map<int, MountedTag> tags;
+  for (const auto& [id, tag] : bundle.board.tags) tags[id] = problem.mounted_of(state, id);
+  fit.focal_steps = BundleProblem::focal_steps(*equations);
+  if (fit.is_converged) fit.by_own_focal = BundleProblem::by_own_focal(*equations, fit.covariance);
+  bundle.camera = state.camera;
+  bundle.bend = state.bend;
+  bundle.board.tags = tags;
+  for (std::size_t v = 0; v < bundle.views.size(); ++v) bundle.views[v].camera_from_board = state.poses[v];
+  begin = std::move(state);
+  return fit;
 }
 
 }  // namespace
@@ -148,26 +176,8 @@ std::array<double, kSharedUnknowns> camera_priors(const Camera& camera) {
 }
 
 BundleFit adjust(Bundle& bundle, const BundlePriors& priors, double noise_px, double edge_bias) {
-  BundleFit fit;
-  const BundleProblem problem(bundle, priors, noise_px, edge_bias);
-  BundleState state = problem.start();
-  fit.is_converged = descend(problem, state);
-  const auto equations = problem.equations(state);
-  if (!equations) return {};
-  fit.covariance = problem.covariance(*equations);
-  fit.is_converged = fit.is_converged && fit.covariance.size() > 0 && fit.covariance.allFinite();
-  fit.chi_square = problem.cost(state);
-  fit.noise_px = noise_px;
-  note_residuals(problem, state, bundle, fit);
-  std::map<int, MountedTag> tags;
-  for (const auto& [id, tag] : bundle.board.tags) tags[id] = problem.mounted_of(state, id);
-  fit.focal_steps = BundleProblem::focal_steps(*equations);
-  if (fit.is_converged) fit.by_own_focal = BundleProblem::by_own_focal(*equations, fit.covariance);
-  bundle.camera = state.camera;
-  bundle.bend = state.bend;
-  bundle.board.tags = tags;
-  for (std::size_t v = 0; v < bundle.views.size(); ++v) bundle.views[v].camera_from_board = state.poses[v];
-  return fit;
+  std::optional<BundleState> from_given;
+  return adjust_from(from_given, bundle, priors, noise_px, edge_bias);
 }
 
 BundleFit adjust_with_noise(Bundle& bundle, const BundlePriors& priors, double edge_bias) {
@@ -175,10 +185,11 @@ BundleFit adjust_with_noise(Bundle& bundle, const BundlePriors& priors, double e
   double noise = 0.3;
   const Bundle given = bundle;
   BundleFit fit;
+  std::optional<BundleState> reached;  // by the round before: the next one has little way to go
   for (int round = 0; round < 6; ++round) {
     // The priors hold about what was given, not about what an earlier round has found.
     Bundle again = given;
-    fit = adjust(again, priors, noise, edge_bias);
+    fit = adjust_from(reached, again, priors, noise, edge_bias);
     bundle = again;
     if (!fit.is_converged) return fit;
     const double factor = std::sqrt(fit.chi_square / fit.freedom);
