@@ -1,6 +1,7 @@
 #include "mapping/scans/surface_gaps.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -74,13 +75,31 @@ void SurfaceGaps::add(std::span<const Eigen::Vector3f> ways, bool are_hits, floa
 void SurfaceGaps::draw() {
   const int first = seen_.min().x() / pixel_;
   width_ = seen_.max().x() / pixel_ - first + 1;
-  image_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(seen_.sizes().y() + 1), none);
+  height_ = seen_.sizes().y() + 1;
+  words_ = (static_cast<std::size_t>(width_) + 63) / 64;
+  drawn_.assign(words_ * static_cast<std::size_t>(height_), 0);
+  image_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
   for (std::size_t i = 0; i < rays_.size(); ++i) {
     const Ray& ray = rays_[i];
-    const int column = ray.column / pixel_ - first;
-    int& pixel = image_[static_cast<std::size_t>((ray.row - seen_.min().y()) * width_ + column)];
-    if (pixel == none) pixel = static_cast<int>(i);
+    const auto row = static_cast<std::size_t>(ray.row - seen_.min().y()),
+               column = static_cast<std::size_t>(ray.column / pixel_ - first);
+    std::uint64_t& word = drawn_[row * words_ + column / 64];
+    const std::uint64_t bit = std::uint64_t{1} << column % 64;
+    if ((word & bit) != 0) continue;
+    word |= bit;
+    image_[row * static_cast<std::size_t>(width_) + column] = static_cast<int>(i);
   }
+}
+
+/// Calls `visit(column, ray)` for each pixel of a row that a ray is drawn in: of two million they are few.
+template <typename Visit>
+void SurfaceGaps::visit_row(int row, const Visit& visit) const {
+  const auto at = static_cast<std::size_t>(row);
+  for (std::size_t word = 0; word < words_; ++word)
+    for (std::uint64_t left = drawn_[at * words_ + word]; left != 0; left &= left - 1) {
+      const std::size_t column = 64 * word + static_cast<std::size_t>(std::countr_zero(left));
+      visit(static_cast<int>(column), image_[at * static_cast<std::size_t>(width_) + column]);
+    }
 }
 
 /// Pixels from one with a hit to the next in its row (along) or its column: half of these steps are no
@@ -88,17 +107,15 @@ void SurfaceGaps::draw() {
 int SurfaceGaps::usual_step(bool along) const {
   std::array<std::size_t, widest_step + 1> counts{};
   std::size_t all = 0;
-  const int height = static_cast<int>(image_.size()) / width_;
-  std::vector<int> last(static_cast<std::size_t>(along ? height : width_), none);
-  for (int row = 0; row < height; ++row) {
-    for (int column = 0; column < width_; ++column) {
-      const int ray = image_[static_cast<std::size_t>(row * width_ + column)];
-      if (ray == none || !rays_[static_cast<std::size_t>(ray)].is_hit) continue;
+  std::vector<int> last(static_cast<std::size_t>(along ? height_ : width_), none);
+  for (int row = 0; row < height_; ++row) {
+    visit_row(row, [&](int column, int ray) {
+      if (!rays_[static_cast<std::size_t>(ray)].is_hit) return;
       const int at = along ? column : row;
       int& before = last[static_cast<std::size_t>(along ? row : column)];
       const int step = at - std::exchange(before, at);
       if (step <= std::min(at, widest_step)) ++counts[static_cast<std::size_t>(step)], ++all;
-    }
+    });
   }
   std::size_t fewer = 0;
   for (int step = 1; step <= widest_step; ++step) {
@@ -163,11 +180,11 @@ void SurfaceGaps::go_on(const SurfaceGap& gap, const Eigen::Vector3d& end, const
 
 /// The rays of a row of the image that matter: a ray that hits nothing parts others only where it goes past
 /// them.
-void SurfaceGaps::gather_row(std::size_t begin) {
+void SurfaceGaps::gather_row(int row) {
   row_.clear();
-  for (std::size_t i = begin; i < begin + static_cast<std::size_t>(width_); ++i) {
-    if (image_[i] != none && (row_.empty() || parts(row_.back(), image_[i]))) row_.push_back(image_[i]);
-  }
+  visit_row(row, [&](int, int ray) {
+    if (row_.empty() || parts(row_.back(), ray)) row_.push_back(ray);
+  });
 }
 
 /// Whether `ray` counts behind `last`.
@@ -189,8 +206,8 @@ int SurfaceGaps::step_from(std::size_t i) const {
 
 /// @param most pixels between neighbours
 void SurfaceGaps::walk_rows(const GapSearch& search, int most) {
-  for (std::size_t begin = 0; begin < image_.size(); begin += static_cast<std::size_t>(width_)) {
-    gather_row(begin);
+  for (int row = 0; row < height_; ++row) {
+    gather_row(row);
     for (std::size_t i = 0; i < row_.size(); ++i) {
       const int step = step_from(i), next = row_[i + 1 < row_.size() ? i + 1 : 0];
       if (0 < step && step <= most && are_neighbours(row_[i], next)) add_gap(row_[i], next, search, 0.0, 0.0);
@@ -202,8 +219,8 @@ void SurfaceGaps::walk_rows(const GapSearch& search, int most) {
 void SurfaceGaps::walk_columns(const GapSearch& search, int along, int most) {
   columns_.assign(static_cast<std::size_t>(width_), {});
   const auto half = [&](int step) { return 0.5 * pixel_ * (0 < step && step <= along ? step : 1); };
-  for (std::size_t begin = 0; begin < image_.size(); begin += static_cast<std::size_t>(width_)) {
-    gather_row(begin);
+  for (int row = 0; row < height_; ++row) {
+    gather_row(row);
     for (std::size_t i = 0; i < row_.size(); ++i) {
       const int at = rays_[static_cast<std::size_t>(row_[i])].column / pixel_ - seen_.min().x() / pixel_;
       Column& column = columns_[static_cast<std::size_t>(at)];

@@ -62,7 +62,9 @@ class SurfaceGaps {
   void add(std::span<const Eigen::Vector3f> ways, bool are_hits, float apart);
   void draw();
   int usual_step(bool along) const;
-  void gather_row(std::size_t begin);
+  template <typename Visit>
+  void visit_row(int row, const Visit& visit) const;
+  void gather_row(int row);
   bool parts(int last, int ray) const;
   int step_from(std::size_t i) const;
   void walk_rows(const GapSearch& search, int most);
@@ -74,9 +76,12 @@ class SurfaceGaps {
 
   std::array<int, 3> axes_{};  ///< of the sensor: where azimuth 0 and a quarter turn point, and the pole
   std::vector<Ray> rays_;
-  Eigen::AlignedBox2i seen_;   ///< columns and rows of the image that rays fall in
-  int pixel_ = 1, width_ = 0;  ///< columns that are one in the image; columns of that
-  std::vector<int> image_;     ///< of that part: the first ray in each pixel
+  Eigen::AlignedBox2i seen_;          ///< columns and rows of the image that rays fall in
+  int pixel_ = 1;                     ///< columns that are one in the image
+  int width_ = 0, height_ = 0;        ///< of that part of the image
+  std::size_t words_ = 0;             ///< of a row of drawn_
+  std::vector<std::uint64_t> drawn_;  ///< a bit for each pixel that a ray falls in
+  std::vector<int> image_;            ///< the first ray in each of these
   std::vector<Column> columns_;
   std::vector<int> row_;  ///< the rays of a row
   std::vector<SurfaceGap> gaps_;
