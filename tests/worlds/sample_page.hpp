@@ -14,7 +14,10 @@ namespace clearway {
 /// solved plans (the second long and sagging below zero clearance) and one that failed.
 class SamplePage {
  public:
-  static ReportPage make() { return SamplePage().page_; }
+  static ReportPage make() {
+    static const ReportPage page = SamplePage().page_;  // it takes longer than a copy
+    return page;
+  }
 
   /// The same with a fourth plan that has time: 60 waypoints, 0.05 s apart but for the last, after 2.92 s.
   static ReportPage make_timed() {

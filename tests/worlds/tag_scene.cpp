@@ -35,11 +35,20 @@ std::array<std::array<int, 10>, 10> cells_of(int id) {
   return cells;
 }
 
-/// Grey of the print at a place of its plane (metres, x right, y up); -1 beyond the paper (12 cells wide).
-int grey_at(const std::array<std::array<int, 10>, 10>& cells, double size, double x, double y) {
-  const double column = x / size * 8.0 + 5.0, row = 5.0 - y / size * 8.0;
-  if (column < -1.0 || column >= 11.0 || row < -1.0 || row >= 11.0) return -1;
-  const int c = static_cast<int>(std::floor(column)), r = static_cast<int>(std::floor(row));
+/// The cell of the print at a place of its plane (metres, x right, y up): column and row.
+struct Cell {
+  int column, row;
+  bool operator==(const Cell&) const = default;
+};
+Cell cell_at(double size, const Eigen::Vector3d& at) {
+  const auto clamped = [](double x) { return static_cast<int>(std::floor(std::clamp(x, -2.0, 12.0))); };
+  return {clamped(at.x() / size * 8.0 + 5.0), clamped(5.0 - at.y() / size * 8.0)};
+}
+
+/// Its grey; -1 beyond the paper (12 cells wide).
+int grey_of(const std::array<std::array<int, 10>, 10>& cells, const Cell& cell) {
+  const auto [c, r] = cell;
+  if (c < -1 || c >= 11 || r < -1 || r >= 11) return -1;
   const bool is_on_print = c >= 0 && c < 10 && r >= 0 && r < 10;
   return !is_on_print || cells[r][c] ? 225 : 30;
 }
@@ -63,17 +72,32 @@ void draw(const Camera& camera, const PlacedTag& tag, int n, cv::Mat& grey) {
   const int stride = x1 - x0 + 2;
   const Eigen::Matrix3d r = tag.camera_from_tag.linear();
   const Eigen::Vector3d t = tag.camera_from_tag.translation();
+  const Eigen::RowVector3d inverse_depth = r.col(2).transpose() / r.col(2).dot(t);
+  const auto cell_of = [&](const cv::Point2d& at) {
+    const Eigen::Vector3d ray(at.x, at.y, 1.0);
+    return cell_at(tag.size, r.transpose() * (ray / inverse_depth.dot(ray) - t));
+  };
+  std::vector<Cell> met;  // by the rays, while the plane is before the camera
+  for (const cv::Point2d& ray : rays) {
+    const bool is_before = inverse_depth.dot(Eigen::RowVector3d(ray.x, ray.y, 1.0)) > 1e-3;
+    met.push_back(is_before ? cell_of(ray) : Cell{-9, static_cast<int>(met.size())});
+  }
   for (int y = y0; y <= y1; ++y)
     for (int x = x0; x <= x1; ++x) {
-      const cv::Point2d* corner = &rays[static_cast<std::size_t>((y - y0) * stride + x - x0)];
+      const std::size_t first = static_cast<std::size_t>((y - y0) * stride + x - x0);
+      const cv::Point2d* corner = &rays[first];
+      const Cell* cell = &met[first];
+      if (cell[0] == cell[1] && cell[0] == cell[stride] && cell[0] == cell[stride + 1]) {  // so all between
+        if (const int value = grey_of(cells, cell[0]); value >= 0)
+          grey.at<float>(y, x) = static_cast<float>(value);
+        continue;
+      }
       double sum = 0.0;
       for (int k = 0; k < n * n; ++k) {
         const double u = (k % n + 0.5) / n, v = (k / n + 0.5) / n;
         const cv::Point2d at = (1 - v) * ((1 - u) * corner[0] + u * corner[1]) +
                                v * ((1 - u) * corner[stride] + u * corner[stride + 1]);
-        const Eigen::Vector3d ray(at.x, at.y, 1.0);
-        const Eigen::Vector3d hit = r.transpose() * (ray * (r.col(2).dot(t) / r.col(2).dot(ray)) - t);
-        const int value = grey_at(cells, tag.size, hit.x(), hit.y());
+        const int value = grey_of(cells, cell_of(at));
         sum += value >= 0 ? value : grey.at<float>(y, x);
       }
       grey.at<float>(y, x) = static_cast<float>(sum / (n * n));

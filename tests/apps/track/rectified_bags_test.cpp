@@ -72,16 +72,25 @@ std::vector<std::uint8_t> grey_of(const cv::Mat& picture) {
   return {picture.data, picture.data + picture.total()};
 }
 
-/// The pictures of tags, each in a topic of its own, raw and rectified.
-void write_tags(const std::filesystem::path& file, const Rig& rig, const std::string& rectified_topic) {
-  CameraBag bag(file);
-  bag.info("/camera/camera_info", 9.9, "camera", rig.info());
+/// Of tags, as a rig's raw camera sees them and rectified.
+struct Pictures {
+  std::vector<std::uint8_t> raw, rectified;
+};
+Pictures pictures_of(const Rig& rig) {
   const std::vector<scene::PlacedTag> still = tags(rig.tag);
   std::vector<scene::PlacedTag> turned = still;
   for (scene::PlacedTag& tag : turned) tag.camera_from_tag = rig.turn * tag.camera_from_tag;
   const scene::Look look{.blur = 0.6, .noise = 1.0};
-  bag.image("/camera/image_raw", 10, "camera", "mono8", 640, grey_of(scene::render(rig.raw, still, look)));
-  bag.image(rectified_topic, 10, "camera", "mono8", 640, grey_of(scene::render(rig.rectified, turned, look)));
+  return {grey_of(scene::render(rig.raw, still, look)), grey_of(scene::render(rig.rectified, turned, look))};
+}
+
+/// The pictures, each in a topic of its own.
+void write_tags(const std::filesystem::path& file, const Rig& rig, const Pictures& pictures,
+                const std::string& rectified_topic) {
+  CameraBag bag(file);
+  bag.info("/camera/camera_info", 9.9, "camera", rig.info());
+  bag.image("/camera/image_raw", 10, "camera", "mono8", 640, pictures.raw);
+  bag.image(rectified_topic, 10, "camera", "mono8", 640, pictures.rectified);
   bag.write();
 }
 
@@ -129,9 +138,10 @@ std::string said_of(const Json& report) {
 TEST(RectifiedBags, TagsOfRawAndRectifiedImagesStandWhereTheyAre) {
   const TemporaryFolder folder;
   for (const Rig& rig : rigs()) {
+    const Pictures pictures = pictures_of(rig);
     for (const char* name : {"a.mcap", "a.bag"}) {
       SCOPED_TRACE(rig.info().model + " " + name);
-      write_tags(folder / name, rig, "/camera/image_rect_color");
+      write_tags(folder / name, rig, pictures, "/camera/image_rect_color");
       EXPECT_LT(farthest(tracked(rig, folder.file(name), "/camera/image_raw"), Eigen::Matrix3d::Identity()),
                 rig.tolerance);
       EXPECT_LT(farthest(tracked(rig, folder.file(name), "/camera/image_rect_color"), rig.turn),
@@ -146,7 +156,7 @@ TEST(RectifiedBags, TagsOfRawAndRectifiedImagesStandWhereTheyAre) {
 TEST(RectifiedBags, TheSetupOverrulesTheNameOfATopic) {
   const TemporaryFolder folder;
   const Rig rig = rigs()[0];
-  write_tags(folder / "a.mcap", rig, "/camera/undistorted");
+  write_tags(folder / "a.mcap", rig, pictures_of(rig), "/camera/undistorted");
   EXPECT_LT(
       farthest(tracked(rig, folder.file("a.mcap"), "/camera/undistorted", ", rectified: true"), rig.turn),
       1e-3);
@@ -156,7 +166,7 @@ TEST(RectifiedBags, TheSetupOverrulesTheNameOfATopic) {
 TEST(RectifiedBags, ReportsSayHowEachCameraWasTakenAndByWhat) {
   const TemporaryFolder folder;
   const Rig rig = rigs()[0];
-  write_tags(folder / "a.mcap", rig, "/image_rect");
+  write_tags(folder / "a.mcap", rig, pictures_of(rig), "/image_rect");
   const auto report = [&](const std::string& topics) {
     folder.write("s.yaml", boards(rig.tag) + "source: {bag: {images: " + topics + "}}\n");
     const CommandRun run = run_command({"track", folder.file("a.mcap"), "--setup", folder.file("s.yaml"),
@@ -257,15 +267,15 @@ TEST(RectifiedBags, RawAndRectifiedDepthGiveTheSameMap) {
   Eigen::Isometry3d map_from_frame(Eigen::Translation3d(at[0], at[1], at[2]));
   map_from_frame.rotate(Eigen::Quaterniond(turn[3], turn[0], turn[1], turn[2]));
   for (const Rig& rig : rigs()) {
+    const auto raw_depth = depth_of(rays_of(rig.raw), Eigen::Matrix3d::Identity());
+    const auto rectified_depth = depth_of(rays_of(rig.rectified), rig.turn.transpose());
     for (const char* name : {"d.mcap", "d.bag"}) {
       SCOPED_TRACE(rig.info().model + " " + name);
       CameraBag bag(folder / name);
       bag.place("camera", 9.8, at, turn);
       bag.info("/depth/camera_info", 9.9, "camera", rig.info());
-      bag.image("/depth/image_raw", 10, "camera", "16UC1", 640,
-                depth_of(rays_of(rig.raw), Eigen::Matrix3d::Identity()));
-      bag.image("/depth/image_rect", 10, "camera", "16UC1", 640,
-                depth_of(rays_of(rig.rectified), rig.turn.transpose()));
+      bag.image("/depth/image_raw", 10, "camera", "16UC1", 640, raw_depth);
+      bag.image("/depth/image_rect", 10, "camera", "16UC1", 640, rectified_depth);
       bag.write();
       Eigen::Isometry3d raw_from_frame = Eigen::Isometry3d::Identity();
       raw_from_frame.linear() = rig.turn.transpose();
