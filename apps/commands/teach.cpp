@@ -28,6 +28,7 @@
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/atomic_folder.hpp"
+#include "mapping/system/file_descriptor.hpp"
 #include "mapping/system/interruption.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -135,11 +136,14 @@ std::string done_again(const fs::path& session) {
   return "`clearway replay " + quote_path(session.string()) + " --out DIR` makes its map and plans";
 }
 
-/// What lies beside --out of a live session that was killed.
+/// What lies beside --out of a live session that was killed, or that goes on.
 void require_nothing_unfinished(const TeachCommand& command) {
   const fs::path session = AtomicFolder::partial_of(command.out) / "session";
   std::error_code error;
   if (!is_session_folder(session) || fs::is_empty(session / "events.jsonl", error)) return;
+  if (!lock(open_to_read(session.parent_path()), false))
+    throw std::invalid_argument("--out: another session is being taught into " +
+                                quote_path(session.parent_path().string()) + "; expected another folder");
   throw std::invalid_argument("--out: " + quote_path(session.parent_path().string()) +
                               " holds a session that was not finished; " + done_again(session) +
                               "; expected another folder, or that one moved or removed");

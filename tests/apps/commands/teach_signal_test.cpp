@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "mapping/files/map_file.hpp"
+#include "mapping/system/file_descriptor.hpp"
 #include "tests/apps/run_command.hpp"
 #include "tests/worlds/small_scene.hpp"
 
@@ -139,9 +140,18 @@ TEST_F(SignalledSession, LeavesWhatASecondSignalOrAKillFoundThereToBeDoneAgain) 
           folder_->file("taught.partial/session") + "' --out DIR` makes its map and plans\n";
       EXPECT_NE(log().find(sentence), std::string::npos) << log();
     }
-    const CommandRun refused =
-        run_command({"teach", "/dev/video99", "--setup", folder_->file("setup.yaml"), "--events",
-                     folder_->file("events.jsonl"), "--headless", "--out", folder_->file("taught")});
+    const auto begin_another = [&] {
+      return run_command({"teach", "/dev/video99", "--setup", folder_->file("setup.yaml"), "--events",
+                          folder_->file("events.jsonl"), "--headless", "--out", folder_->file("taught")});
+    };
+    {
+      const FileDescriptor held = open_to_read(*folder_ / "taught.partial");  // as by one that goes on
+      ASSERT_TRUE(lock(held, false));
+      const CommandRun refused = begin_another();
+      EXPECT_EQ(refused.status, exit_bad_input);
+      EXPECT_NE(refused.log.find("another session is being taught into"), std::string::npos) << refused.log;
+    }
+    const CommandRun refused = begin_another();
     EXPECT_EQ(refused.status, exit_bad_input);
     EXPECT_NE(refused.log.find("taught.partial' holds a session that was not finished"), std::string::npos)
         << refused.log;
