@@ -163,15 +163,18 @@ void plan_legs(const PlanQuery& query, const Planner& planner, const LegSpaces& 
     for (const Load& load : space.robot().loads)
       for (const int j : grip_joints(space.robot(), load)) to[j] = from[j];
     planner.prepare(space);
+    WorkMeter meter;
+    const ConfigurationSpace asked = query.splits_cpu ? space.metered(meter) : space;
     const double cpu_before = thread_cpu_seconds();
     const auto begin = Clock::now();
     const PathCost cost = path_cost(query, space.robot());
     const PlanProblem problem{
-        space,           cost, from, to, query.seed, [&] { return seconds_since(begin) > query.time_limit; },
+        asked,           cost, from, to, query.seed, [&] { return seconds_since(begin) > query.time_limit; },
         query.time_limit};
     plan.legs.push_back(held_to_task(planner, problem));
     const ProcessTime own{seconds_since(begin), thread_cpu_seconds() - cpu_before};
     const ProcessTime took = plan.legs.back().process_time.value_or(own);
+    if (query.splits_cpu && !plan.legs.back().process_time) plan.legs.back().work = meter.times(own.cpu);
     plan.time_s += took.wall;
     plan.cpu_s += took.cpu;
     report_step_beyond_way(plan.options, plan.legs.back());

@@ -37,6 +37,9 @@ struct PlanQuery {
   /// Seconds, at most, and at most time_limit, to look where painting would connect the ends of a leg that
   /// failed; 0: no look.
   double advice_time = 5.0;
+  /// Whether PlanResult::work of the legs is wanted (work_meter.hpp), which costs two looks at a clock for
+  /// each edge.
+  bool splits_cpu = false;
 
   // For the plan's file alone.
   std::string robot_name = {};          ///< name or path that load_robot takes; empty: the robot's own name

@@ -19,12 +19,16 @@ bool next_perturbation(std::vector<int>& change) {
   return false;
 }
 
+bool is_edge_free(const ConfigurationSpace& space, const Configuration& from, const Configuration& to) {
+  const WorkMeter::Scope scope(space.meter(), PlanWork::proofs);
+  return space.collision_model().is_edge_free_by_shapes(from, to);
+}
+
 /// Lines 4-6 of Chong 2008, Fig. 8. Heads are numbered in the order in which they were kept, so that the
 /// first of two parents of equal cost stays.
 std::vector<Head> all_heads(const PlanProblem& problem, const Lattice& lattice, const BeamOptions& options,
                             const BeamPaths& paths, BeamChecks& checks) {
   std::map<LatticeIndex, Head> found;
-  const CollisionModel& model = problem.space.collision_model();
   for (const int parent : paths.beam()) {
     const Configuration from = lattice.configuration(paths.head(parent).node);
     std::vector<int> change(static_cast<std::size_t>(lattice.dof()), -1);
@@ -37,7 +41,7 @@ std::vector<Head> all_heads(const PlanProblem& problem, const Lattice& lattice, 
       ++checks.configurations;
       if (!problem.space.is_free(q)) continue;  // filter 1: node
       ++checks.edges;
-      if (!options.node_only && !model.is_edge_free_by_shapes(from, q)) continue;  // filter 1: edge
+      if (!options.node_only && !is_edge_free(problem.space, from, q)) continue;  // filter 1: edge
       const Head head = paths.extend(parent, node, problem.cost.generalized_forces(q));
       const auto [place, is_new] = found.try_emplace(node, head);
       if (!is_new && head.cost < place->second.cost) place->second = head;  // filter 4

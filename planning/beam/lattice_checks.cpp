@@ -20,6 +20,7 @@ constexpr double field_slack = 2.0;        ///< voxels that coarse_clearance may
 
 LatticeChecks::LatticeChecks(const ConfigurationSpace& space, const Lattice& lattice)
     : model_(space.collision_model()),
+      meter_(space.meter()),
       lattice_(lattice),
       poses_(model_.robot, lattice),
       edge_(std::make_unique<EdgePoses>()) {
@@ -189,6 +190,7 @@ bool LatticeChecks::is_edge_free(const LatticeIndex& from, KnownClearances& of_f
       open_.push_back(static_cast<int>(member));
   }
   if (open_.empty()) return true;
+  const WorkMeter::Scope scope(meter_, PlanWork::proofs);
   place_edge(from, to);
   return model_.is_edge_free(lattice_.configuration(from), lattice_.configuration(to), open_, recent_,
                              &of_from, &of_to, edge_.get());

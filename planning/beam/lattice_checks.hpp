@@ -56,6 +56,7 @@ class LatticeChecks {
   double quick_clearance(std::size_t member);
 
   const CollisionModel& model_;
+  WorkMeter* meter_;
   const Lattice& lattice_;
   LatticePoses poses_;
   std::size_t deciding_joints_ = 0;

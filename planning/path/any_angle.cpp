@@ -194,6 +194,7 @@ double sampled_cost(const PathCost& cost, const std::vector<Configuration>& path
 std::vector<Configuration> straightened(const PlanProblem& problem, std::vector<Configuration> path,
                                         const Eigen::VectorXd& weight, const AnyAngleOptions& options,
                                         std::uint64_t& edges_checked) {
+  const WorkMeter::Scope scope(problem.space.meter(), PlanWork::shortcuts);
   if (path.size() < 3) return path;
   const Pass pass{problem, weight, options.cost_step, edges_checked};
   Path direct = jumped(pass, path);

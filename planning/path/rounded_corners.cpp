@@ -108,6 +108,7 @@ class Rounder {
 std::vector<Configuration> rounded_corners(const PlanProblem& problem, const std::vector<Configuration>& path,
                                            const Eigen::VectorXd& weight, const RoundingOptions& options,
                                            std::uint64_t& edges_checked) {
+  const WorkMeter::Scope scope(problem.space.meter(), PlanWork::shortcuts);
   if (path.size() < 3) return path;
   Rounder rounder(problem, weight, options, edges_checked);
   Path rounded{path.front()};

@@ -148,14 +148,15 @@ class Shortener {
 std::vector<Configuration> shortcut(const ConfigurationSpace& space, std::vector<Configuration> path,
                                     const Eigen::VectorXd& weight, std::uint64_t seed, int attempts,
                                     const std::function<bool()>& out_of_time) {
+  if (attempts <= 0) return path;
+  const WorkMeter::Scope scope(space.meter(), PlanWork::shortcuts);
+  if (path.size() <= 2) return path;
   std::mt19937_64 random(seed);
   Shortener shortener(space, std::move(path), weight, attempts, out_of_time);
-  if (attempts > 0) {
-    shortener.jump();
-    shortener.cut(random);
-    shortener.cut_corners();
-    shortener.jump();
-  }
+  shortener.jump();
+  shortener.cut(random);
+  shortener.cut_corners();
+  shortener.jump();
   return std::move(shortener).path();
 }
 

@@ -59,6 +59,7 @@ struct PlanResult {
   std::uint64_t edges_checked = 0;
   /// Counts in place of what this process took, which only reads and costs the answer.
   std::optional<ProcessTime> process_time;
+  WorkTimes work;  ///< how its CPU time split; nothing unless PlanQuery::splits_cpu, or of another process
   std::map<std::string, double> statistics;    ///< planner's own figures, by name
   std::optional<BoundaryPlusStage> solved_by;  ///< none of another planner, and unless solved
 };

@@ -158,6 +158,7 @@ ob::ProblemDefinitionPtr problem_definition(const OmplQuery& query,
 void simplify(OmplQuery& query, const ob::SpaceInformationPtr& information,
               const ob::ProblemDefinition& definition) {
   if (!definition.hasExactSolution()) return;
+  const WorkMeter::Scope scope(query.problem.space.meter(), PlanWork::shortcuts);
   std::optional<SeededSimplifier> simplifier;
   {
     const std::lock_guard lock(ompl_seeds());

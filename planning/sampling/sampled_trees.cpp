@@ -52,7 +52,7 @@ PlanResult result_of(const PlanProblem& problem, const PlanResult& ends, TreePat
                      const Eigen::VectorXd& weight, int shortcuts) {
   PlanResult result = ends;
   std::vector<Configuration> path = found.waypoints;
-  if (path.size() > 2)
+  if (!path.empty())
     path = shortcut(problem.space, std::move(path), weight, problem.seed, shortcuts, problem.out_of_time);
   result.configurations_checked += found.configurations;
   result.edges_checked = found.edges;

@@ -13,6 +13,7 @@
 #include "mapping/snapshot.hpp"
 #include "planning/robot/kinematics.hpp"
 #include "planning/robot/robot.hpp"
+#include "planning/space/work_meter.hpp"
 
 namespace clearway {
 
@@ -84,8 +85,8 @@ struct CollisionModel;
 
 /// A robot in a map under a policy: the one place that says which configurations and edges are free.
 /// Bodies that no joint moves are part of the scene: tested against other bodies, not against the map.
-/// Immutable, safe from many threads; counts nothing, prints nothing. Copies share what they are made of and
-/// cost nothing; moving copies, too.
+/// Immutable, safe from many threads; counts nothing but in a meter that it is given, prints nothing. Copies
+/// share what they are made of and cost nothing; moving copies, too.
 class ConfigurationSpace {
  public:
   /// @throws std::invalid_argument: unknown part in the policies, negative padding, region too large, a
@@ -157,12 +158,23 @@ class ConfigurationSpace {
   /// header is not installed.
   const CollisionModel& collision_model() const { return *model_; }
 
+  /// The same space, whose proofs of edges count in `meter`, as does what shortens paths in it. It answers
+  /// the same. The meter outlives it.
+  ConfigurationSpace metered(WorkMeter& meter) const {
+    ConfigurationSpace copy = *this;
+    copy.meter_ = &meter;
+    return copy;
+  }
+  /// The meter that it was given; null: none.
+  WorkMeter* meter() const { return meter_; }
+
   /// Bound on how far any point of any body moves when the joints move by |dq|, metres.
   /// @throws std::invalid_argument unless there is one finite value, not below 0, for each joint
   double motion_bound(const Eigen::VectorXd& abs_dq) const;
 
  private:
   std::shared_ptr<CollisionModel> model_;
+  WorkMeter* meter_ = nullptr;
 };
 
 }  // namespace clearway

@@ -30,10 +30,12 @@ double proved_share(const CollisionModel& model, const Configuration& from, cons
 }  // namespace
 
 bool ConfigurationSpace::is_edge_free(const Configuration& from, const Configuration& to) const {
+  const WorkMeter::Scope scope(meter_, PlanWork::proofs);
   return proved_share(*model_, from, to, 1.0) == 1.0;
 }
 
 bool ConfigurationSpace::is_edge_quickly_free(const Configuration& from, const Configuration& to) const {
+  const WorkMeter::Scope scope(meter_, PlanWork::proofs);
   const CollisionModel& model = *model_;
   if (!model.spheres) return is_edge_free(from, to);
   if (!model.is_within_limits(from) || !model.is_within_limits(to)) return false;
@@ -43,6 +45,7 @@ bool ConfigurationSpace::is_edge_quickly_free(const Configuration& from, const C
 
 double ConfigurationSpace::free_share(const Configuration& from, const Configuration& to) const {
   constexpr double of_use = 0.25;
+  const WorkMeter::Scope scope(meter_, PlanWork::proofs);
   return proved_share(*model_, from, to, of_use);
 }
 

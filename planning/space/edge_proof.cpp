@@ -268,6 +268,7 @@ class EdgeProof {
 
 bool ConfigurationSpace::is_edge_free(const Configuration& from, const Configuration& to,
                                       const Eigen::VectorXd& deviation) const {
+  const WorkMeter::Scope scope(meter_, PlanWork::proofs);
   const CollisionModel& model = *model_;
   const bool is_sound =
       deviation.size() == from.size() && deviation.allFinite() && deviation.minCoeff() >= 0.0;

@@ -406,6 +406,53 @@ TEST(PlanAndCheck, TimesOfAPlannerInAProcessOfItsOwnAreThatProcesss) {
   EXPECT_GT(planned({std::nan(""), 1e-6}).time_s, 1e-5);
 }
 
+double total(const WorkTimes& work) {
+  return work.search.value_or(0.0) + work.shortcuts.value_or(0.0) + work.proofs.value_or(0.0);
+}
+
+TEST(PlanAndCheck, SplitsTheCpuOfALegByTheWorkThatAPlannerHas) {
+  const ConfigurationSpace space = walled_space();
+  struct Expected {
+    const char* planner;
+    bool has_shortcuts, has_proofs;
+  };
+  for (const auto& [name, has_shortcuts, has_proofs] :
+       {Expected{"auto", true, true}, Expected{"rrtconnect", true, true},
+        Expected{"boundary_plus", true, true}, Expected{"beam_guided", true, true},
+        Expected{"est", true, true}, Expected{"rrtconnect_ompl", true, true}, Expected{"beam", false, true},
+        Expected{"beam_reference", false, true}, Expected{"boundary", false, true},
+        Expected{"constraint", false, true}, Expected{"rrtconnect_fcl", true, false}}) {
+    SCOPED_TRACE(name);
+    PlanQuery query{
+        .space = space, .start = left, .goals = {above, right}, .planner = make_planner(name, {})};
+    query.advice_time = 0.0;
+    const Plan without = plan_and_check(query);
+    query.splits_cpu = true;
+    const Plan plan = plan_and_check(query);
+    EXPECT_EQ(plan.waypoints(), without.waypoints());
+    double cpu = 0.0;
+    for (const PlanResult& leg : plan.legs) {
+      cpu += total(leg.work);
+      EXPECT_TRUE(leg.work.search.has_value());
+      EXPECT_EQ(leg.work.shortcuts.has_value(), has_shortcuts && leg.status == PlanStatus::solved);
+      EXPECT_EQ(leg.work.proofs.has_value(), has_proofs);
+    }
+    EXPECT_NEAR(cpu, plan.cpu_s, 1e-9 * plan.cpu_s);
+    for (const PlanResult& leg : without.legs) EXPECT_EQ(leg.work.search, std::nullopt);
+  }
+}
+
+TEST(PlanAndCheck, KnowsNothingOfWhatAProcessOfItsOwnWorksOn) {
+  const ConfigurationSpace space = walled_space();
+  const Plan plan = plan_and_check({.space = space,
+                                    .start = left,
+                                    .goals = {above},
+                                    .planner = std::make_shared<InAProcess>(ProcessTime{1.0, 2.0}),
+                                    .splits_cpu = true});
+  EXPECT_EQ(plan.cpu_s, 2.0);
+  EXPECT_EQ(plan.legs[0].work.search, std::nullopt);
+}
+
 /// The step to the exact goal is not free: the search ends in the goal's box, as the paper has it, which the
 /// plan says and `check` refuses.
 TEST(PlanAndCheck, ABeamMayEndInTheBoxOfItsGoal) {
