@@ -17,6 +17,13 @@ struct Piece {
   bool is_near = false;  ///< spheres were looked at: what is open is near something all along
 };
 
+/// A member that is open on a piece of EdgePieces.
+struct OpenPart {
+  int member;
+  double begin, end;
+  std::size_t place;  ///< in EdgePieces::open_members()
+};
+
 /// Memory of one proof, kept per thread so that an edge allocates nothing once it is warm.
 struct EdgeScratch {
   std::vector<LinkPoses> samples;
@@ -27,6 +34,8 @@ struct EdgeScratch {
   std::vector<double> motion;  ///< of each body, or approach of each pair, over the whole edge, metres
   std::vector<double> bend;  ///< how far any point of each body leaves its chord, over the whole edge, metres
   std::vector<double> aside;  ///< motion or approach of each member by leaving the edge, metres
+  std::vector<OpenPart> parts;
+  std::vector<char> is_proved;  ///< of each of EdgePieces::open_members()
   Configuration q;
   Eigen::VectorXd step, distance;
   const Configuration *from, *to;
@@ -50,7 +59,7 @@ struct EdgeScratch {
 
   /// The same where a piece ends, which may be where the one before began or ended.
   int sample_at_border(const Robot& robot, double part) {
-    constexpr std::size_t some = 4;
+    constexpr std::size_t some = 12;
     for (std::size_t i = borders.size(); i-- > 0 && i + some >= borders.size();) {
       if (borders[i].first == part) return borders[i].second;
     }
@@ -93,11 +102,6 @@ bool is_clear_at_end(const BodyCollision& body, const Eigen::Isometry3d& pose, s
   return is_clear;
 }
 
-Finding examine_pair(const Robot& robot, const BodyPair& pair, const LinkPoses& poses, double approach) {
-  if (is_apart(robot, pair, poses, approach)) return Finding::proved;
-  return is_apart(robot, pair, poses, 0.0) ? Finding::open : Finding::blocked;
-}
-
 /// One proof: the edge is halved until each member is proved free on each piece.
 class EdgeProof {
  public:
@@ -125,10 +129,12 @@ class EdgeProof {
     scratch_.borders.clear();
     scratch_.open.clear();
     scratch_.pieces.clear();
+    if (!prove_rows(pieces, members)) return false;
     for (const EdgePieces::Piece& piece : pieces) {
       const std::size_t first = scratch_.open.size();
       for (int i = piece.first; i < piece.last; ++i) {
         const int member = members[static_cast<std::size_t>(i)];
+        if (scratch_.is_proved[static_cast<std::size_t>(i)] != 0) continue;
         if (scratch_.motion[static_cast<std::size_t>(member)] > 0.0) {
           scratch_.open.push_back(member);
           continue;
@@ -142,6 +148,76 @@ class EdgeProof {
   }
 
  private:
+  /// What is open on pieces in a row is mostly proved on all of them at once, or on half of them. False: it
+  /// is not proved where the edge ends.
+  bool prove_rows(const std::vector<EdgePieces::Piece>& pieces, const std::vector<int>& members) {
+    find_open_parts(pieces, members);
+    scratch_.is_proved.assign(members.size(), 0);
+    const std::vector<OpenPart>& parts = scratch_.parts;
+    for (std::size_t first = 0, last = 1; last <= parts.size(); ++last) {
+      const bool goes_on = last < parts.size() && parts[last].member == parts[first].member &&
+                           parts[last].begin == parts[last - 1].end;
+      if (goes_on) continue;
+      if (!prove_at_once(first, last)) {
+        if (parts[last - 1].end == 1.0 && !is_proved_at_end(parts[last - 1])) return false;
+        prove_halves(first, last);
+      }
+      first = last;
+    }
+    return true;
+  }
+
+  /// Those that move, member by member, in the order of the edge.
+  void find_open_parts(const std::vector<EdgePieces::Piece>& pieces, const std::vector<int>& members) {
+    scratch_.parts.clear();
+    for (const EdgePieces::Piece& piece : pieces) {
+      for (auto i = static_cast<std::size_t>(piece.first); i < static_cast<std::size_t>(piece.last); ++i) {
+        if (scratch_.motion[static_cast<std::size_t>(members[i])] > 0.0)
+          scratch_.parts.push_back({members[i], piece.begin, piece.end, i});
+      }
+    }
+    std::sort(scratch_.parts.begin(), scratch_.parts.end(), [](const OpenPart& a, const OpenPart& b) {
+      return a.member != b.member ? a.member < b.member : a.begin < b.begin;
+    });
+  }
+
+  bool prove_at_once(std::size_t first, std::size_t last) {
+    const OpenPart &begin = scratch_.parts[first], &end = scratch_.parts[last - 1];
+    if (!is_proved_on(static_cast<std::size_t>(begin.member), begin.begin, end.end)) return false;
+    for (std::size_t i = first; i < last; ++i) scratch_.is_proved[scratch_.parts[i].place] = 1;
+    return true;
+  }
+
+  void prove_halves(std::size_t first, std::size_t last) {
+    const std::size_t middle = first + (last - first) / 2;
+    if (middle - first > 1 && !prove_at_once(first, middle)) prove_halves(first, middle);
+    if (last - middle > 1 && !prove_at_once(middle, last)) prove_halves(middle, last);
+  }
+
+  /// With room for what the pieces themselves would ask: their proofs would succeed.
+  bool is_proved_on(std::size_t id, double from, double to) {
+    constexpr double room = 1e-6;  // metres
+    const double part = to - from;
+    const auto sample = [&](double at) { return scratch_.sample_at_border(model_.robot, at); };
+    if (id >= model_.bodies.size())
+      return is_apart(model_.robot, model_.pairs[id - model_.bodies.size()], poses(sample((from + to) / 2)),
+                      scratch_.motion[id] * part / 2 + scratch_.aside[id] + room);
+    if (!is_short(id, part)) return false;
+    const int begin = sample(from), middle = sample((from + to) / 2), end = sample(to);
+    return model_.bodies[id].is_sweep_clear(pose(begin, id), pose(middle, id), pose(end, id),
+                                            least(id) + 2.0 * scratch_.bend[id] * part * part + room,
+                                            recent_[id]);
+  }
+
+  /// On the shortest piece that the part's halving may come to at the end of the edge.
+  bool is_proved_at_end(const OpenPart& part) {
+    Piece piece{part.begin, 1.0, 0, 0, -1, -1, true};
+    while ((1.0 - piece.begin) * length_ > model_.options.edge_resolution)
+      piece.begin = (piece.begin + 1.0) / 2, piece.is_near = false;
+    const int middle = scratch_.sample(model_.robot, (piece.begin + 1.0) / 2);
+    return examine(static_cast<std::size_t>(part.member), piece, middle) == Finding::proved;
+  }
+
   bool examine_pieces() {
     for (std::size_t next = 0; next < scratch_.pieces.size(); ++next) {  // halves in turn: far samples first
       if (!examine_piece(scratch_.pieces[next])) return false;
@@ -192,13 +268,10 @@ class EdgeProof {
     const double middle = (piece.begin + piece.end) / 2, half = (piece.end - piece.begin) / 2;
     const bool is_finest = 2.0 * half * length_ <= model_.options.edge_resolution;
     const int sample = scratch_.sample(model_.robot, middle);
-    const std::size_t bodies = model_.bodies.size(), first_open = scratch_.open.size();
+    const std::size_t first_open = scratch_.open.size();
     for (std::size_t i = piece.first_open; i < piece.last_open; ++i) {
       const auto id = static_cast<std::size_t>(scratch_.open[i]);
-      const Finding finding = id < bodies ? examine_body(id, piece, sample)
-                                          : examine_pair(model_.robot, model_.pairs[id - bodies],
-                                                         scratch_.samples[static_cast<std::size_t>(sample)],
-                                                         scratch_.motion[id] * half + scratch_.aside[id]);
+      const Finding finding = examine(id, piece, sample);
       if (finding == Finding::proved) continue;
       if (finding == Finding::blocked || is_finest) return false;
       scratch_.open.push_back(static_cast<int>(id));
@@ -211,25 +284,41 @@ class EdgeProof {
     return true;
   }
 
+  Finding examine(std::size_t id, Piece& piece, int middle) {
+    if (id < model_.bodies.size()) return examine_body(id, piece, middle);
+    const BodyPair& pair = model_.pairs[id - model_.bodies.size()];
+    const double approach = scratch_.motion[id] * ((piece.end - piece.begin) / 2) + scratch_.aside[id];
+    if (is_apart(model_.robot, pair, poses(middle), approach)) return Finding::proved;
+    return is_apart(model_.robot, pair, poses(middle), 0.0) ? Finding::open : Finding::blocked;
+  }
+
   /// No point of the body is farther than its motion over half the piece from where it is at the middle.
   Finding examine_body(std::size_t id, Piece& piece, int middle) {
     const BodyCollision& body = model_.bodies[id];
     const double part = piece.end - piece.begin, padding = model_.options.padding + scratch_.aside[id];
-    const double bend = scratch_.bend[id] * part * part, resolution = model_.map.resolution();
-    const bool is_short = bend <= bend_within_voxels * resolution &&
-                          scratch_.motion[id] * part <= sweep_within_voxels * resolution;
-    // What halving to the finest piece needs at least; a body that is nearer anywhere will not be proved.
-    const double finest = model_.options.edge_resolution / std::max(length_, model_.options.edge_resolution);
-    const double least = padding + scratch_.motion[id] * finest / 2;
-    if (piece.is_near && !is_short)  // spheres prove nothing here
+    if (piece.is_near && !is_short(id, part))  // spheres prove nothing here
       return body.is_met(pose(middle, id), padding, recent_[id]) ? Finding::blocked : Finding::open;
     if (!piece.is_near && body.is_quickly_clear(pose(middle, id), padding + scratch_.motion[id] * part / 2))
       return Finding::proved;
-    if (is_short) {
-      const Finding finding = examine_sweep(id, piece, middle, least, bend);
+    if (is_short(id, part)) {
+      const Finding finding = examine_sweep(id, piece, middle, least(id), scratch_.bend[id] * part * part);
       if (finding != Finding::open) return finding;
     }
-    return body.is_clear(pose(middle, id), least, &recent_[id]) ? Finding::open : Finding::blocked;
+    return body.is_clear(pose(middle, id), least(id), &recent_[id]) ? Finding::open : Finding::blocked;
+  }
+
+  /// Whether a body turns and moves so little on such a part of the edge that its hull at both ends says
+  /// enough.
+  bool is_short(std::size_t id, double part) const {
+    const double resolution = model_.map.resolution();
+    return scratch_.bend[id] * part * part <= bend_within_voxels * resolution &&
+           scratch_.motion[id] * part <= sweep_within_voxels * resolution;
+  }
+
+  /// What halving to the finest piece needs at least; a body that is nearer anywhere will not be proved.
+  double least(std::size_t id) const {
+    const double finest = model_.options.edge_resolution / std::max(length_, model_.options.edge_resolution);
+    return model_.options.padding + scratch_.aside[id] + scratch_.motion[id] * finest / 2;
   }
 
   /// The hull of the body at the ends and half way, grown by how far its points leave their chords.
@@ -253,8 +342,9 @@ class EdgeProof {
     return Finding::open;
   }
 
+  const LinkPoses& poses(int sample) const { return scratch_.samples[static_cast<std::size_t>(sample)]; }
   const Eigen::Isometry3d& pose(int sample, std::size_t body) const {
-    return model_.pose(scratch_.samples[static_cast<std::size_t>(sample)], body);
+    return model_.pose(poses(sample), body);
   }
 
   const CollisionModel& model_;

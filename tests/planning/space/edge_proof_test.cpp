@@ -344,6 +344,30 @@ TEST(EdgeProof, ThePosesOfAnEdgeAreTakenForItsBeginningItsMiddleAndItsEnd) {
     }
 }
 
+TEST(EdgeProof, PiecesInARowAreProvedWhereEachOfThemIsProvedAlone) {
+  int proved = 0, refused = 0;
+  for (const char* name : {"puma560", "arm5", "panda"}) {
+    const Robot robot = load_robot(name);
+    const ConfigurationSpace space(robot, worlds::voxels_about(robot, 9), not_occupied());
+    const CollisionModel& model = space.collision_model();
+    EdgePieces pieces(*model.spheres);
+    Random random(29);
+    for (int i = 0; i < 8000; ++i) {
+      const Configuration from = random.configuration(model.robot);
+      const Configuration to = from + 0.1 * random.unit() * (random.configuration(model.robot) - from);
+      if (!space.is_free(from) || pieces.examine(from, to) != EdgePieces::Finding::open) continue;
+      const auto is_proved = [&](const std::vector<EdgePieces::Piece>& some) {
+        return model.are_pieces_free(from, to, some, pieces.open_members());
+      };
+      bool each = true;
+      for (const EdgePieces::Piece& one : pieces.open_pieces()) each = each && is_proved({one});
+      ASSERT_EQ(is_proved(pieces.open_pieces()), each) << name << " edge " << i;
+      (each ? proved : refused)++;
+    }
+  }
+  EXPECT_GT(std::min(proved, refused), 100);
+}
+
 TEST(EdgeProof, AnEdgeThatEndsJustInsideOfWhatBlocksIsRefusedFromEitherEnd) {
   int edges = 0, proved_before = 0;
   for (const Robot& robot : worlds::robots_of_all_kinds()) {
