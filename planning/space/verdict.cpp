@@ -58,17 +58,21 @@ Verdict blocked_by(const BodyCollision& collision, const Eigen::Isometry3d& pose
     verdict.depth = padding + overlap(bounds, *cube, edge);
     return verdict;
   }
+  bool is_met = false;
   collision.visit_near(pose, padding, [&](const Eigen::Vector3d& cube, double) {
+    const double reach = overlap(bounds, cube, edge);
+    if (is_met && padding + reach <= verdict.depth) return true;  // no distance makes it a deeper one
     const double lower = distance_to_cube(shape, map_from_shape, cube, edge, padding).lower;
     if (lower > padding) return true;
-    const double depth = padding - lower + (lower > 0.0 ? 0.0 : overlap(bounds, cube, edge));
-    if (verdict.obstruction != Obstruction::none && depth <= verdict.depth) return true;
-    verdict.obstruction = obstruction_of(map, collision.space().requirement(), cube);
+    const double depth = padding - lower + (lower > 0.0 ? 0.0 : reach);
+    if (is_met && depth <= verdict.depth) return true;
+    is_met = true;
     verdict.point = cube;
     verdict.depth = depth;
     verdict.gap = std::max(lower, 0.0);
     return true;
   });
+  if (is_met) verdict.obstruction = obstruction_of(map, collision.space().requirement(), verdict.point);
   return verdict;
 }
 
