@@ -35,10 +35,16 @@ Verdict nearest_to(const ConfigurationSpace& space, const Configuration& q) {
   return verdict;
 }
 
+/// ConfigurationSpace::check of what may well be free, which is_free says sooner.
+Verdict looked_at(const ConfigurationSpace& space, const Configuration& q) {
+  return space.is_free(q) ? Verdict() : space.check(q);
+}
+
 /// Whether the chunk of the configurations 0..k may end there: the way straight on until it stands.
 bool stops_free(const ProofSpace& proof, const MotionChunk& chunk, std::size_t k, const JointLimits& limits) {
   const Configuration& from = chunk.positions[k];
-  return proof.holds(from, stop_from(from, edge_velocity(chunk, k - 1), limits));
+  const Configuration stop = stop_from(from, edge_velocity(chunk, k - 1), limits);
+  return proof.space.is_free(stop) && proof.holds(from, stop);  // it mostly fails where it ends
 }
 
 ProvedPart part_until(const MotionChunk& chunk, std::size_t k, const JointLimits& limits) {
@@ -112,28 +118,31 @@ ProofEnd find_proof_end(const ProofSpace& proof, const StraightPiece& piece) {
   const ConfigurationSpace& space = proof.space;
   const auto at = [&](double part) { return between(piece.from, piece.to, part); };
   ProofEnd end;
-  end.obstruction = space.check(piece.from);
+  end.obstruction = looked_at(space, piece.from);
   if (!end.obstruction.is_free()) return end;
   double proved = 0.0, open = 1.0, begin = 0.0;  // from `begin` to `open` is what was not proved last
+  std::optional<bool> is_open_free;              // by what blocks it; none: it was not asked yet
   const double finest = space.options().edge_resolution / (piece.to - piece.from).norm();
   while (open - proved > std::max(finest, 1e-9)) {
     const double middle = (proved + open) / 2.0;
-    if (proof.holds(at(proved), at(middle))) {
+    const bool is_free = space.is_edge_free(at(proved), at(middle));
+    if (is_free && !proof.bounds.leaving(space.robot(), at(proved), at(middle))) {
       proved = middle;
     } else {
       open = middle;
       begin = proved;
+      is_open_free = is_free;
     }
   }
   end.parameter = proved;
   // Along the bounds a short piece may be proved inside where the longer one that was asked for is not.
-  const bool is_free = space.is_edge_free(at(begin), at(open));
+  const bool is_free = is_open_free ? *is_open_free : space.is_edge_free(at(begin), at(open));
   end.leaving = proof.bounds.leaving(space.robot(), at(is_free ? begin : proved), at(open));
   const bool leaves_first = end.leaving && (is_free || space.is_edge_free(at(proved), at(open)));
   // What is too near to be proved is mostly touched a little farther on, and bounds are left.
   double part = open;
   for (double step = open - proved; step <= looks_on * (open - proved) && part <= 1.0; step *= 2.0) {
-    if (!leaves_first) end.obstruction = space.check(at(part));
+    if (!leaves_first) end.obstruction = looked_at(space, at(part));
     if (!end.obstruction.is_free()) {
       end.leaving.reset();
       return end;
@@ -163,8 +172,8 @@ std::optional<ProvedPart> proved_part(const ProofSpace& proof, const MotionChunk
   for (double step = 0.5; step >= 1.0 / 64.0; step /= 2.0) {
     const MotionChunk head = cut(chunk, k, proved + step);
     const bool is_later = head.times[k] < head.times[k + 1] && head.times[k + 1] < chunk.times[k + 1];
-    if (!is_later || !proof.holds(head.positions[k], head.positions[k + 1]) ||
-        !stops_free(proof, head, k + 1, limits))
+    if (!is_later || !stops_free(proof, head, k + 1, limits) ||
+        !proof.holds(head.positions[k], head.positions[k + 1]))
       continue;
     proved += step;
     part = part_until(head, k + 1, limits);
