@@ -117,6 +117,7 @@ CompareRun run_of(const Plan& plan, const PlanQuery& query) {
     run.legs += leg.status == PlanStatus::solved;
     run.configurations += leg.configurations_checked;
     run.edges += leg.edges_checked;
+    run.work = run.work + leg.work;
     if (leg.status != PlanStatus::solved) continue;
     run.steps += static_cast<std::size_t>(leg.search_steps);
   }
@@ -249,6 +250,7 @@ class RobotServer : public ProblemServer {
             .gravity = experiment_.setup.gravity,
             .survey = std::nullopt,  // suites judge planners, in scenes whose unknown is theirs
             .advice_time = 0.0,
+            .splits_cpu = true,
             .robot_name = experiment_.setup.robot,
             .map_file = open.stage.map_file,
             .map_digest = open.stage.digest};

@@ -19,6 +19,14 @@ std::function<Cell(const Run&, const Who&)> of_planning(double Run::*seconds) {
   return [seconds](const Run& run, const Who&) -> Cell { return run.team ? Cell{} : Cell{run.*seconds}; };
 }
 
+/// What of the time to plan was spent on one kind of work; nothing where it is not known, or there was none.
+RunColumn of_work(const char* name, std::optional<double> WorkTimes::*seconds) {
+  return {name, "REAL", [seconds](const Run& run, const Who&) -> Cell {
+            const std::optional<double>& spent = run.work.*seconds;
+            return spent ? Cell(*spent) : Cell();
+          }};
+}
+
 /// What every run has.
 std::vector<RunColumn> common_columns() {
   return {
@@ -45,6 +53,9 @@ std::vector<RunColumn> common_columns() {
       {"edges", "INTEGER", [](const Run& run, const Who&) -> Cell { return whole(run.edges); }},
       {"time_s", "REAL", [](const Run& run, const Who&) -> Cell { return run.time; }},
       {"cpu_s", "REAL", of_planning(&Run::cpu)},
+      of_work("search_cpu_s", &WorkTimes::search),
+      of_work("shortcut_cpu_s", &WorkTimes::shortcuts),
+      of_work("proof_cpu_s", &WorkTimes::proofs),
       {"space_cpu_s", "REAL", of_planning(&Run::space_cpu)},
       {"derive_cpu_s", "REAL", of_planning(&Run::derive_cpu)},
       {"check_s", "REAL", of_planning(&Run::check_time)},

@@ -23,8 +23,9 @@ struct RunColumn {
 };
 
 /// In their order; names are unique. Times that a clock took stand in `time_s` (to plan, wall
-/// clock), `cpu_s` (the same, CPU), `space_cpu_s` and `derive_cpu_s` (before), `check_s`, `check_cpu_s`
-/// and `motion_cpu_s` (after) and nowhere else.
+/// clock), `cpu_s` (the same, CPU), `search_cpu_s`, `shortcut_cpu_s` and `proof_cpu_s` (its parts),
+/// `space_cpu_s` and `derive_cpu_s` (before), `check_s`, `check_cpu_s` and `motion_cpu_s` (after) and nowhere
+/// else.
 const std::vector<RunColumn>& run_columns();
 
 /// The statistics of a plan that have columns, of all its legs together: counts are added up, separations are

@@ -62,6 +62,15 @@ constexpr std::array run_figures = {RunFigure{"cost", &CompareRun::cost},
                                     RunFigure{"check_cpu", &CompareRun::check_cpu},
                                     RunFigure{"motion_cpu", &CompareRun::motion_cpu}};
 
+/// Parts of `cpu`; absent where a run has none, as in records of older versions.
+struct RunWork {
+  const char* name;
+  std::optional<double> WorkTimes::*value;
+};
+constexpr std::array run_works = {RunWork{"search_cpu", &WorkTimes::search},
+                                  RunWork{"shortcut_cpu", &WorkTimes::shortcuts},
+                                  RunWork{"proof_cpu", &WorkTimes::proofs}};
+
 Json team_record(const CompareTeamRun& team) {
   return {{"security_distance", real_record(team.security_distance)},
           {"step_bound", real_record(team.step_bound)},
@@ -126,6 +135,8 @@ Json record_of(const CompareRun& run) {
                  {"waypoints", run.waypoints}, {"configurations", run.configurations},
                  {"edges", run.edges},         {"plan_file", run.plan_file}};
   for (const RunFigure& figure : run_figures) record[figure.name] = real_record(run.*figure.value);
+  for (const RunWork& work : run_works)
+    if (const std::optional<double>& spent = run.work.*work.value) record[work.name] = real_record(*spent);
   Json& statistics = record["statistics"] = Json::object();
   for (const auto& [name, value] : with_stage(run.statistics, run.solved_by))
     statistics[name] = real_record(value);
@@ -154,6 +165,8 @@ CompareRun run_of_record(const Json& record) {
   record.at("edges").get_to(run.edges);
   record.at("plan_file").get_to(run.plan_file);
   for (const RunFigure& figure : run_figures) run.*figure.value = real_of(record.at(figure.name));
+  for (const RunWork& work : run_works)
+    if (record.contains(work.name)) run.work.*work.value = real_of(record.at(work.name));
   for (const auto& [name, value] : record.at("statistics").items()) run.statistics[name] = real_of(value);
   run.solved_by = take_stage(run.statistics);
   if (record.contains("motion")) {

@@ -107,17 +107,27 @@ std::string length_unit(const CompareExperiment& experiment) {
   return std::find(slides.begin(), slides.end(), false) == slides.end() ? "m" : "rad and m";
 }
 
+std::string work_text(const CompareSummary& sum) {
+  const WorkTimes& work = sum.work_mean;
+  const double whole = work.search.value_or(0.0) + work.shortcuts.value_or(0.0) + work.proofs.value_or(0.0);
+  if (!(whole > 0.0)) return "-";
+  const auto percent = [&](const std::optional<double>& part) {
+    return part ? std::to_string(std::lround(100.0 * *part / whole)) : "-";
+  };
+  return percent(work.search) + " / " + percent(work.shortcuts) + " / " + percent(work.proofs);
+}
+
 std::vector<std::vector<std::string>> summary_table(const CompareExperiment& experiment) {
   if (experiment.setup.teams) return team_table(experiment);
-  std::vector<std::vector<std::string>> rows{{"planner", "solved / valid / total", "median s", "p95 s",
-                                              "CPU s", "check CPU s", "cost J",
-                                              "length " + length_unit(experiment), "steps", "unsolved"}};
+  std::vector<std::vector<std::string>> rows{
+      {"planner", "solved / valid / total", "median s", "p95 s", "CPU s", "search / shortcuts / proofs %",
+       "check CPU s", "cost J", "length " + length_unit(experiment), "steps", "unsolved"}};
   for (std::size_t i = 0; i < experiment.planners.size(); ++i) {
     const CompareSummary sum = summary(experiment, i);
     rows.push_back({experiment.planners[i].label, counts_text(sum), cell_text(sum.time_median),
-                    cell_text(sum.time_p95), cell_text(sum.cpu_median), cell_text(sum.check_median),
-                    cell_text(sum.cost_median, 4), cell_text(sum.length_median, 4),
-                    cell_text(sum.steps_median, 6), unsolved_text(sum)});
+                    cell_text(sum.time_p95), cell_text(sum.cpu_median), work_text(sum),
+                    cell_text(sum.check_median), cell_text(sum.cost_median, 4),
+                    cell_text(sum.length_median, 4), cell_text(sum.steps_median, 6), unsolved_text(sum)});
   }
   return rows;
 }

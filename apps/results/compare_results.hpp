@@ -58,6 +58,7 @@ struct CompareRun {
   std::uint64_t configurations = 0, edges = 0;  ///< checked
   double time = 0.0;                            ///< s, wall clock, all legs
   double cpu = 0.0;                             ///< s of the same, by the thread that planned
+  WorkTimes work;                               ///< what of `cpu` was spent on what
   double space_cpu = 0.0;   ///< s, before: the space of this problem's map, made once for all its runs
   double derive_cpu = 0.0;  ///< s, before: what the planner derives from map and robot; less once another did
   double check_time = 0.0, check_cpu = 0.0;  ///< s, after: the independent check
@@ -137,9 +138,12 @@ struct CompareSummary {
   double time_median = 0.0, time_p95 = 0.0;     ///< s
   double cpu_median = 0.0, check_median = 0.0;  ///< s, CPU: to plan; to check what was planned
   double motion_cpu_median = 0.0;               ///< s, CPU: to give valid paths their motions
-  std::size_t edge_by_edge = 0;                 ///< valid runs without a smooth motion
-  double cost_median = 0.0;                     ///< J
-  double length_median = 0.0;                   ///< rad
+  WorkTimes work_mean;      ///< s, CPU to plan by what it was spent on: means, which add up
+  double space_mean = 0.0;  ///< s, CPU, means: before planning, spaces and what planners derive from them;
+  double check_mean = 0.0;  ///< after it, the check
+  std::size_t edge_by_edge = 0;  ///< valid runs without a smooth motion
+  double cost_median = 0.0;      ///< J
+  double length_median = 0.0;    ///< rad
   double steps_median = 0.0;
   std::map<std::string, std::size_t> unsolved;  ///< by status
 };
@@ -158,6 +162,8 @@ std::string counts_text(const CompareSummary& sum);
 /// The share of valid runs in percent with its interval at 95 % (effective_runs): "60 (31.3 to 83.2)"; "-"
 /// without runs.
 std::string success_text(const CompareSummary& sum);
+/// Of the CPU to plan in percent: search, shortcuts and proofs, "4 / 3 / 93"; "-" for what there is none of.
+std::string work_text(const CompareSummary& sum);
 /// "no_path 2, timed_out 1"; "-" when all are solved.
 std::string unsolved_text(const CompareSummary& sum);
 /// A figure of a table; "-" for none.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "apps/console/number_or_null.hpp"
 #include "apps/console/quantile.hpp"
@@ -27,6 +28,20 @@ void count_problems(const std::vector<std::vector<const CompareRun*>>& problems,
   sum.effective_runs = effective_runs(counts);
 }
 
+/// Of values that add up to more of them: their mean, NaN of none.
+double mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+/// Of runs whose time was split; one that did not come to some work spent 0 s on it.
+WorkTimes work_mean(const std::vector<WorkTimes>& runs) {
+  WorkTimes sum;
+  for (const WorkTimes& run : runs) sum = sum + run;
+  for (std::optional<double>* part : {&sum.search, &sum.shortcuts, &sum.proofs})
+    if (*part) **part /= static_cast<double>(runs.size());
+  return sum;
+}
+
 }  // namespace
 
 CompareSummary summary_of(const std::vector<std::vector<const CompareRun*>>& problems) {
@@ -34,7 +49,8 @@ CompareSummary summary_of(const std::vector<std::vector<const CompareRun*>>& pro
   count_problems(problems, sum);
   std::vector<const CompareRun*> all;
   for (const auto& runs : problems) all.insert(all.end(), runs.begin(), runs.end());
-  std::vector<double> times, cpus, checks, costs, lengths, steps, motions, motion_cpus;
+  std::vector<double> times, cpus, spaces, checks, costs, lengths, steps, motions, motion_cpus;
+  std::vector<WorkTimes> works;
   for (const CompareRun* each : all) {
     const CompareRun& run = *each;
     ++sum.total;
@@ -55,6 +71,8 @@ CompareSummary summary_of(const std::vector<std::vector<const CompareRun*>>& pro
     ++sum.solved;
     times.push_back(run.time);
     cpus.push_back(run.cpu);
+    if (run.work.search) works.push_back(run.work);
+    spaces.push_back(run.space_cpu + run.derive_cpu);
     checks.push_back(run.check_cpu);
     if (!run.is_valid()) continue;
     ++sum.valid;
@@ -69,6 +87,9 @@ CompareSummary summary_of(const std::vector<std::vector<const CompareRun*>>& pro
   sum.time_p95 = quantile(times, 0.95);
   sum.cpu_median = quantile(cpus, 0.5);
   sum.check_median = quantile(checks, 0.5);
+  sum.work_mean = work_mean(works);
+  sum.space_mean = mean(spaces);
+  sum.check_mean = mean(checks);
   sum.cost_median = quantile(costs, 0.5);
   sum.length_median = quantile(lengths, 0.5);
   sum.steps_median = quantile(steps, 0.5);
@@ -92,6 +113,9 @@ namespace {
 Json summary_json(const ComparePlanner& who, const CompareSummary& sum, bool is_of_teams) {
   const double share = sum.total > 0 ? static_cast<double>(sum.valid) / static_cast<double>(sum.total) : 0.0;
   const auto interval = wilson_interval(share, sum.effective_runs);
+  const auto or_null = [](const std::optional<double>& value) {
+    return value ? Json(*value) : Json(nullptr);
+  };
   const auto of_teams = [&](const Json& value) { return is_of_teams ? value : Json(nullptr); };
   const auto of_planners = [&](const Json& value) { return is_of_teams ? Json(nullptr) : value; };
   return {{"label", who.label},
@@ -109,6 +133,11 @@ Json summary_json(const ComparePlanner& who, const CompareSummary& sum, bool is_
           {"time_p95_s", number_or_null(sum.time_p95)},
           {"cpu_median_s", of_planners(number_or_null(sum.cpu_median))},
           {"check_cpu_median_s", of_planners(number_or_null(sum.check_median))},
+          {"space_cpu_mean_s", of_planners(number_or_null(sum.space_mean))},
+          {"search_cpu_mean_s", or_null(sum.work_mean.search)},
+          {"shortcut_cpu_mean_s", or_null(sum.work_mean.shortcuts)},
+          {"proof_cpu_mean_s", or_null(sum.work_mean.proofs)},
+          {"check_cpu_mean_s", of_planners(number_or_null(sum.check_mean))},
           {"cost_median_joules", number_or_null(sum.cost_median)},
           {"length_median_rad", number_or_null(sum.length_median)},
           {"steps_median", number_or_null(sum.steps_median)},

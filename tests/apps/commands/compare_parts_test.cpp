@@ -46,8 +46,8 @@ std::map<std::string, std::string> findings(const fs::path& folder) {
         auto json = nlohmann::json::parse(line);
         if (json.contains("time_s")) continue;
         if (json.contains("run"))
-          for (const char* time :
-               {"time", "cpu", "space_cpu", "derive_cpu", "check_time", "check_cpu", "motion_cpu"})
+          for (const char* time : {"time", "cpu", "search_cpu", "shortcut_cpu", "proof_cpu", "space_cpu",
+                                   "derive_cpu", "check_time", "check_cpu", "motion_cpu"})
             json.at("run").erase(time);
         if (json.contains("problems"))
           for (auto& problem : json.at("problems"))

@@ -1,4 +1,5 @@
 """A planner in another program (apps/compare/YOUR_PLANNER.md), from the command line to the verdict of the check."""
+import csv
 import json
 import os
 import pathlib
@@ -65,6 +66,11 @@ class ExternalPlanner(unittest.TestCase):
         self.assertEqual(mine["planner"], "external")
         self.assertEqual(mine["validation"]["verdict"], "valid", mine["validation"])
         self.assertGreater(mine["time_s"], 0.0)
+        with open(self.path / "out/results.csv", newline="") as file:
+            rows = {row["label"]: row for row in csv.DictReader(file)}
+        for part in ("search_cpu_s", "shortcut_cpu_s", "proof_cpu_s"):
+            self.assertEqual(rows["mine"][part], "", part)
+            self.assertGreater(float(rows["rrtconnect"][part]), 0.0, part)
 
     def test_a_path_through_the_wall_is_refused_and_says_where(self):
         straight = self.program(

@@ -160,6 +160,11 @@ TEST_F(CompareColumns, HoldOfLocalPlannersWhatTheirPlansHold) {
       EXPECT_TRUE(run.at(name).is_null()) << name;
     EXPECT_EQ(run.at("solved_by").is_null(), run.at("planner") != "boundary_plus");
     for (const char* name : {"cpu_s", "space_cpu_s", "derive_cpu_s"}) EXPECT_GT(run.at(name), 0.0) << name;
+    EXPECT_EQ(run.at("shortcut_cpu_s").is_null(), run.at("planner") != "boundary_plus");
+    double work = 0.0;
+    for (const char* name : {"search_cpu_s", "shortcut_cpu_s", "proof_cpu_s"})
+      if (!run.at(name).is_null()) work += run.at(name).get<double>();
+    EXPECT_NEAR(work, run.at("cpu_s"), 1e-9 * run.at("cpu_s").get<double>());
     for (const char* name : {"check_s", "check_cpu_s"})
       EXPECT_EQ(run.at(name) == 0.0, run.at("check") == "none") << name;
     ASSERT_EQ(run.at("motion_time_s").is_null(), run.at("valid") == 0);
@@ -223,7 +228,8 @@ TEST_F(CompareColumns, AnOutrunRobotIsNotSafeAndOneThatNeverMovedHasNoFigures) {
   EXPECT_NE(found[0].at("outrun").get<std::string>().find("'train'"), std::string::npos);
   EXPECT_EQ(found[1].at("status"), "start_invalid");
   EXPECT_EQ(found[1].at("safe"), 0);
-  for (const char* name : {"motion_time_s", "step_bound_m", "speed_share", "deadlocks", "cpu_s", "check_s"})
+  for (const char* name :
+       {"motion_time_s", "step_bound_m", "speed_share", "deadlocks", "cpu_s", "search_cpu_s", "check_s"})
     EXPECT_TRUE(found[1].at(name).is_null()) << name;
 }
 
@@ -237,6 +243,8 @@ TEST_F(CompareColumns, ThePageSummarizesWithTheKeysOfTheJson) {
   const json &alone = printed_["experiments"][0]["planners"][1],
              &together = printed_["experiments"][1]["planners"][0];
   EXPECT_TRUE(alone.at("safe").is_null());
+  EXPECT_GT(alone.at("proof_cpu_mean_s"), 0.0);
+  EXPECT_TRUE(together.at("search_cpu_mean_s").is_null());
   EXPECT_EQ(together.at("safe"), 1);
   EXPECT_EQ(together.at("outrun"), 1);
 }

@@ -32,6 +32,9 @@ TEST_F(ComparePageInChromium, DrawsEveryPlotAndTableWithoutAnError) {
             "Of 6 runs on 3 problems each; bars are intervals at 95 % confidence for problems like these."),
         std::string::npos);
     EXPECT_NE(dom.find("4 / 0 / 6"), std::string::npos);
+    EXPECT_NE(dom.find(">search / shortcuts / proofs, %<"), std::string::npos);
+    EXPECT_NE(dom.find("aria-label=\"search "), std::string::npos) << "a bar of the CPU";
+    EXPECT_NE(dom.find("no shortcuts, proofs "), std::string::npos) << "of a beam";
     EXPECT_NE(dom.find("not certified"), std::string::npos);
     EXPECT_NE(dom.find("What a paper says."), std::string::npos);
     EXPECT_NE(dom.find("The start is not free"), std::string::npos) << "a failed run explains itself";

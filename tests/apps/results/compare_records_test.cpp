@@ -46,6 +46,7 @@ CompareRun run(std::size_t planner, int number) {
   found.explanation = "Line one.\nLine \"two\": äöü";
   found.statistics = {{"xi_m", 1e-17}};
   found.solved_by = BoundaryPlusStage::none;
+  found.work = {.search = 1e-3 / 3.0, .proofs = 2e-17};
   found.motion = CompareMotion{1.0, 2.0, 3.0};
   found.team = CompareTeamRun{1, 2, 3, 4, "who"};
   found.ended = number == 2 ? "hung" : "";
@@ -78,6 +79,9 @@ TEST(CompareRecords, ReadBackAreWhatWasWrittenBitForBit) {
   EXPECT_EQ(first.team->outrun, "who");
   EXPECT_EQ(first.statistics, run(0, 1).statistics);
   EXPECT_EQ(first.solved_by, BoundaryPlusStage::none);
+  EXPECT_EQ(first.work.search, 1e-3 / 3.0);
+  EXPECT_EQ(first.work.shortcuts, std::nullopt);
+  EXPECT_EQ(first.work.proofs, 2e-17);
   EXPECT_EQ(found.problems[0].goals[0][1], 1e-300);
   EXPECT_TRUE(std::signbit(found.problems[0].start[1]));
   EXPECT_TRUE(std::isinf(found.time_limit));

@@ -75,6 +75,10 @@ TEST(CompareSummary, ReportsMediansOfValidRunsAndTimesOfSolvedOnes) {
     run.time = i * i;
     run.cpu = 2.0 * i * i;
     run.check_cpu = 3.0 * i * i;
+    run.space_cpu = 4.0 * i * i;
+    run.derive_cpu = 0.5 * i * i;
+    if (i < 5) run.work = {.search = 1.5 * i * i, .proofs = 0.5 * i * i};  // the fifth is not split
+    if (i == 4) run.work.shortcuts = 8.0, run.work.search = 16.0;
     run.cost = 10.0 * i * i;
     run.length = 100.0 * i * i;
     run.steps = static_cast<std::size_t>(7 * i * i);
@@ -90,6 +94,12 @@ TEST(CompareSummary, ReportsMediansOfValidRunsAndTimesOfSolvedOnes) {
   EXPECT_DOUBLE_EQ(sum.time_median, 9.0);
   EXPECT_DOUBLE_EQ(sum.cpu_median, 18.0);
   EXPECT_DOUBLE_EQ(sum.check_median, 27.0);
+  EXPECT_EQ(sum.work_mean.search, (1.5 * 14 + 16.0) / 4);
+  EXPECT_EQ(sum.work_mean.shortcuts, 8.0 / 4);
+  EXPECT_EQ(sum.work_mean.proofs, 0.5 * 30 / 4);
+  EXPECT_EQ(work_text(sum), "62 / 13 / 25");
+  EXPECT_DOUBLE_EQ(sum.space_mean, 4.5 * 55 / 5);
+  EXPECT_DOUBLE_EQ(sum.check_mean, 3.0 * 55 / 5);
   EXPECT_GT(sum.time_p95, 20.0);
   EXPECT_LE(sum.time_p95, 25.0);
   const double middle = 6.5;  // of 1, 4, 9, 16

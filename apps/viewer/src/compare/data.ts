@@ -7,6 +7,8 @@ export interface Planner {
   problems: number;                                         // that the runs are of
   valid_share_95: [number, number];                         // Wilson's interval of as many runs as these are worth
   cpu_median_s: number | null;                              // of solved runs; null: of teams
+  search_cpu_mean_s: number | null; shortcut_cpu_mean_s: number | null; proof_cpu_mean_s: number | null;  // its parts; null: none of that
+  space_cpu_mean_s: number | null; check_cpu_mean_s: number | null;  // before and after; null: of teams
   time_median_s: number | null; time_p95_s: number | null;  // of solved runs
   cost_median_joules: number | null; length_median_rad: number | null; steps_median: number | null;  // of valid runs
   unsolved: Record<string, number>;                         // by status

@@ -59,31 +59,43 @@ function successCells(planner: Planner): HTMLElement[] {
 
 const timeCells = (planner: Planner) => [planner.time_median_s, planner.cpu_median_s, planner.time_p95_s].map((value) => cell(seconds(value), value));
 
+/// What the CPU to plan was spent on, in shares: a bar, and its seconds on hovering. Sorts by the share of proofs.
+function workCell(planner: Planner): HTMLElement {
+  const parts: [string, number | null][] = [["search", planner.search_cpu_mean_s], ["shortcuts", planner.shortcut_cpu_mean_s], ["proofs", planner.proof_cpu_mean_s]];
+  const whole = parts.reduce((sum, [, value]) => sum + (value ?? 0), 0);
+  if (whole === 0) return cell("–", null);
+  const words = parts.map(([name, value]) => value === null ? `no ${name}` : `${name} ${share(value / whole)} % (${seconds(value)})`).join(", ");
+  const beside = `before it, space ${seconds(planner.space_cpu_mean_s)}; after it, check ${seconds(planner.check_cpu_mean_s)}`;
+  return el("td", { class: "work", "data-value": String((planner.proof_cpu_mean_s ?? 0) / whole), title: `CPU of a solved run, mean: ${words}; ${beside}` },
+    el("div", { class: "bar", role: "img", "aria-label": words }, ...parts.map(([name, value]) => el("i", { class: name, style: `width:${(100 * (value ?? 0) / whole).toFixed(2)}%` }))),
+    el("small", {}, parts.map(([, value]) => value === null ? "–" : share(value / whole)).join(" / ")));
+}
+
 /// Of the length of a path in joint space, in which turns and slides count alike.
 const lengthUnit = ({ prismatic }: Experiment) => !prismatic.includes(true) ? "rad" : !prismatic.includes(false) ? "m" : "rad and m";
 
 function table(experiment: Experiment): HTMLElement {
-  const head = ["planner", "runs", "solved / valid / total", "success, % (95\u00a0%)", "time, median", "CPU, median", "time, p95", "cost, J", `length, ${lengthUnit(experiment)}`, "steps", "not solved"];
+  const head = ["planner", "runs", "solved / valid / total", "success, % (95\u00a0%)", "time, median", "CPU, median", "time, p95", "search / shortcuts / proofs, %", "cost, J", `length, ${lengthUnit(experiment)}`, "steps", "not solved"];
   const rows = experiment.planners.map((planner, p) => el("tr", {}, nameCell(planner, p), ...successCells(planner), ...timeCells(planner),
-    cell(figure(planner.cost_median_joules), planner.cost_median_joules), cell(figure(planner.length_median_rad), planner.length_median_rad),
+    workCell(planner), cell(figure(planner.cost_median_joules), planner.cost_median_joules), cell(figure(planner.length_median_rad), planner.length_median_rad),
     cell(figure(planner.steps_median, 6), planner.steps_median), el("td", {}, unsolved(planner))));
-  return boxed(experiment.name, sortable(head, new Set([2, 3, 4, 5, 6, 7, 8, 9]), rows));
+  return boxed(experiment.name, sortable(head, new Set([2, 3, 4, 5, 6, 8, 9, 10]), rows));
 }
 
 /// All experiments of single robots: only planners with the same runs are told apart by it, and the others say so.
 export function overviewSection(overview: Overview): HTMLElement {
-  const head = ["planner", "experiments", "runs", "solved / valid / total", "success, % (95\u00a0%)", "time, median", "CPU, median", "time, p95",
+  const head = ["planner", "experiments", "runs", "solved / valid / total", "success, % (95\u00a0%)", "time, median", "CPU, median", "time, p95", "search / shortcuts / proofs, %",
                 "shared: time", "shared: cost, J", `shared: length, ${overview.length_unit}`, "not solved"];
   const rows = overview.planners.map((row, p) => {
     const part = row.comparable ? [] : [el("small", { class: "mark", title: `It has ${row.total} of the ${overview.runs} runs` }, "* only some runs")];
     const mixed = row.same_options ? [] : [el("small", { class: "mark", title: "Planner or options differ between experiments; shown are the first one's" }, "options differ")];
     return el("tr", row.comparable ? {} : { class: "apart" }, nameCell(row, p, ...part, ...mixed), cell(`${row.experiments} of ${overview.experiments}`, row.experiments),
-      ...successCells(row), ...timeCells(row), cell(seconds(row.shared.time_median_s), row.shared.time_median_s),
+      ...successCells(row), ...timeCells(row), workCell(row), cell(seconds(row.shared.time_median_s), row.shared.time_median_s),
       cell(figure(row.shared.cost_median_joules), row.shared.cost_median_joules), cell(figure(row.shared.length_median_rad), row.shared.length_median_rad),
       el("td", {}, unsolved(row)));
   });
   return el("section", { id: "all" }, el("h2", {}, "All experiments"),
-    el("p", { class: "conditions" }, overview.notes.join(" ")), boxed("all experiments", sortable(head, new Set([1, 3, 4, 5, 6, 7, 8, 9, 10]), rows)), legend());
+    el("p", { class: "conditions" }, overview.notes.join(" ")), boxed("all experiments", sortable(head, new Set([1, 3, 4, 5, 6, 7, 9, 10, 11]), rows)), legend(), workLegend());
 }
 
 /// Experiments that differ in resolution alone, side by side.
@@ -135,6 +147,11 @@ function worst(experiment: Experiment): HTMLElement | null {
 function legend(): HTMLElement {
   const key = (kind: string, text: string) => el("span", {}, el("i", { class: `box ${kind}` }), text);
   return el("p", { class: "note legend" }, key("valid", "valid"), key("invalid", "solved, but not proved valid by the independent check"), key("", "not solved"));
+}
+
+function workLegend(): HTMLElement {
+  const key = (kind: string, text: string) => el("span", {}, el("i", { class: `box ${kind}` }), text);
+  return el("p", { class: "note legend" }, "CPU to plan, of all solved runs together:", key("search", "search"), key("shortcuts", "shortcuts"), key("proofs", "proofs of edges, during both"));
 }
 
 function sayings(experiment: Experiment): HTMLElement | null {
@@ -197,7 +214,7 @@ export function section(experiment: Experiment, number: number, meanings: Meanin
     figures.push(scatter.figure);
   }
   const parts = [el("h2", {}, experiment.title || experiment.name), el("p", { class: "conditions" }, experiment.conditions),
-                 ...(experiment.table ? [teamTable(experiment, experiment.table)] : [table(experiment), legend()]),
+                 ...(experiment.table ? [teamTable(experiment, experiment.table)] : [table(experiment), legend(), workLegend()]),
                  animations(experiment), sayings(experiment), el("div", { class: "charts" }, ...figures), pairs(experiment), worst(experiment), failures(experiment), options(experiment, meanings)];
   return { element: el("section", { id: `e${number}` }, ...parts.filter((part) => part !== null)), charts };
 }
