@@ -95,7 +95,7 @@ void print_text(const Outcome& outcome) {
   const BenchResult& result = outcome.result;
   const std::string ratio = result.no_ratio.empty() ? "ratio " + figure(result.ratio()) : "no ratio";
   std::printf("%-13s %10.4g %s   %s %10.4g %s   %s   (%d runs, load %.2f)\n", outcome.name.c_str(),
-              result.ours, result.unit.c_str(), result.peer_name.c_str(), result.peer, result.unit.c_str(),
+              result.ours, result.units().c_str(), result.peer_name.c_str(), result.peer, result.unit.c_str(),
               ratio.c_str(), result.runs, outcome.before.average);
   for (const auto& [key, value] : result.detail.items()) std::cout << "  " << key << ": " << value << '\n';
   std::cout.flush();

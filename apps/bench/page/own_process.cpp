@@ -54,6 +54,7 @@ std::string bytes_of(const BenchResult& result) {
             {"runs", result.runs},
             {"detail", result.detail},
             {"compared", result.compared},
+            {"also", result.also},
             {"no_ratio", result.no_ratio},
             {"tables", Json::array()}};
   for (const Table& table : result.tables) json["tables"].push_back(json_of(table));
@@ -66,6 +67,7 @@ BenchResult result_of(const std::string& bytes) {
   BenchResult result{json["ours"],    json["peer"], json["name"],  json["unit"],
                      json["smaller"], json["runs"], json["detail"]};
   result.compared = json["compared"];
+  result.also = json["also"];
   result.no_ratio = json["no_ratio"];
   for (const Json& table : json["tables"])
     result.tables.push_back({table["title"], table["head"], table["rows"], table["note"]});

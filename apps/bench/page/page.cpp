@@ -49,7 +49,7 @@ std::string summary(const std::vector<Outcome>& outcomes) {
       table.rows.push_back({link, "–", "–", "failed", "–", "–", "–", figure(one.seconds), load});
       continue;
     }
-    table.rows.push_back({link, figure(result.ours), figure(result.peer), result.unit,
+    table.rows.push_back({link, figure(result.ours), figure(result.peer), result.units(),
                           result.no_ratio.empty() ? figure(result.ratio()) : "–", result.peer_name,
                           std::to_string(result.runs), figure(one.seconds), load});
   }

@@ -34,8 +34,11 @@ struct BenchResult {
 
   std::string compared{};       ///< a sentence or two: what with which peer on which input, and what to doubt
   std::vector<Table> tables{};  ///< medians, other quantiles where they belong, ratios
-  std::string no_ratio{};       ///< why `ours` and `peer` make no ratio; empty: they do
+  std::string also{};      ///< figures beside `ours`, in its unit, for the line of a summary; may be empty
+  std::string no_ratio{};  ///< why `ours` and `peer` make no ratio; empty: they do
 
+  /// What the line of a summary says of its figures.
+  std::string units() const { return also.empty() ? unit : unit + " (" + also + ")"; }
   /// Above 1: ours is better.
   double ratio() const { return smaller_is_better ? peer / ours : ours / peer; }
 };

@@ -171,6 +171,17 @@ TEST(BenchmarkPage, the_page_has_commit_date_machine_load_and_every_benchmark) {
     EXPECT_NE(page.find(part), std::string::npos) << part << " is not in\n" << page;
 }
 
+TEST(BenchmarkPage, a_summary_has_the_figures_beside_ours_also_of_a_process_of_its_own) {
+  const Benchmark run = isolated([](const BenchOptions& options) {
+    BenchResult result = twice_as_fast(options);
+    result.also = "p99 1.50";
+    return result;
+  });
+  Outcome outcome = one_good_one_bad().back();
+  outcome.result = run({});
+  EXPECT_NE(whole_page({}, {outcome}).find("| CPU ms (p99 1.50) |"), std::string::npos);
+}
+
 TEST(BenchmarkPage, no_ratio_is_given_where_both_sides_answer_different_questions) {
   Outcome outcome = one_good_one_bad().back();
   outcome.result.no_ratio = "the peer sleeps.";
