@@ -64,6 +64,13 @@ double PathFields::number() const {
   return number;
 }
 
+double PathFields::time() const {
+  constexpr double latest = 1e11;
+  const double time = json_of(value_).is_number() ? json_of(value_).get<double>() : NAN;
+  if (!(time >= 0.0 && time <= latest)) fail("a time in seconds");
+  return time;
+}
+
 double PathFields::number_or(const char* key, double otherwise) const {
   return has(key) ? at(key).number() : otherwise;
 }

@@ -25,6 +25,7 @@ class PathFields {
   std::string text() const;
   bool is_true() const;
   double number() const;  ///< at most 1e6
+  double time() const;    ///< s, of any clock
   double number_or(const char* key, double otherwise) const;
   /// All numbers of a list, or of a list of lists.
   std::vector<double> numbers() const;

@@ -85,6 +85,13 @@ ArrayHead head_of(const std::string& bytes) {
   return head;
 }
 
+/// "4 x 3" of an array of four rows and three columns.
+std::string shape_text(const std::vector<std::int64_t>& shape) {
+  std::string text;
+  for (const std::int64_t side : shape) text += (text.empty() ? "" : " x ") + std::to_string(side);
+  return text.empty() ? "no" : text;
+}
+
 /// Rows and columns.
 std::pair<std::int64_t, std::int64_t> sides_of(const ArrayHead& head) {
   std::vector<std::int64_t> sides = head.shape;
@@ -92,34 +99,36 @@ std::pair<std::int64_t, std::int64_t> sides_of(const ArrayHead& head) {
     sides.pop_back();
   else if (sides.size() == 3 && sides.front() == 1)
     sides.erase(sides.begin());
-  std::string text;
-  for (const std::int64_t side : head.shape) text += (text.empty() ? "" : " x ") + std::to_string(side);
   if (sides.size() != 2)
-    throw std::runtime_error("it is an array of " + (text.empty() ? "no" : text) +
+    throw std::runtime_error("it is an array of " + shape_text(head.shape) +
                              " entries: expected rows and columns");
   require_picture_size(sides[1], sides[0]);
   return {sides[0], sides[1]};
 }
 
 template <typename Number>
-float number_at(const char* bytes, bool is_swapped) {
+double number_at(const char* bytes, bool is_swapped) {
   std::array<char, sizeof(Number)> own;
   std::memcpy(own.data(), bytes, own.size());
   if (is_swapped) std::reverse(own.begin(), own.end());
   Number number;
   std::memcpy(&number, own.data(), own.size());
-  return static_cast<float>(number);
+  return static_cast<double>(number);
 }
 
-float half_at(const char* bytes, bool is_swapped) {
+double half_at(const char* bytes, bool is_swapped) {
   std::array<char, 2> own{bytes[0], bytes[1]};
   if (is_swapped) std::swap(own[0], own[1]);
   cv::float16_t half;
   std::memcpy(&half, own.data(), own.size());
-  return static_cast<float>(half);
+  return double{static_cast<float>(half)};
 }
 
-using Reading = float (*)(const char*, bool);
+using Reading = double (*)(const char*, bool);
+
+bool is_of_another_order(const ArrayHead& head) {
+  return (head.type[0] == '>') == (std::endian::native == std::endian::little);
+}
 
 /// How one number of this type is read, and how many bytes it has.
 std::pair<Reading, std::size_t> reading_of(const std::string& type) {
@@ -139,6 +148,29 @@ std::pair<Reading, std::size_t> reading_of(const std::string& type) {
                            ", expected whole or real ones of at most 64 bits");
 }
 
+std::size_t count_of(const std::vector<std::int64_t>& shape, std::size_t most) {
+  std::size_t count = 1;
+  for (const std::int64_t side : shape) {
+    if (side > 0 && count > most / static_cast<std::size_t>(side))
+      throw std::runtime_error("it is an array of " + shape_text(shape) + " entries, expected at most " +
+                               std::to_string(most));
+    count *= static_cast<std::size_t>(side);
+  }
+  return count;
+}
+
+/// Where the entry that is `at` in C's order stands in Fortran's, whose first index runs fastest.
+std::size_t place_in_fortran(std::size_t at, const std::vector<std::int64_t>& shape, std::size_t count) {
+  std::size_t place = 0, stride = count;
+  for (std::size_t axis = shape.size(); axis-- > 0;) {
+    const auto side = static_cast<std::size_t>(shape[axis]);
+    stride /= side;
+    place += at % side * stride;
+    at /= side;
+  }
+  return place;
+}
+
 }  // namespace
 
 bool is_npy(const std::string& bytes) { return std::string_view(bytes).starts_with(magic); }
@@ -151,13 +183,29 @@ DepthPicture decode_npy(const std::string& bytes) {
     throw std::runtime_error("it is cut off");
   DepthPicture picture{{static_cast<int>(columns), static_cast<int>(rows)}, {}, head.type[1] == 'f'};
   picture.values.reserve(static_cast<std::size_t>(rows * columns));
-  const bool is_swapped = (head.type[0] == '>') == (std::endian::native == std::endian::little);
+  const bool is_swapped = is_of_another_order(head);
   for (std::int64_t row = 0; row < rows; ++row)
     for (std::int64_t column = 0; column < columns; ++column) {
       const std::int64_t at = head.is_fortran ? column * rows + row : row * columns + column;
-      picture.values.push_back(read(&bytes[head.data_at + static_cast<std::size_t>(at) * size], is_swapped));
+      picture.values.push_back(
+          static_cast<float>(read(&bytes[head.data_at + static_cast<std::size_t>(at) * size], is_swapped)));
     }
   return picture;
+}
+
+NpyNumbers decode_npy_numbers(const std::string& bytes, std::size_t most) {
+  const ArrayHead head = head_of(bytes);
+  const auto [read, size] = reading_of(head.type);
+  NpyNumbers numbers{head.shape, shape_text(head.shape), head.type.substr(1), {}};
+  const std::size_t count = count_of(head.shape, most);
+  if ((bytes.size() - head.data_at) / size < count) throw std::runtime_error("it is cut off");
+  numbers.values.reserve(count);
+  const bool is_swapped = is_of_another_order(head);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t at = head.is_fortran ? place_in_fortran(i, head.shape, count) : i;
+    numbers.values.push_back(read(&bytes[head.data_at + at * size], is_swapped));
+  }
+  return numbers;
 }
 
 }  // namespace clearway

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "datasets/cameras/path_fields.hpp"
+#include "datasets/cameras/phone_paths.hpp"
 #include "datasets/pictures/picture_poses.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -16,22 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t largest_path_file = std::size_t{64} << 20U;  ///< bytes
-
-/// @param values of a matrix, row by row
-Eigen::Isometry3d rigid_of(const std::vector<double>& values, const PathFields& field, const char* expected) {
-  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
-  if (values.size() != 12 && values.size() != 16) field.fail(expected);
-  for (std::size_t i = 0; i < values.size(); ++i)
-    matrix(static_cast<int>(i) / 4, static_cast<int>(i) % 4) = values[i];
-  const Eigen::Matrix3d turn = matrix.topLeftCorner<3, 3>();
-  if (matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1) || !(turn * turn.transpose()).isIdentity(1e-3) ||
-      turn.determinant() < 0.0)
-    field.fail(expected);
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() = Eigen::Quaterniond(turn).normalized().toRotationMatrix();
-  pose.translation() = matrix.topRightCorner<3, 1>();
-  return pose;
-}
 
 std::string file_named(const PathFields& frame, std::initializer_list<const char*> keys) {
   for (const char* key : keys)
@@ -150,6 +135,11 @@ CameraPath read_bop_scene(const PathFields& file, const std::optional<PictureSiz
   return path;
 }
 
+CameraPath with_shots(CameraPath path, const PathFields& file) {
+  if (path.shots.empty()) file.fail("at least one frame");
+  return path;
+}
+
 /// What stands of a picture's name without the words that say what it shows: names of one shot have it alike.
 std::string shot_name(const fs::path& file) {
   for (const char* word : {"depth", "color", "colour", "rgb", "image"})
@@ -158,16 +148,6 @@ std::string shot_name(const fs::path& file) {
 }
 
 }  // namespace
-
-bool CameraPath::has_cameras() const {
-  return std::all_of(shots.begin(), shots.end(),
-                     [](const CameraShot& shot) { return shot.camera.has_value(); });
-}
-
-bool CameraPath::has_poses() const {
-  return std::any_of(shots.begin(), shots.end(),
-                     [](const CameraShot& shot) { return shot.world_from_camera.has_value(); });
-}
 
 bool is_camera_path(const std::string& text) {
   std::size_t at = text.starts_with("\xEF\xBB\xBF") ? 3 : 0;
@@ -180,13 +160,14 @@ CameraPath parse_camera_path(const std::string& text, const std::string& name,
   if (text.size() > largest_path_file) throw std::invalid_argument(name + ": expected at most 64 MB of JSON");
   const PathFields file = PathFields::parse(text, name);
   if (is_bop_scene(file)) return read_bop_scene(file, sizes);
+  if (is_record3d(file)) return with_shots(read_record3d(file), file);
+  if (is_scannetpp(file)) return with_shots(read_scannetpp(file), file);
   if (file.has("frames") == file.has("parameters"))
     file.fail(
         "either `frames` (transforms.json of nerfstudio and instant-ngp) or `parameters` (Open3D's "
-        "PinholeCameraTrajectory), or BOP's pictures by their numbers, each with `cam_K`");
-  CameraPath path = file.has("frames") ? read_transforms(file, sizes) : read_open3d_path(file);
-  if (path.shots.empty()) file.fail("at least one frame");
-  return path;
+        "PinholeCameraTrajectory), or BOP's pictures by their numbers, each with `cam_K`, or Record3D's "
+        "`poses` and `K`, or ScanNet++'s pictures by their names, each with `intrinsic`");
+  return with_shots(file.has("frames") ? read_transforms(file, sizes) : read_open3d_path(file), file);
 }
 
 std::map<fs::path, CameraShot> shots_of_pictures(const CameraPath& path, const fs::path& file,
@@ -225,9 +206,11 @@ std::map<fs::path, CameraShot> shots_of_pictures(const CameraPath& path, const f
   if (shots.empty())
     throw std::invalid_argument(name + ": none of its " + std::to_string(path.shots.size()) +
                                 " frames is of a depth picture there; expected " +
-                                (path.is_numbered ? "pictures called by their numbers, as 000012.png"
-                                 : path.has_image_names
-                                     ? "pictures whose names are those of its images"
+                                (path.is_numbered       ? "pictures called by their numbers, as 000012.png"
+                                 : path.has_image_names ? "pictures whose names are those of its images"
+                                 : !path.note.empty()
+                                     ? "pictures called as it calls its frames, the first of them " +
+                                           quote(path.shots.front().picture)
                                      : "`depth_file_path`, or pictures whose names are those of "
                                        "`file_path`"));
   return shots;

@@ -1,39 +1,15 @@
 #pragma once
 
-#include <Eigen/Geometry>
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "datasets/cameras/camera_shots.hpp"
 #include "datasets/cameras/nerf_camera.hpp"
-#include "datasets/sources/recording.hpp"
 
 namespace clearway {
-
-/// One picture of a camera that moved.
-struct CameraShot {
-  /// Files, relative to where the path lies, or the picture's number; empty: not stated.
-  std::string picture, depth;
-  std::optional<Eigen::Isometry3d> world_from_camera;  ///< optical frame, m; empty: not stated (BOP's alone)
-  std::optional<CameraIntrinsics> camera;              ///< empty: not stated, or not its size
-};
-
-/// The way of a camera as programs write it as JSON that look for it, or that are to show it.
-struct CameraPath {
-  std::vector<CameraShot> shots;
-  std::optional<double> depth_scale;  ///< m per step of depth pictures; empty: not stated
-  bool is_named = false;              ///< shots name their pictures; else they are in the order of these
-  bool is_numbered = false;           ///< shots state their pictures' numbers (BOP)
-  bool has_image_names = false;       ///< COLMAP's images.txt
-  bool is_of_colmap = false;          ///< COLMAP found the poses: their unit is not known
-  bool is_scale_of_integers = false;  ///< depth_scale is that of whole numbers alone
-
-  /// Whether all of them state their camera, or any of them its pose.
-  bool has_cameras() const;
-  bool has_poses() const;
-};
 
 /// Whether a text begins as such a file does, with `{`.
 bool is_camera_path(const std::string& text);
@@ -45,8 +21,8 @@ bool is_camera_path(const std::string& text);
 /// - Open3D's PinholeCameraTrajectory: `parameters`, each with `extrinsic`, camera_from_world column by
 ///   column, and `intrinsic`.
 /// - BOP's scene_camera.json: by the picture's number `cam_K` (row by row), `depth_scale` (mm per step) and,
-/// not
-///   in all of them, `cam_R_w2c` (row by row) and `cam_t_w2c` (mm), camera_from_world.
+///   not in all of them, `cam_R_w2c` (row by row) and `cam_t_w2c` (mm), camera_from_world.
+/// - Record3D's metadata.json and ScanNet++'s pose_intrinsic_imu.json (phone_paths.hpp).
 /// @param name what errors call the file @param sizes of pictures, for a file that does not say it: lengths
 /// in pixels are of colour pictures, angles of any; without sizes such a file states no camera
 /// @throws std::invalid_argument in one sentence naming the file, the place and what was expected

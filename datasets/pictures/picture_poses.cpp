@@ -1,23 +1,25 @@
 #include "datasets/pictures/picture_poses.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
 
 #include "datasets/cameras/body_poses.hpp"
 #include "datasets/cameras/colmap_images.hpp"
 #include "datasets/cameras/lower_case.hpp"
+#include "datasets/depth_files/npy_file.hpp"
 #include "datasets/pictures/arkit_folder.hpp"
 #include "datasets/pictures/camera_path.hpp"
 #include "datasets/pictures/picture_numbers.hpp"
 #include "datasets/pictures/polycam_path.hpp"
 #include "datasets/pictures/stray_folder.hpp"
+#include "datasets/poses/ned_poses.hpp"
+#include "datasets/poses/npy_poses.hpp"
 #include "datasets/poses/tum_poses.hpp"
+#include "datasets/poses/word_lines.hpp"
 #include "datasets/sources/finite_number.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/number_text.hpp"
@@ -29,8 +31,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t largest_pose_file = 256U << 20U;
-constexpr char expected_matrix[] =
-    "expected four rows of four numbers, or the first three of them, a rigid transform";
 
 /// "frame-000012" of frame-000012.depth.png and of frame-000012.pose.txt, but all of 1305031102.160407: the
 /// digits before a point say what several pictures have in common.
@@ -40,115 +40,6 @@ std::string first_part(const fs::path& file) {
   const bool is_of_number =
       point != std::string::npos && std::isdigit(static_cast<unsigned char>(stem[point + 1])) != 0;
   return is_of_number ? stem : stem.substr(0, point);
-}
-
-std::vector<std::string> words_of(const std::string& line) {
-  std::istringstream stream(line);
-  std::vector<std::string> words;
-  for (std::string word; stream >> word;) words.push_back(word);
-  return words;
-}
-
-/// True for "nan", "-inf" and "Infinity".
-bool is_unknown(const std::string& word) {
-  const std::string text = lower_case(word);
-  return text.find("inf") != std::string::npos || text.find("nan") != std::string::npos;
-}
-
-/// The pose of 12 or 16 words, rows of its matrix; empty when they say that it is not known.
-/// @throws std::invalid_argument without a name when they are no rigid transform
-std::optional<Eigen::Isometry3d> pose_of(const std::vector<std::string>& words) {
-  if (std::any_of(words.begin(), words.end(), is_unknown)) return std::nullopt;
-  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
-  bool whole = words.size() == 12 || words.size() == 16;
-  for (std::size_t i = 0; whole && i < words.size(); ++i) {
-    const auto number = finite_number(words[i].starts_with('+') ? words[i].substr(1) : words[i]);
-    whole = number.has_value();
-    if (whole) matrix(static_cast<int>(i) / 4, static_cast<int>(i) % 4) = *number;
-  }
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  if (whole) pose.matrix() = matrix;
-  const Eigen::Matrix3d turn = pose.linear();
-  if (!whole || matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1) || !pose.matrix().allFinite() ||
-      !(turn * turn.transpose()).isIdentity(1e-3) || turn.determinant() < 0.0)
-    throw std::invalid_argument("");
-  pose.linear() = Eigen::Quaterniond(turn).normalized().toRotationMatrix();
-  return pose;
-}
-
-/// A line that holds something, and its number in the file.
-struct Line {
-  int number;
-  std::vector<std::string> words;
-};
-
-std::vector<Line> lines_of(const std::string& text) {
-  std::istringstream stream(text);
-  std::vector<Line> lines;
-  int number = 0;
-  for (std::string line; std::getline(stream, line);) {
-    ++number;
-    line.resize(std::min(line.find('#'), line.size()));
-    if (auto words = words_of(line); !words.empty()) lines.push_back({number, std::move(words)});
-  }
-  return lines;
-}
-
-/// @throws std::invalid_argument naming the line and what was expected
-std::optional<Eigen::Isometry3d> pose_at(const std::string& name, const Line& line,
-                                         const std::vector<std::string>& words, const char* expected) {
-  try {
-    return pose_of(words);
-  } catch (const std::invalid_argument&) {
-    throw std::invalid_argument(name + ", line " + std::to_string(line.number) + ": " + expected);
-  }
-}
-
-NumberedPoses poses_of_log(const std::vector<Line>& lines, const std::string& name) {
-  constexpr double most_pictures = 1e9;
-  NumberedPoses numbered{{}, true};
-  for (std::size_t at = 0; at < lines.size(); at += 5) {
-    const auto refuse = [&](const std::string& what) {
-      throw std::invalid_argument(name + ", line " + std::to_string(lines[at].number) + ": " + what);
-    };
-    const auto number = finite_number(lines[at].words.front());
-    if (lines[at].words.size() != 3 || !number || *number < 0 || *number > most_pictures ||
-        *number != static_cast<double>(static_cast<std::size_t>(*number)))
-      refuse("expected three whole numbers, the first of them the picture's");
-    std::vector<std::string> words;
-    for (std::size_t row = at + 1; row < std::min(at + 5, lines.size()); ++row)
-      words.insert(words.end(), lines[row].words.begin(), lines[row].words.end());
-    if (words.size() != 16) refuse("expected four rows of four numbers after it");
-    const auto pose = pose_at(name, lines[at], words, expected_matrix);
-    if (!numbered.poses.emplace(static_cast<std::size_t>(*number), pose).second)
-      refuse("picture " + lines[at].words.front() + " has a second pose");
-  }
-  return numbered;
-}
-
-/// Three rows of a matrix for each picture, in their order (SUN3D's extrinsics). @throws
-/// std::invalid_argument also for four rows, as Neural RGB-D's, whose axes are not known to be ours
-NumberedPoses poses_of_rows(const std::vector<Line>& lines, const std::string& name) {
-  const auto is_last_row = [](const Line& line) {
-    return line.words.size() == 4 && std::all_of(line.words.begin(), line.words.begin() + 3,
-                                                 [](const auto& word) { return finite_number(word) == 0.0; });
-  };
-  if (lines.size() >= 4 && is_last_row(lines[3]))
-    throw std::invalid_argument(
-        name +
-        " has matrices of four rows one below the other, whose axes differ between data sets: expected "
-        "16 numbers a line, world_from_camera with x right, y down and z forward");
-  NumberedPoses numbered;
-  for (std::size_t at = 0; at < lines.size(); at += 3) {
-    std::vector<std::string> words;
-    for (std::size_t row = at; row < std::min(at + 3, lines.size()); ++row)
-      if (lines[row].words.size() == 4)
-        words.insert(words.end(), lines[row].words.begin(), lines[row].words.end());
-    const auto pose =
-        pose_at(name, lines[at], words, "expected three rows of four numbers, a rigid transform");
-    numbered.poses.emplace(numbered.poses.size(), pose);
-  }
-  return numbered;
 }
 
 std::set<std::size_t> values_of(const std::map<fs::path, std::size_t>& numbers) {
@@ -167,7 +58,7 @@ std::set<std::size_t> keys_of(const std::map<std::size_t, std::optional<Eigen::I
 std::set<std::size_t> whole_times(const std::string& text) {
   constexpr double most_pictures = 1e9;
   std::set<std::size_t> poses;
-  for (const Line& line : lines_of(text)) {
+  for (const WordLine& line : word_lines(text)) {
     const auto time = line.words.size() == 8 ? finite_number(line.words.front()) : std::nullopt;
     if (!time) continue;  // a head
     if (*time < 0 || *time > most_pictures || *time != std::floor(*time)) return {};
@@ -178,7 +69,7 @@ std::set<std::size_t> whole_times(const std::string& text) {
 
 /// Refuses lines of numbers of which there are neither a time and a pose nor a matrix's.
 void require_columns(const std::string& text, const std::string& name) {
-  for (const Line& line : lines_of(text)) {
+  for (const WordLine& line : word_lines(text)) {
     const bool are_numbers = std::all_of(line.words.begin(), line.words.end(), [](const std::string& word) {
       return finite_number(word).has_value();
     });
@@ -213,35 +104,27 @@ CameraPath path_of_colmap(const std::string& text, const std::string& name) {
   return path;
 }
 
+constexpr char taken_axes[] =
+    " are taken as world_from_camera of the optical frame (x right, y down, z forward), which arrays do not "
+    "state.";
+
+/// Whether the poses of pictures are arrays of NumPy.
+bool holds_arrays(const fs::path& folder) {
+  std::error_code error;
+  if (folder.empty()) return false;
+  const auto entries = fs::directory_iterator(folder, error);
+  bool has_arrays = false;
+  for (const auto& entry : entries) {
+    const std::string end = extension_of(entry.path());
+    if (end == ".txt") return false;
+    has_arrays |= end == ".npy";
+  }
+  return has_arrays;
+}
+
 bool is_part(char c) { return c == '.' || c == '_' || c == '-' || c == ' '; }
 
 }  // namespace
-
-std::optional<Eigen::Isometry3d> parse_pose_matrix(const std::string& text, const std::string& name) {
-  const std::vector<std::string> words = words_of(text);
-  try {
-    return pose_of(words);
-  } catch (const std::invalid_argument&) {
-  }
-  throw std::invalid_argument(name + ": " + expected_matrix);
-}
-
-std::optional<NumberedPoses> parse_numbered_poses(const std::string& text, const std::string& name) {
-  const std::vector<Line> lines = lines_of(text);
-  const std::size_t width = lines.empty() ? 0 : lines.front().words.size();
-  if (width == 3) return poses_of_log(lines, name);
-  if (width == 4) return poses_of_rows(lines, name);
-  if (width != 12 && width != 16) return std::nullopt;
-  const char* const expected = width == 12 ? "expected 12 numbers, the three rows of a rigid transform"
-                                           : "expected 16 numbers, the four rows of a rigid transform";
-  NumberedPoses numbered;
-  for (const Line& line : lines) {
-    const bool is_whole = line.words.size() == width;
-    const auto pose = pose_at(name, line, is_whole ? line.words : std::vector<std::string>(), expected);
-    numbered.poses.emplace(numbered.poses.size(), pose);
-  }
-  return numbered;
-}
 
 std::optional<std::string> name_beside(const fs::path& file, const std::string& word) {
   const std::string stem = file.stem().string(), low = lower_case(stem);
@@ -262,7 +145,10 @@ PicturePoses::PicturePoses(const fs::path& file, fs::path folder, std::string wo
                            const std::vector<fs::path>& pictures, double tolerance, bool have_times,
                            const fs::path& camera, std::optional<double> unit)
     : folder_(std::move(folder)), word_(std::move(word)) {
-  if (file.empty()) return;
+  if (file.empty()) {
+    if (holds_arrays(folder_)) notes_.push_back("poses in " + quote_path(folder_.string()) + taken_axes);
+    return;
+  }
   folder_.clear();
   const std::string name = "poses " + quote_path(file.string());
   std::error_code error;
@@ -283,6 +169,17 @@ PicturePoses::PicturePoses(const fs::path& file, fs::path folder, std::string wo
         "poses are in metres");
   if (path) {
     take_path(std::move(*path), file, pictures, unit);
+    return;
+  }
+  if (is_npy(text)) {
+    take_array(text, file, pictures, tolerance, have_times);
+    return;
+  }
+  if (is_ned_poses(file, text)) {
+    notes_.push_back(name +
+                     " are TartanAir's, of a camera with x forward, y right and z down: z of the map points "
+                     "down, too.");
+    number(parse_ned_poses(text, name), pictures, name);
     return;
   }
   auto numbered = parse_stray_poses(text, name);
@@ -323,6 +220,7 @@ void PicturePoses::take_path(CameraPath path, const fs::path& file, const std::v
                                 ": none of its pictures has a pose, expected `cam_R_w2c` and `cam_t_w2c`");
   if (path.is_of_colmap) scale_path_of_colmap(path, name, unit);
   take_shots(path, file, pictures);
+  if (!path.note.empty()) notes_.push_back(name + " " + path.note);
   if (path.is_of_colmap)
     notes_.push_back(
         name + " are COLMAP's, of " + short_text(*unit) +
@@ -348,6 +246,26 @@ void PicturePoses::take_times_for_numbers(const std::string& text, const std::ve
   note_apart(name, told_apart(values_of(numbers), poses, apart));
 }
 
+void PicturePoses::take_array(const std::string& bytes, const fs::path& file,
+                              const std::vector<fs::path>& pictures, double tolerance, bool have_times) {
+  const std::string name = "poses " + quote_path(file.string());
+  NumberedPoses numbered = parse_npy_poses(bytes, name);
+  notes_.push_back(name + taken_axes);
+  const std::vector<double> times = times_of_npy_poses(file, numbered.poses.size());
+  if (times.empty() || !have_times) {
+    number(std::move(numbered), pictures, name);
+    return;
+  }
+  between_.emplace(2.0 * tolerance);
+  nearest_.emplace(tolerance);
+  for (const auto& [at, pose] : numbered.poses)
+    for (PoseStream* stream : {&*between_, &*nearest_})
+      if (pose) stream->add(times[at], *pose);
+  between_->leave_out_jumps();
+  nearest_->leave_out_jumps();
+  if (const auto jumping = jumping_poses(file, *between_)) notes_.push_back(*jumping);
+}
+
 void PicturePoses::note_apart(const std::string& name, const std::string& clause) {
   if (!clause.empty()) notes_.push_back(name + ": " + clause);
 }
@@ -359,7 +277,8 @@ void PicturePoses::number(NumberedPoses numbered, const std::vector<fs::path>& p
                     for_these = " for " + std::to_string(pictures.size()) + " depth pictures";
   if (const auto numbers = numbers_in_names(pictures); numbered.have_numbers && !numbers.empty()) {
     try {
-      const long apart = numbers_apart(values_of(numbers), keys_of(poses));
+      const bool is_part = numbered.count_lines && numbers.size() < poses.size();
+      const long apart = is_part ? 0 : numbers_apart(values_of(numbers), keys_of(poses));
       note_apart(name, told_apart(values_of(numbers), keys_of(poses), apart));
       for (const auto& [picture, number] : numbers)
         if (const auto found = poses.find(number - static_cast<std::size_t>(apart)); found != poses.end())
@@ -399,16 +318,19 @@ std::optional<Eigen::Isometry3d> PicturePoses::of(const TimedFile& picture) cons
   }
   std::vector<std::string> names;
   for (const std::string& part : {picture.file.stem().string(), first_part(picture.file)})
-    for (const char* end : {".txt", ".pose.txt"}) names.push_back(part + end);
+    for (const char* end : {".txt", ".pose.txt", ".npy", ".pose.npy"}) names.push_back(part + end);
   if (const auto beside = name_beside(picture.file, word_))
     for (const char* form :
-         {"@.txt", "@.pose.txt", "pose_@.txt", "pose-@.txt", "pose@.txt", "@_pose.txt", "@-pose.txt"})
+         {"@.txt", "@.pose.txt", "pose_@.txt", "pose-@.txt", "pose@.txt", "@_pose.txt", "@-pose.txt", "@.npy",
+          "@.pose.npy", "pose_@.npy", "pose-@.npy", "pose@.npy", "@_pose.npy", "@-pose.npy"})
       names.push_back(std::string(form).replace(std::string(form).find('@'), 1, *beside));
   std::error_code error;
   for (const std::string& name : names) {
     const fs::path file = folder_ / name;
     if (!fs::exists(fs::symlink_status(file, error))) continue;
-    return parse_pose_matrix(read_input(file, "pose", 64U << 10U), "pose " + quote_path(file.string()));
+    const std::string content = read_input(file, "pose", 64U << 10U),
+                      called = "pose " + quote_path(file.string());
+    return is_npy(content) ? parse_npy_pose(content, called) : parse_pose_matrix(content, called);
   }
   return std::nullopt;
 }

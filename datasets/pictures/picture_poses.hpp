@@ -8,29 +8,12 @@
 #include <vector>
 
 #include "datasets/pictures/picture_times.hpp"
+#include "datasets/poses/numbered_poses.hpp"
 #include "datasets/poses/pose_stream.hpp"
 
 namespace clearway {
 
 struct CameraPath;
-
-/// Four rows of four numbers, or the first three of them, world_from_camera, m; empty when they are not
-/// finite (the data sets' way to say that it is not known). @throws std::invalid_argument naming `name` when
-/// they are no rigid transform
-std::optional<Eigen::Isometry3d> parse_pose_matrix(const std::string& text, const std::string& name);
-
-/// Poses by the number of their picture; empty where one is not known.
-struct NumberedPoses {
-  std::map<std::size_t, std::optional<Eigen::Isometry3d>> poses;
-  bool have_numbers = false;  ///< false: the numbers are their places, from 0
-};
-
-/// Poses that have no times, world_from_camera, m: a line of 12 or 16 numbers for each picture, the rows of
-/// its matrix (KITTI, Replica), or three lines of four (SUN3D), or of five lines, three numbers of which the
-/// first is the picture's and the four rows of a matrix (Redwood's and Open3D's `.log`). Nothing for a text
-/// whose first line is of another kind.
-/// @throws std::invalid_argument naming `name`, the line and what was expected.
-std::optional<NumberedPoses> parse_numbered_poses(const std::string& text, const std::string& name);
 
 /// What stands of a file's name beside one of these words at its beginning or end, without what parts them:
 /// "000012" of depth_000012.png, of depth000012.png and of 000012-depth.png, "frame-000012" of
@@ -40,10 +23,10 @@ std::optional<std::string> name_beside(const std::filesystem::path& file, const 
 /// Where the camera was at each of a folder's pictures: poses in time, poses by number, or a file for each.
 class PicturePoses {
  public:
-  /// @param file TUM text, numbered poses, a camera's path (camera_path.hpp) or COLMAP's images.txt, told
-  /// apart by its first line; or Polycam's folder of cameras; empty: none
+  /// @param file TUM text, numbered poses, TartanAir's, a camera's path (camera_path.hpp) or COLMAP's images,
+  /// told apart by its first line; an array of NumPy; or Polycam's folder of cameras; empty: none
   /// @param folder of a matrix for each picture, looked at when there is no `file`: NAME.txt, NAME.pose.txt,
-  /// or what stands beside `word` in NAME, alone or after or before "pose"; empty: none
+  /// the same as .npy, or what stands beside `word` in NAME, alone or after or before "pose"; empty: none
   /// @param pictures all of them in the order of names. Poses with numbers belong to those in the names
   /// (numbers_in_names, numbers_apart); without numbers there, to the picture at that place from 0, or, of as
   /// many poses, each to one in their order
@@ -78,6 +61,8 @@ class PicturePoses {
   /// Of TUM text, all of whose times are whole numbers.
   void take_times_for_numbers(const std::string& text, const std::vector<std::filesystem::path>& pictures,
                               const std::string& name);
+  void take_array(const std::string& bytes, const std::filesystem::path& file,
+                  const std::vector<std::filesystem::path>& pictures, double tolerance, bool have_times);
   void note_apart(const std::string& name, const std::string& clause);
   void number(NumberedPoses numbered, const std::vector<std::filesystem::path>& pictures,
               const std::string& name);

@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 
 #include "datasets/pictures/depth_picture.hpp"
 #include "tests/datasets/complaint.hpp"
+#include "tests/worlds/npy_bytes.hpp"
 
 namespace clearway {
 namespace npy_file_test {
@@ -111,6 +113,40 @@ TEST(NpyFile, WhatIsNoPictureIsRefusedInAClause) {
   EXPECT_NE(said(head("'|O'", "(2, 2)")).find("type '|O'"), std::string::npos);
   EXPECT_NE(said(head("[('a', '<f4')]", "(2, 2)")).find("records"), std::string::npos);
   EXPECT_NE(said(file("{'descr': '<f4'}", "")).find("names no 'fortran_order'"), std::string::npos);
+}
+
+/// A number counts its place in C's order, whatever the order of the file.
+TEST(NpyFile, NumbersOfAnyShapeStandInTheOrderOfC) {
+  for (const bool is_fortran : {false, true}) {
+    std::vector<std::int32_t> values(24);
+    for (std::size_t i = 0; i < 2; ++i)
+      for (std::size_t j = 0; j < 3; ++j)
+        for (std::size_t k = 0; k < 4; ++k) {
+          const std::size_t c = (i * 3 + j) * 4 + k, fortran = (k * 3 + j) * 2 + i;
+          values[is_fortran ? fortran : c] = static_cast<std::int32_t>(c);
+        }
+    const NpyNumbers numbers = decode_npy_numbers(npy_bytes("<i4", "(2, 3, 4)", values, is_fortran), 24);
+    EXPECT_EQ(numbers.shape, (std::vector<std::int64_t>{2, 3, 4}));
+    EXPECT_EQ(numbers.shape_text, "2 x 3 x 4");
+    EXPECT_EQ(numbers.type, "i4");
+    ASSERT_EQ(numbers.values.size(), 24U);
+    for (std::size_t i = 0; i < 24; ++i) EXPECT_EQ(numbers.values[i], static_cast<double>(i));
+  }
+  EXPECT_EQ(decode_npy_numbers(npy_bytes("<f8", "()", std::vector<double>{0.1}), 1).values.at(0), 0.1);
+  EXPECT_TRUE(decode_npy_numbers(npy_bytes("<f8", "(0, 4)", std::vector<double>()), 1).values.empty());
+}
+
+TEST(NpyFile, MoreNumbersThanAreWantedOrThereAreRefused) {
+  const auto said = [](const char* shape, std::size_t most) {
+    const std::string bytes = npy_bytes("<f8", shape, std::vector<double>(4));
+    return complaint<std::runtime_error>([&] { decode_npy_numbers(bytes, most); });
+  };
+  EXPECT_EQ(said("(4,)", 4), "");
+  EXPECT_EQ(said("(4,)", 3), "it is an array of 4 entries, expected at most 3");
+  EXPECT_EQ(said("(5,)", 9), "it is cut off");
+  EXPECT_NE(said("(4000000000, 4000000000, 4000000000)", 1U << 30U).find("expected at most"),
+            std::string::npos);
+  EXPECT_EQ(said("(0, 9000000000000000000, 9)", 9), "");
 }
 
 }  // namespace npy_file_test

@@ -391,19 +391,5 @@ TEST(NameBeside, IsWhatIsLeftWithoutTheWord) {
     EXPECT_EQ(name_beside(name, "depth").value_or(""), rest) << name;
 }
 
-TEST(PoseMatrix, IsRigidOrRefusedOrUnknown) {
-  EXPECT_FALSE(parse_pose_matrix("nan nan nan nan 0 1 0 0 0 0 1 0 0 0 0 1", "m"));
-  const auto turned = parse_pose_matrix("0 -1 0 1  1 0 0 2  0 0 1 3  0 0 0 1\n", "m");
-  EXPECT_LT((*turned * Eigen::Vector3d::UnitX() - Eigen::Vector3d(1, 3, 3)).norm(), 1e-12);
-  const auto rows = parse_pose_matrix("0 -1 0 1\n1 0 0 2\n0 0 1 3\n", "m");
-  EXPECT_TRUE(rows->isApprox(*turned)) << "the last row says nothing";
-  for (const char* wrong :
-       {"", "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1 7", "1 0 0 0 0 1 0 0 0 0 1", "x", "1 0 0 0 0 1 0 0 0 0 -1 0",
-        "1 0 0 0 0 1 0 0 0 0 -1 0 0 0 0 1", "1 0 0 0 0 1 0 0 0 0 1 0 0 0 1 1"})
-    EXPECT_NE(complaint([&] { parse_pose_matrix(wrong, "pose 'm'"); }).find("pose 'm': expected four rows"),
-              std::string::npos)
-        << wrong;
-}
-
 }  // namespace picture_poses_test
 }  // namespace clearway
