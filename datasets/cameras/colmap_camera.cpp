@@ -45,7 +45,7 @@ struct NumberedModel {
   const char* name;
   std::size_t parameters;
 };
-constexpr std::array<NumberedModel, 12> numbered_models{{{"SIMPLE_PINHOLE", 3},
+constexpr std::array<NumberedModel, 18> numbered_models{{{"SIMPLE_PINHOLE", 3},
                                                          {"PINHOLE", 4},
                                                          {"SIMPLE_RADIAL", 4},
                                                          {"RADIAL", 5},
@@ -56,7 +56,13 @@ constexpr std::array<NumberedModel, 12> numbered_models{{{"SIMPLE_PINHOLE", 3},
                                                          {"SIMPLE_RADIAL_FISHEYE", 4},
                                                          {"RADIAL_FISHEYE", 5},
                                                          {"THIN_PRISM_FISHEYE", 12},
-                                                         {"RAD_TAN_THIN_PRISM_FISHEYE", 16}}};
+                                                         {"RAD_TAN_THIN_PRISM_FISHEYE", 16},
+                                                         {"SIMPLE_DIVISION", 4},
+                                                         {"DIVISION", 5},
+                                                         {"SIMPLE_FISHEYE", 3},
+                                                         {"FISHEYE", 4},
+                                                         {"EUCM", 6},
+                                                         {"EQUIRECTANGULAR", 2}}};
 
 /// The same of cameras.bin: a count, then id, model, width, height and parameters of each. Nothing where the
 /// bytes are no such file from the first to the last.
@@ -64,7 +70,7 @@ std::optional<std::vector<Entry>> entries_of(const std::string& bytes) {
   const std::filesystem::path nowhere;
   ByteReader reader(bytes, nowhere);
   try {
-    constexpr std::size_t smallest = 4 + 4 + 8 + 8 + 3 * 8;
+    constexpr std::size_t smallest = 4 + 4 + 8 + 8 + 2 * 8;
     std::vector<Entry> found(reader.count(smallest));
     for (Entry& entry : found) {
       const std::string id = std::to_string(reader.get<std::uint32_t>());
@@ -99,7 +105,9 @@ const std::map<std::string, Model>& models() {
       {"FULL_OPENCV", {2, LensModel::rational, {0, 1, 2, 3, 4, 5, 6, 7}}},
       {"OPENCV_FISHEYE", {2, LensModel::fisheye, {0, 1, 2, 3}}},
       {"SIMPLE_RADIAL_FISHEYE", {1, LensModel::fisheye, {0}}},
-      {"RADIAL_FISHEYE", {1, LensModel::fisheye, {0, 1}}}};
+      {"RADIAL_FISHEYE", {1, LensModel::fisheye, {0, 1}}},
+      {"SIMPLE_FISHEYE", {1, LensModel::fisheye, {}}},
+      {"FISHEYE", {2, LensModel::fisheye, {}}}};
   return all;
 }
 

@@ -66,6 +66,10 @@ TEST(ColmapCamera, ProjectsAsColmapDoesButForTheHalfPixel) {
                ray);
   expect_pixel(read("1 SIMPLE_RADIAL_FISHEYE 640 480 500 320 240 0.1\n"),
                500 * angle * (1 + 0.1 * t2) / std::sqrt(r2) * ray + centre, ray);
+  expect_pixel(read("1 SIMPLE_FISHEYE 640 480 500 320 240\n"), 500 * angle / std::sqrt(r2) * ray + centre,
+               ray);
+  expect_pixel(read("1 FISHEYE 640 480 500 510 320 240\n"),
+               {500 * angle / std::sqrt(r2) * x + 320, 510 * angle / std::sqrt(r2) * y + 240}, ray);
   expect_pixel(read("1 OPENCV_FISHEYE 640 480 500 510 320 240 0.1 -0.02 0.01 0.003\n"),
                {500 * wide * x + 320, 510 * wide * y + 240}, ray);
 }
@@ -139,7 +143,14 @@ std::string binary(const std::vector<std::string>& lines) {
                                         "FOV",
                                         "SIMPLE_RADIAL_FISHEYE",
                                         "RADIAL_FISHEYE",
-                                        "THIN_PRISM_FISHEYE"};
+                                        "THIN_PRISM_FISHEYE",
+                                        "RAD_TAN_THIN_PRISM_FISHEYE",
+                                        "SIMPLE_DIVISION",
+                                        "DIVISION",
+                                        "SIMPLE_FISHEYE",
+                                        "FISHEYE",
+                                        "EUCM",
+                                        "EQUIRECTANGULAR"};
   std::string bytes;
   put(bytes, std::uint64_t{lines.size()});
   for (const std::string& line : lines) {
@@ -167,7 +178,9 @@ TEST(ColmapCamera, TheBinaryFileHasTheSameCameras) {
       "6 OPENCV_FISHEYE 640 480 500 510 320 240 -0.1 0.05 0.01 -0.02",
       "7 FULL_OPENCV 640 480 500 510 320 240 -0.1 0.05 0 0 0.03 0.02 -0.01 0.005",
       "12 SIMPLE_RADIAL_FISHEYE 1920 1080 500 960.5 540.123456789 0.1",
-      "9 RADIAL_FISHEYE 640 480 500 320 240 0.1 -0.02"};
+      "9 RADIAL_FISHEYE 640 480 500 320 240 0.1 -0.02",
+      "14 SIMPLE_FISHEYE 640 480 500 320 240",
+      "15 FISHEYE 640 480 500 510 320 240"};
   const std::string all = binary(lines);
   for (const std::string& line : lines) {
     const std::string id = line.substr(0, line.find(' '));
@@ -178,6 +191,15 @@ TEST(ColmapCamera, TheBinaryFileHasTheSameCameras) {
   EXPECT_NE(refusal(binary({"4 FOV 640 480 500 500 320 240 0.9"}))
                 .find("'cameras.txt', camera 4: the camera model 'FOV' is not known here"),
             std::string::npos);
+  for (const char* line :
+       {"1 THIN_PRISM_FISHEYE 640 480 500 510 320 240 0 0 0 0 0 0 0 0",
+        "1 RAD_TAN_THIN_PRISM_FISHEYE 640 480 500 510 320 240 0 0 0 0 0 0 0 0 0 0 0 0",
+        "1 SIMPLE_DIVISION 640 480 500 320 240 0.1", "1 DIVISION 640 480 500 510 320 240 0.1",
+        "1 EUCM 640 480 500 510 320 240 0.5 1", "1 EQUIRECTANGULAR 640 480 640 480"}) {
+    const std::string model = std::string(line).substr(2, std::string(line).find(' ', 2) - 2);
+    const std::string said = refusal(binary({line}));
+    EXPECT_NE(said.find("the camera model '" + model + "' is not known here"), std::string::npos) << said;
+  }
   for (std::size_t size = 0; size < all.size(); ++size) EXPECT_NE(refusal(all.substr(0, size)), "") << size;
   EXPECT_NE(refusal(all + '\0'), "");
 }

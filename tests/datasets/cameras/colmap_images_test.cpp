@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <vector>
+
+#include "mapping/system/byte_reader.hpp"
 #include "tests/datasets/complaint.hpp"
 
 namespace clearway {
@@ -49,6 +53,69 @@ TEST(ColmapImages, DamagedLinesAreRefusedByTheirNumber) {
         complaint([&, lines = lines] { parse_colmap_images(head + lines, "images.txt"); });
     EXPECT_NE(said.find(expected), std::string::npos) << said;
   }
+}
+
+/// images.bin as COLMAP writes it (scene/reconstruction_io_binary.cc): with `points` of each image.
+std::string binary(const std::vector<std::pair<std::vector<double>, std::string>>& images,
+                   std::size_t points = 3) {
+  std::string bytes;
+  put(bytes, std::uint64_t{images.size()});
+  std::uint32_t number = 7;
+  for (const auto& [pose, name] : images) {
+    put(bytes, number++);
+    for (const double value : pose) put(bytes, value);
+    put(bytes, std::uint32_t{1});
+    bytes += name + '\0';
+    put(bytes, std::uint64_t{points});
+    for (std::size_t i = 0; i < points; ++i) {
+      put(bytes, 1.5);
+      put(bytes, 2.5);
+      put(bytes, std::int64_t{-1});
+    }
+  }
+  return bytes;
+}
+
+const std::vector<double> along_x{0.5, 0.5, -0.5, 0.5, 0, 0, -2}, back{1, 0, 0, 0, -1, -2, -3};
+
+TEST(ColmapImages, TheBinaryFileHasTheSameImages) {
+  for (const std::size_t points : {0U, 3U}) {
+    const std::string bytes = binary({{along_x, "rgb/b c.jpg"}, {back, "a.jpg"}}, points);
+    ASSERT_TRUE(is_colmap_images(bytes));
+    const auto images = parse_colmap_images(bytes, "images.bin");
+    const auto text = parse_colmap_images(
+        "7 0.5 0.5 -0.5 0.5 0 0 -2 1 rgb/b c.jpg\n\n8 1 0 0 0 -1 -2 -3 1 a.jpg\n\n", "images.txt");
+    ASSERT_EQ(images.size(), text.size());
+    for (std::size_t i = 0; i < text.size(); ++i) {
+      EXPECT_EQ(images[i].name, text[i].name);
+      EXPECT_TRUE(images[i].world_from_camera.isApprox(text[i].world_from_camera, 0.0));
+    }
+  }
+}
+
+TEST(ColmapImages, DamagedBytesAreRefusedByTheirImage) {
+  const std::string whole = binary({{along_x, "b.jpg"}, {back, "a.jpg"}}),
+                    first = binary({{along_x, "b.jpg"}});
+  const auto said = [](const std::string& bytes) {
+    return complaint([&] { parse_colmap_images(bytes, "images.bin"); });
+  };
+  for (std::size_t size = first.size(); size < whole.size(); ++size)
+    EXPECT_NE(said(whole.substr(0, size)).find("images.bin, image 2: expected number"), std::string::npos)
+        << size;
+  for (std::size_t size = 0; size < first.size(); ++size)
+    EXPECT_FALSE(is_colmap_images(whole.substr(0, size))) << size;
+  EXPECT_NE(said(whole + '\0').find("images.bin: expected nothing behind its 2 images"), std::string::npos);
+  std::vector<double> stretched = back, unknown = back;
+  stretched[0] = 2.0;
+  unknown[4] = NAN;
+  for (const auto& pose : {stretched, unknown})
+    EXPECT_NE(said(binary({{along_x, "b.jpg"}, {pose, "a.jpg"}})).find("image 2"), std::string::npos);
+  EXPECT_NE(said(binary({{along_x, "b.jpg"}, {back, ""}})).find("image 2"), std::string::npos);
+  EXPECT_NE(said(binary({{along_x, "b.jpg"}, {back, std::string(5000, 'a')}})).find("image 2"),
+            std::string::npos);
+  std::string many = whole;  // points that are not there
+  many.replace(first.size() - 3 * 24 - 8, 8, std::string(8, '\x7f'));
+  EXPECT_FALSE(is_colmap_images(many));
 }
 
 }  // namespace colmap_images_test
