@@ -13,6 +13,7 @@
 
 #include "datasets/depth_files/exr_file.hpp"
 #include "datasets/depth_files/npy_file.hpp"
+#include "datasets/depth_files/tiff_numbers.hpp"
 #include "datasets/pictures/files_in_child.hpp"
 #include "datasets/pictures/picture_file.hpp"
 #include "mapping/system/input_file.hpp"
@@ -69,6 +70,19 @@ DepthPicture decode_pfm(const std::string& bytes) {
   return picture;
 }
 
+/// The real numbers whose four bytes each pixel of a picture of colours and alpha is, as TartanAir V2 packs
+/// them into PNG; empty: some are none that a sensor sees, as of every picture that is opaque.
+cv::Mat unpacked(const cv::Mat& pixels) {
+  constexpr float least = 1e-6F, most = 1e7F;  // m
+  const cv::Mat numbers(pixels.rows, pixels.cols, CV_32F, const_cast<uchar*>(pixels.data), pixels.step);
+  bool has_depth = false;
+  for (const float value : cv::Mat_<float>(numbers)) {
+    if (value != 0.0F && !(value >= least && value <= most)) return {};
+    has_depth |= value != 0.0F;
+  }
+  return has_depth ? numbers.clone() : cv::Mat();
+}
+
 DepthPicture decode_by_opencv(const std::string& bytes) {
   const cv::Mat_<unsigned char> raw(1, static_cast<int>(bytes.size()),
                                     reinterpret_cast<unsigned char*>(const_cast<char*>(bytes.data())));
@@ -78,6 +92,8 @@ DepthPicture decode_by_opencv(const std::string& bytes) {
   } catch (const cv::Exception&) {
   }
   if (depth.empty()) throw std::runtime_error("it cannot be decoded");
+  if (depth.type() == CV_8UC4)
+    if (const cv::Mat numbers = unpacked(depth); !numbers.empty()) depth = numbers;
   const bool is_real = depth.depth() == CV_32F || depth.depth() == CV_64F;
   if (is_real) depth = only_channel(depth);
   if (!is_real && depth.type() != CV_16UC1 && depth.type() != CV_32SC1)
@@ -87,6 +103,14 @@ DepthPicture decode_by_opencv(const std::string& bytes) {
   depth.convertTo(values, CV_32F);
   picture.values.assign(values.begin(), values.end());
   return picture;
+}
+
+/// Whether a PNG has colours and alpha of 8 bits, the bytes of unpacked().
+bool may_be_packed(const std::filesystem::path& file) {
+  constexpr std::size_t bits_at = 24, kind_at = 25;
+  std::string head;
+  InputFile(file, "picture").read_at(0, kind_at + 1, head);
+  return head.size() > kind_at && head.starts_with("\x89PNG") && head[bits_at] == 8 && head[kind_at] == 6;
 }
 
 /// Of depths that are all negative, unless they are a few numbers that stand for "none".
@@ -117,7 +141,7 @@ DepthPicture decode_depth_picture(const std::string& bytes) {
   DepthPicture picture = is_npy(bytes)             ? decode_npy(bytes)
                          : is_exr(bytes)           ? decode_exr(bytes)
                          : bytes.starts_with("Pf") ? decode_pfm(bytes)
-                                                   : decode_by_opencv(bytes);
+                                                   : decode_by_opencv(with_signed_numbers(bytes));
   require_some_before(picture);
   for (float& value : picture.values)
     if (!(std::isfinite(value) && value > 0.0F) || value == saturated_depth) value = 0.0F;
@@ -127,7 +151,8 @@ DepthPicture decode_depth_picture(const std::string& bytes) {
 std::optional<DepthPictureHead> depth_picture_head(const std::vector<std::filesystem::path>& files) {
   constexpr std::size_t most = 20;
   for (std::size_t i = 0; i < std::min(files.size(), most); ++i) {
-    if (const auto size = picture_size(files[i])) return DepthPictureHead{*size, false};
+    if (const auto size = picture_size(files[i]); size && !may_be_packed(files[i]))
+      return DepthPictureHead{*size, false};
     FilesInChild picture({files[i]}, "depth picture", [](const std::string& bytes, std::size_t) {
       const DepthPicture decoded = decode_depth_picture(bytes);
       CloudFrame head;

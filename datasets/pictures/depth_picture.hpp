@@ -26,11 +26,11 @@ bool is_depth_alone(const std::filesystem::path& file);
 /// What cameras write in 16 bits where there is no return, or one too far to be counted.
 constexpr std::uint16_t saturated_depth = 65535;
 
-/// The depth in a grey picture of 16 bits (PNG, PGM, TIFF), one of real numbers (TIFF,
-/// OpenEXR, PFM) or a NumPy array (.npy: two axes, or a third of one entry; whole numbers or real ones of up
-/// to 64 bits). What is not finite, or below 0, or saturated_depth, is none. Pictures' decoders may crash on
-/// hostile files, so this is called in a child process alone. @throws std::runtime_error a clause that says
-/// why there is none
+/// The depth in a grey picture of 16 bits (PNG, PGM, TIFF) or 32 bits (TIFF), one of real numbers (TIFF,
+/// OpenEXR, PFM, or whose bytes are the colours and alpha of a PNG as TartanAir V2 packs them) or a NumPy
+/// array (.npy: two axes, or a third of one entry; whole numbers or real ones of up to 64 bits). What is not
+/// finite, or below 0, or saturated_depth, is none. Pictures' decoders may crash on hostile files, so this is
+/// called in a child process alone. @throws std::runtime_error a clause that says why there is none
 DepthPicture decode_depth_picture(const std::string& bytes);
 
 /// Of the first of these files, of twenty at most, that can be read: of a PNG or binary PGM by its first
