@@ -81,17 +81,27 @@ CloudFrame decode_depth(const std::string& bytes, const CameraIntrinsics& stated
   CloudFrame cloud;
   cloud.kind = "depth";
   cloud.max_range = options.max_range;
-  constexpr double background = 1e4;  // m, of rendered pictures: where there is nothing
   for (std::size_t i = 0; i < depth.values.size(); ++i) {
     const Eigen::Vector3f& ray = cast.rays[i];
     const double distance = *options.scale * numbers.value_of(depth.values[i]);
-    if (distance == 0.0 || distance >= background || ray.x() == 0.0F) continue;
+    if (distance == 0.0 || distance >= numbers.background || ray.x() == 0.0F) continue;
     cloud.points.push_back(static_cast<float>(distance) * ray);
   }
   return cloud;
 }
 
 }  // namespace
+
+std::vector<fs::path> confidence_of(const std::vector<fs::path>& pictures, const fs::path& folder) {
+  std::vector<fs::path> files(pictures.size());
+  std::error_code error;
+  for (std::size_t i = 0; i < pictures.size() && !folder.empty(); ++i)
+    for (const char* end : {"_conf.png", ".png"})
+      if (const fs::path file = folder / (pictures[i].stem().string() + end);
+          file != pictures[i] && fs::exists(file, error))
+        files[i] = file;
+  return files;
+}
 
 FilesInChild::Decode depth_decoder(const DepthCameras& cameras, const DepthOptions& options,
                                    const DepthNumbers& numbers, const std::vector<fs::path>& confidence) {

@@ -15,6 +15,11 @@ struct DepthCameras {
   bool may_be_resized = false;  ///< depth may be smaller than the pictures that the cameras are of
 };
 
+/// The pictures of confidence that are called as those of depth are, perhaps with `_conf` behind; empty where
+/// there is none.
+std::vector<std::filesystem::path> confidence_of(const std::vector<std::filesystem::path>& pictures,
+                                                 const std::filesystem::path& folder);
+
 /// What makes clouds of kind "depth" of pictures' bytes, cast through the lens of their camera: x forward, y
 /// left, z up.
 /// @param cameras one of all, or each picture's @param options their `scale` is known

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "datasets/cameras/picture_matrices.hpp"
 #include "datasets/pictures/arkit_folder.hpp"
 #include "datasets/pictures/camera_path.hpp"
 #include "datasets/pictures/depth_casting.hpp"
@@ -17,6 +18,7 @@
 #include "datasets/pictures/picture_times.hpp"
 #include "datasets/pictures/polycam_path.hpp"
 #include "datasets/pictures/stray_folder.hpp"
+#include "datasets/ros/sensor_frames.hpp"
 #include "datasets/sources/folder_damage.hpp"
 #include "datasets/sources/lens.hpp"
 #include "mapping/system/input_file.hpp"
@@ -28,29 +30,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double sky_of_tartanair = 1000.0;  ///< m
+
 std::string span_text(double first, double last) {
   return "from " + short_text(first, 15) + " to " + short_text(last, 15) + " s";
-}
-
-Eigen::Isometry3d optical_from_sensor() {
-  Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
-  turn.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
-  return turn;
 }
 
 std::vector<fs::path> names_of(const TimedFiles& timed) {
   std::vector<fs::path> files;
   for (const TimedFile& file : timed.files) files.push_back(file.file);
-  return files;
-}
-
-/// The pictures of confidence that are called as those of depth are; empty where there is none.
-std::vector<fs::path> confidence_of(const std::vector<fs::path>& pictures, const fs::path& folder) {
-  std::vector<fs::path> files(pictures.size());
-  std::error_code error;
-  for (std::size_t i = 0; i < pictures.size() && !folder.empty(); ++i)
-    if (const fs::path file = folder / (pictures[i].stem().string() + ".png"); fs::exists(file, error))
-      files[i] = file;
   return files;
 }
 
@@ -191,8 +179,7 @@ class DepthFolder final : public FrameSource {
  private:
   /// Of the pictures in the order of their times.
   DepthCameras cameras_of(const CameraPath& path, const DepthLayout& layout) const {
-    if (path.shots.empty() || !path.has_cameras())
-      return {cameras_of_arkit(layout.camera_folder, names_of(timed_)), false};
+    if (path.shots.empty() || !path.has_cameras()) return cameras_of_folder(layout);
     DepthCameras cameras{{}, path.is_named && !path.is_numbered};
     const bool places_all = layout.path_file() == layout.poses && !options_.places_depth;
     const auto shots = shots_of_pictures(path, layout.path_file(), in_order_of_names(layout.depth));
@@ -207,6 +194,14 @@ class DepthFolder final : public FrameSource {
       cameras.of_picture.push_back(*(shot == shots.end() ? shots.begin() : shot)->second.camera);
     }
     return cameras;
+  }
+
+  DepthCameras cameras_of_folder(const DepthLayout& layout) const {
+    const std::vector<fs::path> pictures = names_of(timed_);
+    if (!has_matrix_of(layout.camera_folder, layout.depth.front()))
+      return {cameras_of_arkit(layout.camera_folder, pictures), false};
+    const auto size = layout.colour.empty() ? std::nullopt : picture_size(layout.colour.front());
+    return {cameras_of_matrices(layout.camera_folder, pictures, size), true};
   }
 
   std::optional<Frame> read_depth() {
@@ -317,6 +312,7 @@ std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const Dep
                                 ": expected `poses` of `source: {depth: …}` in the setup to name one");
   const auto head = depth_picture_head(in_order_of_names(layout.depth));
   DepthNumbers numbers{head && head->is_real};
+  if (found.of_tartanair) numbers.background = sky_of_tartanair;
   const auto depth_size = head ? std::optional(head->size) : std::nullopt;
   const auto path =
       path_of(layout.path_file(),
@@ -326,6 +322,12 @@ std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const Dep
     whole.depth.scale_note.clear();  // nobody asks the camera's file, which speaks of steps
   else
     whole.depth.scale = whole.depth.scale_of_file;
+  if (found.of_tartanair && numbers.is_real && !options.depth.scale) {
+    whole.depth.scale = 1.0;
+    whole.depth.scale_note =
+        "depth is TartanAir's, metres along the optical axis, and sky, none, where it is 1000 m or more; "
+        "`source: {depth: {scale: …}}` states another unit.";
+  }
   if (path && path->is_numbered && !options.depth.scale && whole.depth.scale)
     whole.depth.scale_note = "steps of depth are " + short_text(*whole.depth.scale) + " m, by " +
                              quote_path(layout.path_file().string()) +
@@ -374,7 +376,8 @@ std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const Dep
         name +
         " has no poses of its depth pictures: expected groundtruth.txt, poses.txt, trajectory.txt (TUM), "
         "trajectory.log (Redwood), trajectory.json (Open3D) or transforms.json (nerfstudio), "
-        "images.txt (COLMAP, as text), a folder pose/ of matrices, `poses` of `source: {depth: …}`, "
+        "images.txt or images.bin (COLMAP), poses.npy, a folder pose/ of matrices, `poses` of `source: "
+        "{depth: …}`, "
         "or the sensor 'depth' in the setup's `sensors`");
   return source;
 }

@@ -1,12 +1,15 @@
 #include "datasets/pictures/depth_layout.hpp"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <optional>
 #include <set>
 #include <sstream>
 
 #include "datasets/cameras/colmap_images.hpp"
+#include "datasets/cameras/phone_paths.hpp"
+#include "datasets/cameras/picture_matrices.hpp"
 #include "datasets/pictures/camera_path.hpp"
 #include "datasets/pictures/depth_picture.hpp"
 #include "datasets/pictures/name_time.hpp"
@@ -89,12 +92,43 @@ bool has_pose_files(const fs::path& folder) {
   return false;
 }
 
+/// The cameras of TartanAir, of its first version and of its second.
+constexpr std::array tartanair_cameras{"left",       "right",      "lcam_front",  "lcam_back",  "lcam_left",
+                                       "lcam_right", "lcam_top",   "lcam_bottom", "rcam_front", "rcam_back",
+                                       "rcam_left",  "rcam_right", "rcam_top",    "rcam_bottom"};
+
+/// Depth, colour and poses of the first of TartanAir's cameras that has depth.
+DepthLayout tartanair_layout(const fs::path& folder) {
+  DepthLayout layout;
+  for (const std::string camera : tartanair_cameras) {
+    const fs::path of_depth = folder / ("depth_" + camera);
+    std::vector<fs::path> depth = pictures_in(of_depth);
+    if (depth.empty()) depth = depth_alone_in(of_depth);
+    if (depth.empty()) continue;
+    if (!layout.depth.empty()) {
+      layout.unread_depth = of_depth;
+      break;
+    }
+    layout.of_tartanair = true;
+    layout.depth = depth;
+    layout.colour = pictures_in(folder / ("image_" + camera));
+    const std::string poses = "pose_" + camera + ".txt";
+    layout.poses = first_there(folder, {poses.c_str()});
+  }
+  return layout;
+}
+
 /// As the folders of data sets are called, or by the pictures' names.
 DepthLayout layout_by_names(const fs::path& folder) {
   DepthLayout layout;
-  for (const char* name : {"depth", "aligned_depth", "depths", "depth_images", "lowres_depth"}) {
+  for (const char* name :
+       {"depth", "aligned_depth", "depths", "depth_images", "lowres_depth", "arkit_depth", "gt_depth"}) {
     const fs::path of_depth = folder / name;
-    const std::vector<fs::path> pictures = pictures_in(of_depth);
+    std::vector<fs::path> pictures = pictures_in(of_depth);
+    const bool has_confidence = std::erase_if(pictures, [](const fs::path& file) {
+                                  return name_beside(file, "conf").has_value();
+                                }) > 0;
+    if (has_confidence && layout.depth.empty()) layout.confidence = of_depth;  // MobileBrick's
     if (!layout.depth.empty() && !pictures.empty()) layout.unread_depth = of_depth;
     if (layout.depth.empty()) layout.depth = pictures;
     if (layout.depth.empty())
@@ -107,11 +141,14 @@ DepthLayout layout_by_names(const fs::path& folder) {
     if (!colour.empty()) layout.colour = pictures_in(colour);
     layout.pose_folder = first_there(folder, {"pose", "poses"});
     layout.camera_folder = first_there(folder, {"lowres_wide_intrinsics"});
-    layout.confidence = first_there(folder, {"confidence"});
+    if (has_matrix_of(folder / "intrinsic", layout.depth.front()))
+      layout.camera_folder = folder / "intrinsic";
+    if (layout.confidence.empty()) layout.confidence = first_there(folder, {"confidence"});
     layout.tum_table = first_there(
         folder, {"depth.txt", "associations.txt", "association.txt", "associate.txt", "associated.txt"});
     return layout;
   }
+  if (layout = tartanair_layout(folder); !layout.depth.empty()) return layout;
   for (const fs::path& flat : {folder, folder / "results", folder / "data", folder / "sequence"}) {
     const std::vector<fs::path> pictures = pictures_in(flat);
     layout.depth = called(pictures, {"depth"});
@@ -167,13 +204,15 @@ void take_bop_scene(const fs::path& scene, const fs::path& stated_poses, DepthLa
   layout.poses = scene;
 }
 
-/// What COLMAP wrote, where its images.txt is one.
+/// What COLMAP wrote, where its images.txt or images.bin is one.
 void take_colmap_model(const fs::path& folder, DepthLayout& layout) {
-  for (const char* place : {"images.txt", "sparse/0/images.txt", "sparse/images.txt"}) {
+  for (const char* place : {"images.txt", "images.bin", "sparse/0/images.txt", "sparse/0/images.bin",
+                            "sparse/images.txt", "sparse/images.bin"}) {
     const fs::path images = first_there(folder, {place});
     if (images.empty() || !is_colmap_images(read_input(images, "poses", largest_poses))) continue;
     layout.poses = images;
-    if (layout.camera.empty()) layout.camera = first_there(images.parent_path(), {"cameras.txt"});
+    if (layout.camera.empty())
+      layout.camera = first_there(images.parent_path(), {"cameras.txt", "cameras.bin"});
     return;
   }
 }
@@ -224,7 +263,11 @@ std::optional<DepthLayout> depth_layout(const fs::path& folder, const fs::path& 
   if (path) take_stated_pictures(*path, folder, layout);
   if (layout.depth.empty()) {
     const fs::path keyframes = folder / "keyframes";
-    return polycam_cameras(keyframes).empty() ? std::nullopt : depth_layout(keyframes, stated_poses);
+    if (!polycam_cameras(keyframes).empty()) return depth_layout(keyframes, stated_poses);
+    for (const char* export_folder : {"EXR_RGBD", "iphone"})  // Record3D's, ScanNet++'s
+      if (!phone_path_file(folder / export_folder).empty())
+        return depth_layout(folder / export_folder, stated_poses);
+    return std::nullopt;
   }
   std::error_code error;
   layout.camera = first_there(folder, {"intrinsic/intrinsic_depth.txt",
@@ -253,8 +296,9 @@ std::optional<DepthLayout> depth_layout(const fs::path& folder, const fs::path& 
   if (layout.camera.empty())
     layout.camera = first_there(above, {"cam_params.json"});  // Replica's, of all its rooms
   if (layout.camera.empty()) layout.camera = bop_camera_above(above);
-  layout.poses = first_there(folder, {"groundtruth.txt", "poses.txt", "trajectory.txt", "trajectory.log",
-                                      "traj.txt", "scene/trajectory.log"});
+  if (layout.poses.empty())
+    layout.poses = first_there(folder, {"groundtruth.txt", "poses.txt", "trajectory.txt", "trajectory.log",
+                                        "traj.txt", "scene/trajectory.log"});
   for (const char* kind : {".log", ".freiburg"})
     if (layout.poses.empty()) layout.poses = only_file(folder, kind);
   if (layout.poses.empty() && layout.pose_folder.empty()) layout.poses = only_file(folder, ".traj");
@@ -267,6 +311,9 @@ std::optional<DepthLayout> depth_layout(const fs::path& folder, const fs::path& 
   if (layout.poses.empty() && layout.pose_folder.empty())
     layout.poses = first_there(folder, {"trajectory.json"});
   if (layout.poses.empty() && layout.pose_folder.empty()) layout.poses = polycam_cameras(folder);
+  if (layout.poses.empty() && layout.pose_folder.empty()) layout.poses = phone_path_file(folder);
+  if (layout.poses.empty() && layout.pose_folder.empty())
+    layout.poses = first_there(folder, {"poses.npy", "camera_poses.npy", "trajectory.npy", "traj.npy"});
   if (layout.poses.empty() && layout.pose_folder.empty()) take_colmap_model(folder, layout);
   if (!path) {
     if (const fs::path scene = first_there(folder, {"scene_camera.json"}); !scene.empty())

@@ -21,9 +21,11 @@ struct DepthLayout {
   std::filesystem::path camera;        ///< a file of the depth pictures' camera; empty: none
   std::filesystem::path scene_camera;  ///< BOP's, of cameras and scale, maybe of poses; empty: none
   std::filesystem::path extrinsic;     ///< ScanNet's extrinsic_depth.txt; empty: none
-  std::filesystem::path camera_folder;  ///< of a .pincam for each picture (ARKitScenes); empty: none
-  std::filesystem::path confidence;  ///< folder of pictures of 0, 1 and 2, called as the depth's; empty: none
-  std::filesystem::path tum_table;   ///< that lists the pictures of `depth/` as TUM does; empty: none
+  std::filesystem::path camera_folder;  ///< of a .pincam, or a matrix, for each picture; empty: none
+  /// Folder of pictures of 0, 1 and 2, called as the depth's, maybe with `_conf` behind; empty: none.
+  std::filesystem::path confidence;
+  std::filesystem::path tum_table;  ///< that lists the pictures of `depth/` as TUM does; empty: none
+  bool of_tartanair = false;        ///< depth in metres, of what is 1000 m away or farther the sky's
   /// The file that may be a CameraPath with the pictures' cameras.
   const std::filesystem::path& path_file() const { return scene_camera.empty() ? poses : scene_camera; }
   std::size_t unnamed = 0;  ///< depth pictures that transforms.json, which names others, does not name
@@ -42,7 +44,9 @@ bool is_of_tum(const std::filesystem::path& poses);
 /// `transforms.json` of nerfstudio or instant-ngp names, or is of; or as SUN3D's with `extrinsics/`,
 /// ARKitScenes' (`lowres_depth/` and a `.traj`) or Stray Scanner's
 /// (`odometry.csv` beside `camera_matrix.csv`), Polycam's raw data (`keyframes/` with `corrected_cameras/` or
-/// `cameras/`), COLMAP's model as text (also in `sparse/0/`), or a scene of
+/// `cameras/`), COLMAP's model (also in `sparse/0/`), TartanAir's (`depth_left/`, `pose_left.txt`),
+/// Record3D's export (`metadata.json`, or a folder `EXR_RGBD/` of it), ScanNet++'s of the phone
+/// (`pose_intrinsic_imu.json`, or a folder `iphone/` with it), an array of poses (`poses.npy`), or a scene of
 /// BOP's (`scene_camera.json`); and
 /// `intrinsic/intrinsic_depth.txt` (ScanNet), `camera_intrinsic.json` (Open3D) or another file that is called
 /// like a camera's. None when it holds no depth pictures.

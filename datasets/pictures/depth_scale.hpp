@@ -14,6 +14,7 @@ struct DepthNumbers {
   bool is_real = false;  ///< else steps
   /// The bits of steps are rotated left by three, as SUN3D and SUN RGB-D store them.
   bool is_rotated = false;
+  double background = 1e4;  ///< m: what is as far or farther is what pictures were rendered before, and none
 
   /// The steps, or the real number, that a stored number stands for.
   float value_of(float stored) const;

@@ -72,6 +72,27 @@ std::optional<ImageSize> pgm_size(const std::string& head) {
   return ImageSize{sides[0], sides[1]};
 }
 
+/// What a JPEG's start of frame says: a segment FF C0 to FF CF, but for C4, C8 and CC, before the pixels.
+std::optional<ImageSize> jpeg_size(const std::string& head) {
+  const auto byte = [&](std::size_t at) { return static_cast<int>(static_cast<unsigned char>(head[at])); };
+  for (std::size_t at = 2; at + 9 <= head.size() && byte(at) == 0xff;) {
+    const int kind = byte(at + 1);
+    if (kind == 0xff) {
+      ++at;  // fill
+      continue;
+    }
+    if (kind >= 0xc0 && kind <= 0xcf && kind != 0xc4 && kind != 0xc8 && kind != 0xcc) {
+      const ImageSize size{256 * byte(at + 7) + byte(at + 8), 256 * byte(at + 5) + byte(at + 6)};
+      const bool is_size =
+          size.width > 0 && size.height > 0 && size.width <= longest_side && size.height <= longest_side;
+      return is_size ? std::optional(size) : std::nullopt;
+    }
+    if (kind == 0xda) return std::nullopt;  // pixels
+    at += 2 + static_cast<std::size_t>(256 * byte(at + 2) + byte(at + 3));
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 bool is_picture_file(const std::filesystem::path& file) {
@@ -84,9 +105,12 @@ std::optional<ImageSize> picture_size(const std::filesystem::path& file) {
   std::string head;
   try {
     InputFile(file, "picture").read_at(0, 256, head);
+    constexpr std::size_t jpeg_reach = 512U << 10U;  // bytes, within which its EXIF and profiles end
+    if (head.starts_with("\xff\xd8")) InputFile(file, "picture").read_at(0, jpeg_reach, head);
   } catch (const std::invalid_argument&) {
     return std::nullopt;
   }
+  if (head.starts_with("\xff\xd8")) return jpeg_size(head);
   if (head.starts_with("P5")) return pgm_size(head);
   if (head.size() < 24 || !head.starts_with("\x89PNG\r\n\x1a\n")) return std::nullopt;
   const auto number = [&](std::size_t at) {

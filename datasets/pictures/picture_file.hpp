@@ -20,7 +20,8 @@ bool is_picture_file(const std::filesystem::path& file);
 /// picture: not one, cut off, sides beyond 20,000 or 64 million pixels.
 GrayImage decode_picture(const std::string& bytes);
 
-/// What the head of a PNG or binary PGM file says; nothing for another file, or one that cannot be read.
+/// What the head of a PNG, JPEG or binary PGM file says; nothing for another file, or one that cannot be
+/// read.
 std::optional<ImageSize> picture_size(const std::filesystem::path& file);
 
 /// False for a JPEG without an end of its pixels, which OpenCV would fill up with grey; true for all else.

@@ -11,6 +11,8 @@
 #include <tuple>
 #include <utility>
 
+#include "datasets/cameras/phone_paths.hpp"
+#include "datasets/pictures/camera_path.hpp"
 #include "datasets/pictures/name_time.hpp"
 #include "datasets/pictures/picture_file.hpp"
 #include "datasets/pictures/polycam_path.hpp"
@@ -328,6 +330,23 @@ std::optional<std::vector<TimedFile>> times_of_polycam(const std::vector<fs::pat
   return together(files, *times);
 }
 
+/// What Record3D or ScanNet++ say in a file beside the folder, of depth and colour pictures alike.
+std::optional<std::vector<TimedFile>> times_of_phone(const std::vector<fs::path>& files,
+                                                     const fs::path& folder) {
+  const fs::path file = phone_path_file(folder.parent_path());
+  if (file.empty()) return std::nullopt;
+  const std::string name = "poses " + quote_path(file.string());
+  std::map<std::string, double> known;
+  for (const CameraShot& shot : parse_camera_path(read_input(file, "poses", largest_table), name).shots)
+    if (shot.time) known[shot.picture] = *shot.time;
+  std::vector<double> times;
+  for (const fs::path& picture : files)
+    if (const auto found = known.find(picture.stem().string()); found != known.end())
+      times.push_back(found->second);
+  if (times.size() != files.size() || !are_distinct(times)) return std::nullopt;
+  return together(files, times);
+}
+
 /// Of pictures as far apart as no hand paints, in whole numbers: times may be finer than seconds.
 std::string slow_times(const std::vector<TimedFile>& files) {
   constexpr std::size_t few = 5;
@@ -454,6 +473,8 @@ TimedFiles times_of_files(const std::vector<fs::path>& given, std::optional<doub
     result = std::move(*neighbour);
   } else if (auto microseconds = times_of_polycam(files, folder)) {
     result.files = std::move(*microseconds);
+  } else if (auto of_phone = times_of_phone(files, folder)) {
+    result.files = std::move(*of_phone);
   } else if (const auto exif = exif_times(files); exif && are_distinct(*exif)) {
     result.files = together(files, *exif);
   } else if (auto associated = is_clock ? std::nullopt : times_by_associations(files, folder)) {

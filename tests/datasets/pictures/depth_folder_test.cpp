@@ -156,25 +156,6 @@ TEST_F(DepthFolders, RefusesWhatNamesNoCameraOrNoPoses) {
   EXPECT_FALSE(depth_layout(folder_ / "other"));
 }
 
-TEST_F(DepthFolders, TheModelThatColmapWroteBesideThemPlacesPicturesAndHasTheirCamera) {
-  for (const char* name : {"depth", "sparse", "sparse/0"}) make(name);
-  folder_.write("depth/b.png", depth_png(10000));
-  folder_.write("depth/a.png", depth_png(10000));
-  folder_.write("sparse/0/images.txt", "1 1 0 0 0 -4 0 0 1 b.jpg\n\n2 1 0 0 0 -2 0 0 1 a.jpg\n\n");
-  folder_.write("sparse/0/cameras.txt", "1 PINHOLE 48 36 50 52 24.5 18.5\n");
-  SourceOptions with = options();
-  with.depth.pose_scale = 0.5;
-  const auto source = open(with);
-  for (const double x : {1.0, 2.0}) {
-    const auto frame = source->next();
-    ASSERT_TRUE(frame);
-    EXPECT_NEAR(std::get<CloudFrame>(frame->content).world_from_sensor.translation().x(), x, 1e-12);
-  }
-  EXPECT_EQ(depth_layout(folder_.path())->camera, folder_ / "sparse/0/cameras.txt");
-  folder_.write("images.txt", "a.png b.png list\n");  // somebody else's
-  EXPECT_EQ(depth_layout(folder_.path())->poses, folder_ / "sparse/0/images.txt");
-}
-
 TEST_F(DepthFolders, PicturesAndPosesThatAreNoFilesAreDamage) {
   make("depth");
   make("pose");

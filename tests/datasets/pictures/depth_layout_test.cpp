@@ -30,6 +30,15 @@ TEST_F(DepthLayouts, OfTwoFoldersAndTwoSourcesOfPosesTheOnesThatAreReadAreNamed)
       << told;
 }
 
+TEST_F(DepthLayouts, ArraysOfPosesAreFoundBehindTexts) {
+  make("depth");
+  folder_.write("depth/0.png", depth_png(1000));
+  folder_.write("poses.npy", "");
+  EXPECT_EQ(depth_layout(folder_.path())->poses, folder_ / "poses.npy");
+  folder_.write("traj.txt", "");
+  EXPECT_EQ(depth_layout(folder_.path())->poses, folder_ / "traj.txt");
+}
+
 /// As gradslam and NICE-SLAM write it.
 TEST_F(DepthLayouts, StepsInAMetreOfTheCamerasFileAreTheScale) {
   const std::string file = folder_.write(

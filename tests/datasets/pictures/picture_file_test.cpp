@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tests/worlds/picture_bytes.hpp"
+#include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
 namespace picture_file_test {
@@ -80,6 +81,21 @@ TEST(PictureFile, ExifStatesWhenItWasTaken) {
   EXPECT_LT(exif_time(jpeg_taken("nobody knows it yet", "250")), 0.0);
   EXPECT_LT(exif_time(picture_bytes(cv::Mat(8, 8, CV_8UC1, cv::Scalar(1)), ".jpg")), 0.0);
   EXPECT_LT(exif_time("no picture"), 0.0);
+}
+
+TEST(PictureSize, IsThatOfTheHeadOfAPngJpegOrPgm) {
+  const TemporaryFolder folder;
+  for (const char* end : {".png", ".jpg", ".pgm"}) {
+    const std::string bytes = picture_bytes(cv::Mat(36, 48, CV_8UC1, cv::Scalar(7)), end);
+    EXPECT_EQ(picture_size(folder.write("whole", bytes)), (ImageSize{48, 36})) << end;
+    for (std::size_t size = 0; size < 12 && std::string(end) != ".pgm"; ++size)
+      EXPECT_FALSE(picture_size(folder.write("cut", bytes.substr(0, size)))) << end << size;
+  }
+  EXPECT_EQ(picture_size(folder.write("taken.jpg", jpeg_taken("2026:11:23 07:15:30", "250"))),
+            (ImageSize{48, 40}))
+      << "behind EXIF";
+  EXPECT_FALSE(picture_size(folder.write("j", std::string("\xff\xd8\xff\xc0\0\x0b\x08\0\0\0\0\0\0", 13))));
+  EXPECT_FALSE(picture_size(folder / "none.png"));
 }
 
 }  // namespace picture_file_test
