@@ -16,6 +16,7 @@
 #include "apps/inspect/slice_image.hpp"
 #include "apps/pages/map_page.hpp"
 #include "datasets/bags/bag_source.hpp"
+#include "datasets/bags/unread_recordings.hpp"
 #include "datasets/sources/scan_graph.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/atomic_file.hpp"
@@ -122,12 +123,15 @@ void print_text(const InspectOptions& options, const Json& json, Console& consol
   if (!options.save.empty()) console.out() << "  saved: " << options.save.string() << '\n';
 }
 
-/// Names of what `inspect` lists; other files are maps.
+/// Names of what `inspect` lists, or refuses with the way out; other files are maps.
 bool is_recording_name(const std::filesystem::path& file) {
   const std::string kind = extension_of(file);
   if (kind == ".gz") return extension_of(file.stem()) == ".rawlog";
-  constexpr std::array<std::string_view, 6> recordings{".rawlog", ".mp4", ".mov", ".mkv", ".webm", ".avi"};
-  return is_bag(file) || std::find(recordings.begin(), recordings.end(), kind) != recordings.end();
+  constexpr std::array<std::string_view, 7> recordings{".rawlog", ".sens", ".mp4", ".mov",
+                                                       ".mkv",    ".webm", ".avi"};
+  const bool is_packed = !std::filesystem::is_directory(file) && !unread_recording(file).empty();
+  return is_bag(file) || is_packed ||
+         std::find(recordings.begin(), recordings.end(), kind) != recordings.end();
 }
 
 /// What may be a folder of pictures or clouds.

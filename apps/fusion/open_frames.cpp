@@ -7,6 +7,8 @@
 #include "apps/fusion/velodyne_folder.hpp"
 #include "datasets/bags/bag_metadata.hpp"
 #include "datasets/bags/bag_source.hpp"
+#include "datasets/bags/sens_file.hpp"
+#include "datasets/bags/unread_recordings.hpp"
 #include "datasets/camera_files/camera_file.hpp"
 #include "datasets/cameras/off_centre.hpp"
 #include "datasets/pictures/depth_folder.hpp"
@@ -62,6 +64,10 @@ class NotedSource final : public FrameSource {
   std::vector<std::string> notes_;
 };
 
+std::unique_ptr<FrameSource> noted(std::unique_ptr<FrameSource> source, std::string note) {
+  return std::make_unique<NotedSource>(std::move(source), std::vector<std::string>{std::move(note)});
+}
+
 /// A text says nothing of where it was seen from.
 bool is_posed_cloud(const fs::path& file) {
   return is_cloud_file(file) && !is_velodyne_file(file) && !is_xyz_file(file);
@@ -100,11 +106,26 @@ SourceOptions with_camera_of_tum(const DepthLayout& layout, SourceOptions option
   return options;
 }
 
+/// The camera that TartanAir publishes, a view of 90 degrees across.
+SourceOptions with_camera_of_tartanair(const DepthLayout& layout, SourceOptions options) {
+  const auto head = depth_picture_head(in_order_of_names(layout.depth));
+  if (!head || (head->size != ImageSize{640, 480} && head->size != ImageSize{640, 640})) return options;
+  const double middle = 0.5 * head->size.height;
+  options.depth.camera =
+      CameraIntrinsics{head->size.width, head->size.height, 320.0, 320.0, 320.0, middle, {}};
+  options.notes.push_back(
+      "the depth pictures' camera is taken as TartanAir publishes it, fx = fy = 320, cx = 320, cy = " +
+      short_text(middle) + "; `source: {depth: {camera: …}}` states another.");
+  return options;
+}
+
 /// Where the setup says nothing of a camera: that of a file in the folder.
 SourceOptions with_camera_beside(const DepthLayout& layout, SourceOptions options) {
   DepthOptions& depth = options.depth;
   if (depth.camera || options.camera) return options;
-  if (layout.camera.empty()) return with_camera_of_tum(layout, options);
+  if (layout.camera.empty())
+    return layout.of_tartanair ? with_camera_of_tartanair(layout, options)
+                               : with_camera_of_tum(layout, options);
   if (layout.camera.filename() == "camera_matrix.csv") return options;  // open_depth_folder knows its size
   std::optional<ImageSize> size;
   if (const auto head = depth_picture_head(in_order_of_names(layout.depth))) size = head->size;
@@ -209,21 +230,18 @@ std::unique_ptr<FrameSource> open_other(const fs::path& folder, const FolderCont
     auto source = open_clouds(clouds, scan_poses_beside(folder), name, options);
     const std::vector<fs::path> others = files_in(folder, is_bare_cloud);
     if (others.empty()) return source;
-    return std::make_unique<NotedSource>(std::move(source),
-                                         std::vector<std::string>{of_another_kind(others, clouds)});
+    return noted(std::move(source), of_another_kind(others, clouds));
   }
   if (velodyne) return open_velodyne(*velodyne, name, options);
   if (const fs::path data = euroc_pictures(folder); !data.empty())
-    return std::make_unique<NotedSource>(
-        open_pictures(files_in(data, is_picture_file), name, options),
-        std::vector<std::string>{"the pictures are those in " + quote_path(data.string()) + "."});
+    return noted(open_pictures(files_in(data, is_picture_file), name, options),
+                 "the pictures are those in " + quote_path(data.string()) + ".");
   if (const std::vector<fs::path> grey = files_in(folder, is_pgm); !grey.empty())
     return open_pictures(grey, name, options);
   if (const fs::path rgb = folder / "rgb"; fs::is_directory(rgb, error))
     if (const std::vector<fs::path> colour = files_in(rgb, is_picture_file); !colour.empty())
-      return std::make_unique<NotedSource>(
-          open_pictures(colour, name, options),
-          std::vector<std::string>{"the pictures are those in " + quote_path(rgb.string()) + "."});
+      return noted(open_pictures(colour, name, options),
+                   "the pictures are those in " + quote_path(rgb.string()) + ".");
   return nullptr;
 }
 
@@ -235,6 +253,13 @@ fs::path scans_within(const fs::path& folder) {
   } catch (const fs::filesystem_error&) {  // it cannot be read
   }
   return {};
+}
+
+/// Refuses with what it is that others write, else with what it is not.
+[[noreturn]] void refuse_unread(const fs::path& recording, const std::string& otherwise) {
+  const std::string unread = unread_recording(recording);
+  throw std::invalid_argument("recording " + quote_path(recording.string()) + " " +
+                              (unread.empty() ? otherwise + "; expected " + kinds_of_recordings : unread));
 }
 
 std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOptions& options) {
@@ -264,10 +289,8 @@ std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOpt
   if (depth && !is_derived) return open_noted_depth(folder, *depth, options);
   if (auto source = open_other(folder, {name, pictures, clouds, velodyne}, options)) {
     if (!depth) return source;
-    return std::make_unique<NotedSource>(
-        std::move(source),
-        std::vector<std::string>{"depth in arrays, such as " + quote_path(depth->depth.front().string()) +
-                                 ", is left out: nothing says where it was taken from."});
+    return noted(std::move(source), "depth in arrays, such as " + quote_path(depth->depth.front().string()) +
+                                        ", is left out: nothing says where it was taken from.");
   }
   if (depth) return open_noted_depth(folder, *depth, options);  // says what is missing
   if (const fs::path session = folder / "session"; fs::exists(session / "session.json", error))
@@ -277,8 +300,7 @@ std::unique_ptr<FrameSource> open_folder(const fs::path& folder, const SourceOpt
   if (const fs::path scans = scans_within(folder); !scans.empty())
     throw std::invalid_argument("recording " + quote_path(folder.string()) +
                                 " has its scans in a folder within: expected " + quote_path(scans.string()));
-  throw std::invalid_argument("recording " + quote_path(folder.string()) +
-                              " is a folder without pictures and clouds; expected " + kinds_of_recordings);
+  refuse_unread(folder, "is a folder without pictures and clouds");
 }
 
 /// Poses that have no times are of a folder of KITTI's scans, by their numbers.
@@ -323,7 +345,12 @@ std::unique_ptr<FrameSource> open_any(const fs::path& recording, const SourceOpt
   if (is_file && is_picture_file(recording))
     return open_pictures({recording}, recording.stem().string(), options);
   if (is_file && is_bag_file(recording)) return open_bag(recording, options);
-  if (is_file && is_video_file(recording)) return open_video(recording, options);
+  if (is_file && is_video_file(recording)) {
+    const std::string unread = unread_depth_of(recording);
+    auto video = open_video(recording, options);
+    return unread.empty() ? std::move(video) : noted(std::move(video), unread);
+  }
+  if (is_file && is_sens_file(recording)) return open_sens(recording, options);
   if (is_scan_graph(recording)) return open_scan_graph(recording, options);
   const std::string kind = extension_of(recording);
   if (!is_file || kind.empty() || kind == ".rawlog" || kind == ".gz")
@@ -331,11 +358,7 @@ std::unique_ptr<FrameSource> open_any(const fs::path& recording, const SourceOpt
   try {
     return std::make_unique<Rawlog>(recording);
   } catch (const std::invalid_argument&) {
-    if (kind == ".bz2")
-      throw std::invalid_argument("recording " + quote_path(recording.string()) +
-                                  " is packed: expected an unpacked file (`bunzip2`)");
-    throw std::invalid_argument("recording " + quote_path(recording.string()) +
-                                " is of no kind that is read here; expected " + kinds_of_recordings);
+    refuse_unread(recording, "is of no kind that is read here");
   }
 }
 

@@ -10,7 +10,8 @@ namespace clearway {
 
 /// What a recording may be, for sentences that refuse something else.
 inline constexpr const char* kinds_of_recordings =
-    "an MRPT rawlog, a ROS bag (.bag, .mcap, .db3), a scan graph of OctoMap (.graph), a video, a .pcd, .ply, "
+    "an MRPT rawlog, a ROS bag (.bag, .mcap, .db3), a scan graph of OctoMap (.graph), ScanNet's .sens, a "
+    "video, a .pcd, .ply, "
     ".bin, .png or .jpg file, or a folder of such files or of depth pictures";
 
 /// Whatever holds frames, recognized by what it is:
@@ -27,6 +28,7 @@ inline constexpr const char* kinds_of_recordings =
 /// - a .bag, .mcap or .db3 file, or the folder that `ros2 bag record` makes: topics that the setup names
 /// (datasets/bags/bag_source.hpp);
 /// - a scan graph of OctoMap (datasets/sources/scan_graph.hpp);
+/// - ScanNet's .sens (datasets/bags/sens_file.hpp);
 /// - else an MRPT rawlog.
 /// Sensors are called like the folder, or the single file.
 /// @throws std::invalid_argument in one sentence when it is none of these.

@@ -7,6 +7,7 @@
 #include "datasets/descriptions/load_setup.hpp"
 #include "mapping/system/number_text.hpp"
 #include "tests/datasets/complaint.hpp"
+#include "tests/worlds/npy_bytes.hpp"
 #include "tests/worlds/picture_bytes.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
@@ -330,6 +331,42 @@ TEST(TaughtFolders, AreRefusedByTheNameOfTheirSession) {
   folder.write("session/session.json", "{}");
   EXPECT_NE(refusal(folder.path()).find("expected its session, '" + (folder / "session").string()),
             std::string::npos);
+}
+
+/// A wall 2 m ahead of a camera that looks north from the origin; its published camera sees 90 degrees.
+TEST(DepthFolderCameras, OfTartanAirIsThePublishedOneForPicturesOfItsSize) {
+  for (const auto& [columns, rows, shape] : {std::tuple(640, 480, "(480, 640)"), {640, 640, "(640, 640)"}}) {
+    const TemporaryFolder folder;
+    std::filesystem::create_directory(folder / "depth_left");
+    const auto pixels = static_cast<std::size_t>(columns * rows);
+    folder.write("depth_left/000000_left_depth.npy",
+                 npy_bytes("<f4", shape, std::vector<float>(pixels, 2.0F)));
+    folder.write("pose_left.txt", "0 0 0 0 0 0 1\n");
+    const auto source = open_frames(folder.path(), {});
+    const auto frame = source->next();
+    ASSERT_TRUE(frame);
+    const auto& cloud = std::get<CloudFrame>(frame->content);
+    const Eigen::Vector3d corner = cloud.world_from_sensor * cloud.points.front().cast<double>();
+    EXPECT_LT((corner - Eigen::Vector3d(2, -2, -2.0 * rows / 640)).norm(), 1e-6) << corner;
+    std::string told;
+    for (const std::string& warning : source->warnings()) told += warning + "\n";
+    EXPECT_NE(told.find("TartanAir publishes it, fx = fy = 320"), std::string::npos) << told;
+  }
+  const TemporaryFolder other;
+  std::filesystem::create_directory(other / "depth_left");
+  other.write("depth_left/0.npy", npy_bytes("<f4", "(36, 48)", std::vector<float>(36 * 48, 2.0F)));
+  other.write("pose_left.txt", "0 0 0 0 0 0 1\n");
+  EXPECT_NE(refusal(other.path()).find("expected `camera`"), std::string::npos);
+}
+
+TEST(DepthFolderCameras, WhatOtherProgramsPackIsRefusedWithTheWayOut) {
+  const TemporaryFolder folder;
+  folder.write("room.r3d", "PK");
+  EXPECT_NE(refusal(folder / "room.r3d").find("is Record3D's"), std::string::npos)
+      << refusal(folder / "room.r3d");
+  std::filesystem::create_directory(folder / "rgbd");
+  folder.write("rgbd/0.depth", "bvx2");
+  EXPECT_NE(refusal(folder.path()).find("EXR_RGBD/"), std::string::npos) << refusal(folder.path());
 }
 
 }  // namespace depth_folder_cameras_test

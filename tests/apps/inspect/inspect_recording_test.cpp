@@ -9,6 +9,7 @@
 #include "datasets/sources/recording.hpp"
 #include "tests/apps/run_command.hpp"
 #include "tests/worlds/picture_bytes.hpp"
+#include "tests/worlds/sens_bytes.hpp"
 
 namespace clearway {
 namespace inspect_recording_test {
@@ -55,6 +56,23 @@ TEST(InspectRecording, ListsSensorsWithKindsFramesPointsAndTimes) {
   expect(3, "laser", "points", 2, 4, 100.75, 101.0);
   const CommandRun text = run_command({"inspect", (folder.path() / "r.rawlog").string()});
   EXPECT_NE(text.out.find("laser"), std::string::npos) << text.out;
+}
+
+TEST(InspectRecording, ListsTheDepthOfASensAndSaysWhatOthersPack) {
+  const TemporaryFolder folder;
+  const SensPictures frame{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1},
+                           1500000,
+                           picture_bytes(cv::Mat(72, 96, CV_8UC3, cv::Scalar(9, 9, 9)), ".jpg"),
+                           std::vector<std::uint16_t>(48 * 36, 2000)};
+  const CommandRun run = run_command({"inspect", folder.write("s.sens", sens_bytes({frame})), "--json"});
+  ASSERT_EQ(run.status, 0) << run.log;
+  const Json sensors = Json::parse(run.out).at("sensors");
+  ASSERT_EQ(sensors.size(), 2U);
+  EXPECT_EQ(sensors[0].at("kind"), "image 96 x 72");
+  EXPECT_EQ(sensors[1].at("points"), 48 * 36);
+  const CommandRun packed = run_command({"inspect", folder.write("room.r3d", "PK")});
+  EXPECT_EQ(packed.status, exit_bad_input);
+  EXPECT_NE(packed.log.find("is Record3D's, whose depth is packed"), std::string::npos) << packed.log;
 }
 
 TEST(InspectRecording, ListsTheTopicsOfABag) {
