@@ -154,6 +154,21 @@ std::vector<double> times_of_sens(const SensLayout& layout, std::optional<double
   return times;
 }
 
+/// Says how many frames have no pose, and why.
+void note_unposed(const SensLayout& layout, std::vector<std::string>& notes) {
+  const auto note = [&](std::ptrdiff_t count, const char* lack) {
+    if (count > 0)
+      notes.push_back(std::to_string(count) + " of " + std::to_string(layout.frames.size()) +
+                      " frames have " + lack + ", and their depth was left out");
+  };
+  const auto begin = layout.frames.begin(), end = layout.frames.end();
+  const auto bent = std::count_if(begin, end, [](const SensFrame& frame) { return frame.is_bent; });
+  const auto unposed =
+      std::count_if(begin, end, [](const SensFrame& frame) { return !frame.world_from_camera; });
+  note(bent, "a pose that is no rigid transform");
+  note(unposed - bent, "no pose");
+}
+
 std::vector<std::string> notes_of_sens(const SensLayout& layout, const SourceOptions& options) {
   std::vector<std::string> notes;
   if (!options.depth.camera)
@@ -163,12 +178,7 @@ std::vector<std::string> notes_of_sens(const SensLayout& layout, const SourceOpt
   if (!options.depth.scale)
     notes.push_back("steps of depth are " + short_text(layout.step) +
                     " m, by the file; `source: {depth: {scale: …}}` states others.");
-  const auto unposed = static_cast<std::size_t>(
-      std::count_if(layout.frames.begin(), layout.frames.end(),
-                    [](const SensFrame& frame) { return !frame.world_from_camera; }));
-  if (unposed > 0 && !options.places_depth)
-    notes.push_back(std::to_string(unposed) + " of " + std::to_string(layout.frames.size()) +
-                    " frames have no pose, and their depth was left out");
+  if (!options.places_depth) note_unposed(layout, notes);
   if (layout.is_depth_moved && !options.places_depth)
     notes.emplace_back(
         "the file's extrinsic of the depth camera is not the identity and is not applied: poses are taken as "

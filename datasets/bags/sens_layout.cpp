@@ -85,7 +85,9 @@ SensLayout read_sens_layout(std::uint64_t size,
     ByteReader reader(head, nowhere);
     SensFrame frame;
     try {
-      frame.world_from_camera = rigid_pose(take_matrix(reader));
+      const Eigen::Matrix4d matrix = take_matrix(reader);
+      frame.world_from_camera = rigid_pose(matrix);
+      frame.is_bent = matrix.allFinite() && !frame.world_from_camera;
       reader.get<std::uint64_t>();  // of the colours
       frame.depth_time = reader.get<std::uint64_t>();
       frame.colour.size = reader.get<std::uint64_t>();

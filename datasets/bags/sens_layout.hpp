@@ -20,6 +20,7 @@ struct FilePart {
 /// A frame of a .sens file.
 struct SensFrame {
   std::optional<Eigen::Isometry3d> world_from_camera;  ///< optical frame, m; empty: not known
+  bool is_bent = false;                                ///< its matrix is finite, and no rigid transform
   std::uint64_t depth_time = 0;                        ///< as it is stored, which are microseconds
   FilePart colour, depth;
 };

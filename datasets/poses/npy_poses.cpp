@@ -38,10 +38,6 @@ std::optional<Eigen::Isometry3d> pose_of_rows(const double* numbers, std::size_t
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
   for (std::size_t i = 0; i < count; ++i)
     matrix(static_cast<int>(i) / 4, static_cast<int>(i) % 4) = numbers[i];
-  // What inverting leaves of 0 and 1.
-  constexpr double most_off = 1e-6;
-  const Eigen::RowVector4d last(0, 0, 0, 1);
-  if ((matrix.row(3) - last).cwiseAbs().maxCoeff() < most_off) matrix.row(3) = last;
   const auto pose = rigid_pose(matrix);
   if (!pose)
     throw std::invalid_argument(name +

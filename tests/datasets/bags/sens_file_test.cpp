@@ -89,6 +89,17 @@ TEST_F(SensFiles, FramesWithoutAPoseKeepTheirColoursAlone) {
   EXPECT_EQ(all_of(*elsewhere), (std::vector<std::string>{"colour 0.00", "depth 0.50", "colour 0.50"}));
 }
 
+TEST_F(SensFiles, PosesThatAreNotRigidAreCountedApart) {
+  SensPictures bent = frame_at(2, 1), inverted = frame_at(3, 2);
+  bent.world_from_camera[0] = 0.5F;
+  inverted.world_from_camera[14] = 1e-9F;
+  const auto source = open(sens_bytes({frame_at(1, 0), bent, inverted, lost_at(3)}));
+  const std::vector<std::string> notes = source->warnings();
+  EXPECT_EQ(notes.at(notes.size() - 2),
+            "1 of 4 frames have a pose that is no rigid transform, and their depth was left out");
+  EXPECT_EQ(notes.back(), "1 of 4 frames have no pose, and their depth was left out");
+}
+
 TEST_F(SensFiles, DamageCostsItsFrame) {
   SensPictures broken = frame_at(1, 1000000);
   broken.colour = "no JPEG";
