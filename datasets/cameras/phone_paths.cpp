@@ -12,12 +12,17 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t largest_phone_file = std::size_t{64} << 20U;  ///< bytes
 
-/// Not what cannot be read, which is somebody else's.
-bool holds_all(const fs::path& file, std::initializer_list<const char*> words) try {
-  if (!is_input_there(file)) return false;
-  const std::string text = read_input(file, "poses", largest_phone_file);
-  return std::all_of(words.begin(), words.end(),
-                     [&](const char* word) { return text.find(word) != std::string::npos; });
+/// Empty for what cannot be read, which is somebody else's.
+std::string text_of(const fs::path& file) try {
+  return is_input_there(file) ? read_input(file, "poses", largest_phone_file) : "";
+} catch (const std::invalid_argument&) {
+  return "";
+}
+
+/// Not what is JSON of another kind, or none.
+bool is_record3d_file(const fs::path& file) try {
+  const std::string text = text_of(file);
+  return text.find("\"K\"") != std::string::npos && is_record3d(PathFields::parse(text, "poses"));
 } catch (const std::invalid_argument&) {
   return false;
 }
@@ -69,13 +74,23 @@ CameraIntrinsics scannetpp_camera(const PathFields& field) {
 }  // namespace
 
 fs::path phone_path_file(const fs::path& folder) {
-  if (const fs::path file = folder / "metadata.json"; holds_all(file, {"\"poses\"", "\"K\""})) return file;
-  if (const fs::path file = folder / "pose_intrinsic_imu.json"; holds_all(file, {"\"aligned_pose\""}))
+  if (const fs::path file = folder / "metadata.json"; is_record3d_file(file)) return file;
+  if (const fs::path file = folder / "pose_intrinsic_imu.json";
+      text_of(file).find("\"aligned_pose\"") != std::string::npos)
     return file;
   return {};
 }
 
-bool is_record3d(const PathFields& file) { return file.has("poses") && file.has("K"); }
+bool is_record3d(const PathFields& file) try {
+  for (const char* key : {"poses", "K", "w", "h"})
+    if (!file.has(key)) return false;
+  const std::vector<PathFields> poses = file.at("poses").items();
+  return !poses.empty() && file.at("K").numbers().size() == 9 &&
+         std::all_of(poses.begin(), poses.end(),
+                     [](const PathFields& pose) { return pose.numbers().size() == 7; });
+} catch (const std::invalid_argument&) {
+  return false;
+}
 
 bool is_scannetpp(const PathFields& file) {
   const std::vector<std::string> keys = file.keys();

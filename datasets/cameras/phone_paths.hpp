@@ -10,6 +10,7 @@ namespace clearway {
 /// empty: there is none of these.
 std::filesystem::path phone_path_file(const std::filesystem::path& folder);
 
+/// Whether it has `poses` of 7 numbers each, `K` of 9, `w` and `h`.
 bool is_record3d(const PathFields& file);
 bool is_scannetpp(const PathFields& file);
 

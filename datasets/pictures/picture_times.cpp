@@ -330,9 +330,10 @@ std::optional<std::vector<TimedFile>> times_of_polycam(const std::vector<fs::pat
   return together(files, *times);
 }
 
-/// What Record3D or ScanNet++ say in a file beside the folder, of depth and colour pictures alike.
+/// What Record3D or ScanNet++ say in a file beside the folder, of depth and colour pictures alike; nothing
+/// where it cannot be read, which is for those to say that need its poses.
 std::optional<std::vector<TimedFile>> times_of_phone(const std::vector<fs::path>& files,
-                                                     const fs::path& folder) {
+                                                     const fs::path& folder) try {
   const fs::path file = phone_path_file(folder.parent_path());
   if (file.empty()) return std::nullopt;
   const std::string name = "poses " + quote_path(file.string());
@@ -345,6 +346,8 @@ std::optional<std::vector<TimedFile>> times_of_phone(const std::vector<fs::path>
       times.push_back(found->second);
   if (times.size() != files.size() || !are_distinct(times)) return std::nullopt;
   return together(files, times);
+} catch (const std::invalid_argument&) {
+  return std::nullopt;
 }
 
 /// Of pictures as far apart as no hand paints, in whole numbers: times may be finer than seconds.

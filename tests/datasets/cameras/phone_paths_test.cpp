@@ -98,11 +98,29 @@ TEST(ScanNetPpPath, WhatIsNoneIsRefusedByItsField) {
   }
 }
 
+TEST(Record3dPath, IsKnownByItsShape) {
+  for (const auto& [from, to] : std::vector<std::array<std::string, 2>>{
+           {"\"w\": 720, ", ""},
+           {"[700, 0, 0, 0, 710, 0, 350, 470, 1]", "[700, 710, 350, 470]"},
+           {"[700, 0, 0, 0, 710, 0, 350, 470, 1]", "\"camera.yaml\""},
+           {"[0, 0, 0, 1, 1, 2, 3]", "[0, 0, 0, 1, 1, 2]"},
+           {"[0, 0, 0, 1, 1, 2, 3]", "null"},
+           {"[0, 0, 0, 1, 1, 2, 3], [0, 0.70710678, 0, 0.70710678, 0, 0, 0]", ""}}) {
+    std::string text = record3d + "}";
+    text.replace(text.find(from), from.size(), to);
+    EXPECT_FALSE(is_record3d(fields(text))) << text;
+  }
+}
+
 TEST(PhonePaths, AreFoundByWhatTheyHold) {
   const TemporaryFolder folder;
   EXPECT_TRUE(phone_path_file(folder.path()).empty());
-  folder.write("metadata.json", R"({"poses": "somebody else's"})");
-  EXPECT_TRUE(phone_path_file(folder.path()).empty());
+  for (const char* other :
+       {R"({"poses": "groundtruth.txt", "K": [50, 0, 32, 0, 50, 24, 0, 0, 1], "w": 64, "h": 48})",
+        R"(["poses", "K"])", R"("poses" and "K")"}) {
+    folder.write("metadata.json", other);
+    EXPECT_TRUE(phone_path_file(folder.path()).empty()) << other;
+  }
   folder.write("pose_intrinsic_imu.json", scannetpp);
   EXPECT_EQ(phone_path_file(folder.path()), folder / "pose_intrinsic_imu.json");
   folder.write("metadata.json", record3d + "}");

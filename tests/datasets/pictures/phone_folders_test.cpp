@@ -126,6 +126,27 @@ TEST_F(PhoneFolders, OfMobileBrickHaveTheMatrixOfEachPicture) {
   EXPECT_EQ(points, 2U * (48U * 36U - 1U));
 }
 
+TEST_F(PhoneFolders, MetadataOfOthersSaysNothing) {
+  for (const char* name : {"depth", "rgb"}) make(name);
+  folder_.write("depth/1.png", depth_png(2000));
+  folder_.write("rgb/1.png", depth_png(9));
+  folder_.write("groundtruth.txt", "1 0 0 0 0 0 0 1\n");
+  SourceOptions stated;
+  stated.depth.camera = CameraIntrinsics{48, 36, 40, 40, 24, 18, {}};
+  for (const char* other :
+       {R"({"poses": "groundtruth.txt", "K": [50, 0, 32, 0, 50, 24, 0, 0, 1], "w": 64, "h": 48})",
+        R"({"poses": [[0, 0, 0, 1, 1, 2, 3]], "K": "camera.yaml", "w": 64, "h": 48})"}) {
+    folder_.write("metadata.json", other);
+    const auto source = open(stated);
+    EXPECT_EQ(last_pixels(*source).size(), 1U) << other;
+    EXPECT_EQ(times_of_files({folder_ / "rgb/1.png"}, std::nullopt).files.at(0).time, 1.0) << other;
+  }
+  // Record3D's, but for its times.
+  folder_.write("metadata.json", R"({"w": 48, "h": 36, "K": [40, 0, 0, 0, 40, 0, 24, 18, 1],
+                                     "poses": [[0, 0, 0, 1, 1, 2, 3]], "frameTimestamps": ["now"]})");
+  EXPECT_EQ(times_of_files({folder_ / "rgb/1.png"}, std::nullopt).files.at(0).time, 1.0);
+}
+
 TEST_F(PhoneFolders, PicturesOfOtherNamesHaveNoPoses) {
   for (const char* name : {"depth", "rgb"}) make(name);
   folder_.write("depth/image_7.exr", picture_bytes(cv::Mat_<float>(36, 48, 2.0F), ".exr"));
