@@ -29,6 +29,7 @@ struct CameraPath {
   bool is_of_colmap = false;          ///< COLMAP found the poses: their unit is not known
   bool is_scale_of_integers = false;  ///< depth_scale is that of whole numbers alone
   std::string note;                   ///< of poses and cameras, behind the file's name; empty: none
+  std::string lack;                   ///< what was expected of a path without poses; empty: it has some
 
   /// Whether all of them state their camera, or any of them its pose.
   bool has_cameras() const;

@@ -117,11 +117,14 @@ CameraPath read_record3d(const PathFields& file) {
     shot.camera = record3d_camera(file, cameras.empty() ? file.at("K") : cameras[i]);
     if (!times.empty()) shot.time = times[i].time();
   }
-  if (poses.size() > 1 && !has_moved)
-    file.at("poses").fail(
-        "some that are not the identity: Record3D knows none of the front camera, whose recordings have no "
-        "poses");
-  path.note = "are Record3D's, in ARKit's world: y of the map points up.";
+  if (poses.size() == 1 || has_moved) {
+    path.note = "are Record3D's, in ARKit's world: y of the map points up.";
+    return path;
+  }
+  for (CameraShot& shot : path.shots) shot.world_from_camera.reset();
+  path.lack =
+      "some that are not the identity: Record3D knows none of the front camera, whose recordings have no "
+      "poses";
   return path;
 }
 

@@ -17,7 +17,8 @@ bool is_scannetpp(const PathFields& file);
 /// Record3D's: `poses`, each [qx, qy, qz, qw, x, y, z], world_from_camera of a camera with x right, y up and
 /// z back, in ARKit's world, whose y points up; `K` column by column, or each picture's own
 /// `perFrameIntrinsicCoeffs` [fx, fy, cx, cy], of colour pictures of `w` x `h`; `frameTimestamps`. Picture 0
-/// is called 0. Fails where all poses are the identity, as those of the front camera are, which has none.
+/// is called 0. No shot has a pose where all are the identity, as those of the front camera are, which has
+/// none.
 CameraPath read_record3d(const PathFields& file);
 
 /// ScanNet++'s of the phone: by the name of the picture `aligned_pose`, world_from_camera of the optical

@@ -216,8 +216,8 @@ void PicturePoses::take_path(CameraPath path, const fs::path& file, const std::v
                              std::optional<double> unit) {
   const std::string name = "poses " + quote_path(file.string());
   if (!path.has_poses())
-    throw std::invalid_argument(name +
-                                ": none of its pictures has a pose, expected `cam_R_w2c` and `cam_t_w2c`");
+    throw std::invalid_argument(name + ": none of its pictures has a pose, expected " +
+                                (path.lack.empty() ? "`cam_R_w2c` and `cam_t_w2c`" : path.lack));
   if (path.is_of_colmap) scale_path_of_colmap(path, name, unit);
   take_shots(path, file, pictures);
   if (!path.note.empty()) notes_.push_back(name + " " + path.note);

@@ -61,9 +61,16 @@ TEST(Record3dPath, WhatIsNoneIsRefusedByItsField) {
     EXPECT_NE(said.find(expected), std::string::npos) << said;
     EXPECT_NE(said.find("poses 'f'"), std::string::npos) << said;
   }
-  const std::string none = R"({"w": 480, "h": 640, "K": [400, 0, 0, 0, 400, 0, 240, 320, 1],
-                               "poses": [[0, 0, 0, 1, 0, 0, 0], [0, 0, 0, 1, 0, 0, 0]]})";
-  EXPECT_NE(complaint([&] { read_record3d(fields(none)); }).find("front camera"), std::string::npos);
+}
+
+TEST(Record3dPath, OfTheFrontCameraHasCamerasAndTimesAlone) {
+  const CameraPath path = read_record3d(
+      fields(R"({"w": 480, "h": 640, "K": [400, 0, 0, 0, 400, 0, 240, 320, 1], "frameTimestamps": [1, 1.5],
+                 "poses": [[0, 0, 0, 1, 0, 0, 0], [0, 0, 0, 1, 0, 0, 0]]})"));
+  EXPECT_FALSE(path.has_poses());
+  EXPECT_TRUE(path.has_cameras());
+  EXPECT_EQ(path.shots.at(1).time, 1.5);
+  EXPECT_NE(path.lack.find("front camera"), std::string::npos);
 }
 
 /// At (1, 2, 3), looking along the world's x: right is -y there, down is -z.

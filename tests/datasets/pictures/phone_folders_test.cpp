@@ -126,6 +126,26 @@ TEST_F(PhoneFolders, OfMobileBrickHaveTheMatrixOfEachPicture) {
   EXPECT_EQ(points, 2U * (48U * 36U - 1U));
 }
 
+TEST_F(PhoneFolders, OfTheFrontCameraArePlacedByTheSetupAlone) {
+  for (const char* name : {"depth", "rgb"}) make(name);
+  for (const char* number : {"0", "1"})
+    folder_.write("depth/" + std::string(number) + ".exr",
+                  picture_bytes(cv::Mat_<float>(36, 48, 2.0F), ".exr"));
+  folder_.write("metadata.json", R"({"w": 48, "h": 36, "K": [40, 0, 0, 0, 40, 0, 24, 18, 1],
+                                     "poses": [[0, 0, 0, 1, 0, 0, 0], [0, 0, 0, 1, 0, 0, 0]],
+                                     "frameTimestamps": [3, 3.5]})");
+  const std::string refusal = complaint([&] { open(SourceOptions{}); });
+  EXPECT_NE(refusal.find("metadata.json': none of its pictures has a pose, expected some that are not the "
+                         "identity"),
+            std::string::npos)
+      << refusal;
+  SourceOptions stated;
+  stated.places_depth = true;
+  std::vector<double> times;
+  EXPECT_EQ(last_pixels(*open(stated), &times).size(), 2U);
+  EXPECT_EQ(times, (std::vector<double>{3, 3.5}));
+}
+
 TEST_F(PhoneFolders, MetadataOfOthersSaysNothing) {
   for (const char* name : {"depth", "rgb"}) make(name);
   folder_.write("depth/1.png", depth_png(2000));
