@@ -137,6 +137,13 @@ class TimesTable {
   std::map<std::string, std::vector<Entry>> by_name_;
 };
 
+/// A sentence where something gives some of these pictures no time.
+std::vector<std::string> told_untimed(const std::string& name, std::size_t without_time, std::size_t files) {
+  if (without_time == 0) return {};
+  return {name + " has no time for " + std::to_string(without_time) + " of " + counted(files, "picture") +
+          ", which are left out"};
+}
+
 TimedFiles times_by_table(const std::vector<fs::path>& files, const fs::path& table,
                           Parse parse = parse_file_times) {
   const std::string name = "times " + quote_path(table.string());
@@ -154,11 +161,8 @@ TimedFiles times_by_table(const std::vector<fs::path>& files, const fs::path& ta
   if (result.files.empty())
     throw std::invalid_argument(name + ": it names none of the " + counted(files.size(), "picture") +
                                 ", expected lines 'time, file'");
-  const std::size_t without_time = files.size() - result.files.size(),
-                    missing = times.size() - result.files.size();
-  if (without_time > 0)
-    result.warnings.push_back(name + " has no time for " + std::to_string(without_time) + " of " +
-                              counted(files.size(), "picture") + ", which are left out");
+  result.warnings = told_untimed(name, files.size() - result.files.size(), files.size());
+  const std::size_t missing = times.size() - result.files.size();
   if (missing > 0 && parse == parse_file_times)  // associations name those of another camera, too
     result.warnings.push_back(name + " names " + counted(missing, "picture that is", "pictures that are") +
                               " not there");
@@ -330,10 +334,10 @@ std::optional<std::vector<TimedFile>> times_of_polycam(const std::vector<fs::pat
   return together(files, *times);
 }
 
-/// What Record3D or ScanNet++ say in a file beside the folder, of depth and colour pictures alike; nothing
-/// where it cannot be read, which is for those to say that need its poses.
-std::optional<std::vector<TimedFile>> times_of_phone(const std::vector<fs::path>& files,
-                                                     const fs::path& folder) try {
+/// What Record3D or ScanNet++ say in a file beside the folder, of depth and colour pictures alike, so that
+/// both have one clock: pictures that it does not list are left out. Nothing where it lists none of them, or
+/// cannot be read, which is for those to say that need its poses.
+std::optional<TimedFiles> times_of_phone(const std::vector<fs::path>& files, const fs::path& folder) try {
   const fs::path file = phone_path_file(folder.parent_path());
   if (file.empty()) return std::nullopt;
   const std::string name = "poses " + quote_path(file.string());
@@ -341,11 +345,14 @@ std::optional<std::vector<TimedFile>> times_of_phone(const std::vector<fs::path>
   for (const CameraShot& shot : parse_camera_path(read_input(file, "poses", largest_table), name).shots)
     if (shot.time) known[shot.picture] = *shot.time;
   std::vector<double> times;
+  for (const auto& [picture, time] : known) times.push_back(time);
+  TimedFiles result;
   for (const fs::path& picture : files)
     if (const auto found = known.find(picture.stem().string()); found != known.end())
-      times.push_back(found->second);
-  if (times.size() != files.size() || !are_distinct(times)) return std::nullopt;
-  return together(files, times);
+      result.files.push_back({picture, found->second});
+  if (result.files.empty() || !are_distinct(times)) return std::nullopt;
+  result.warnings = told_untimed(name, files.size() - result.files.size(), files.size());
+  return result;
 } catch (const std::invalid_argument&) {
   return std::nullopt;
 }
@@ -477,7 +484,7 @@ TimedFiles times_of_files(const std::vector<fs::path>& given, std::optional<doub
   } else if (auto microseconds = times_of_polycam(files, folder)) {
     result.files = std::move(*microseconds);
   } else if (auto of_phone = times_of_phone(files, folder)) {
-    result.files = std::move(*of_phone);
+    result = std::move(*of_phone);
   } else if (const auto exif = exif_times(files); exif && are_distinct(*exif)) {
     result.files = together(files, *exif);
   } else if (auto associated = is_clock ? std::nullopt : times_by_associations(files, folder)) {

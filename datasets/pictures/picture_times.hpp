@@ -49,7 +49,8 @@ std::string names_caveat(const std::vector<std::filesystem::path>& files, const 
 /// names as microseconds, beside Polycam's cameras; what Record3D or ScanNet++ say beside them; their EXIF;
 /// their names, as times_of_names reads them. A rate goes before all of them. The table is the one .csv file
 /// in the folder that names one of them, FOLDER.csv or FOLDER.txt beside it, or TUM's associations.txt in or
-/// beside it, unless names are a clock's; files that it does not name are left out and reported.
+/// beside it, unless names are a clock's; files that it, or what a phone says, does not name are left out and
+/// reported.
 /// @param files of one folder, at least one
 /// @throws std::invalid_argument for a table about these files that cannot be read, or several of them
 TimedFiles times_of_files(const std::vector<std::filesystem::path>& files, std::optional<double> rate);

@@ -126,6 +126,24 @@ TEST_F(PhoneFolders, OfMobileBrickHaveTheMatrixOfEachPicture) {
   EXPECT_EQ(points, 2U * (48U * 36U - 1U));
 }
 
+TEST_F(PhoneFolders, PicturesThatTheFileDoesNotListAreLeftOut) {
+  make("rgb");
+  std::vector<std::filesystem::path> pictures;
+  for (const char* name : {"0", "1", "2"})
+    pictures.push_back(folder_.write("rgb/" + std::string(name) + ".png", depth_png(9)));
+  folder_.write("metadata.json", R"({"w": 48, "h": 36, "K": [40, 0, 0, 0, 40, 0, 24, 18, 1],
+                                     "poses": [[0, 0, 0, 1, 1, 2, 3], [0, 0, 0, 1, 1, 2, 4]],
+                                     "frameTimestamps": [70.5, 70.75]})");
+  const TimedFiles timed = times_of_files(pictures, std::nullopt);
+  ASSERT_EQ(timed.files.size(), 2U);
+  EXPECT_EQ(timed.files[1].time, 70.75);
+  EXPECT_EQ(timed.time_caveat, "");
+  ASSERT_EQ(timed.warnings.size(), 1U);
+  EXPECT_NE(timed.warnings[0].find("metadata.json' has no time for 1 of 3 pictures, which are left out"),
+            std::string::npos)
+      << timed.warnings[0];
+}
+
 TEST_F(PhoneFolders, OfTheFrontCameraArePlacedByTheSetupAlone) {
   for (const char* name : {"depth", "rgb"}) make(name);
   for (const char* number : {"0", "1"})
