@@ -161,6 +161,9 @@ void note_unposed(const SensLayout& layout, std::vector<std::string>& notes) {
       notes.push_back(std::to_string(count) + " of " + std::to_string(layout.frames.size()) +
                       " frames have " + lack + ", and their depth was left out");
   };
+  if (layout.is_untracked)
+    notes.emplace_back(
+        "all its poses are the identity, as of a recording that was never tracked, and are taken as none");
   const auto begin = layout.frames.begin(), end = layout.frames.end();
   const auto bent = std::count_if(begin, end, [](const SensFrame& frame) { return frame.is_bent; });
   const auto unposed =

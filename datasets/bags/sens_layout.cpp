@@ -61,6 +61,19 @@ std::uint64_t take_head(const std::string& bytes, SensLayout& layout) {
   return reader.get<std::uint64_t>();
 }
 
+/// Drops the poses of a recording that was never tracked: the recorder's default, which is the identity.
+void drop_untracked_poses(SensLayout& layout) {
+  std::size_t posed = 0, still = 0;
+  for (const SensFrame& frame : layout.frames) {
+    if (!frame.world_from_camera) continue;
+    ++posed;
+    still += frame.world_from_camera->isApprox(Eigen::Isometry3d::Identity(), 1e-9) ? 1 : 0;
+  }
+  layout.is_untracked = posed > 1 && still == posed;
+  if (!layout.is_untracked) return;
+  for (SensFrame& frame : layout.frames) frame.world_from_camera.reset();
+}
+
 }  // namespace
 
 SensLayout read_sens_layout(std::uint64_t size,
@@ -105,6 +118,7 @@ SensLayout read_sens_layout(std::uint64_t size,
     at = frame.depth.at + frame.depth.size;
     layout.frames.push_back(frame);
   }
+  drop_untracked_poses(layout);
   return layout;
 }
 

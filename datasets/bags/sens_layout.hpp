@@ -32,6 +32,7 @@ struct SensLayout {
   bool is_depth_moved = false;   ///< the extrinsic of its depth camera is not the identity
   bool is_depth_packed = false;  ///< by zlib; else as it is
   bool has_pictures = false;     ///< colours are PNG or JPEG; else they are not read
+  bool is_untracked = false;     ///< all its poses were the identity, and were dropped
   double step = 0.0;             ///< m per step of depth
   std::vector<SensFrame> frames;
   std::string damage;  ///< a clause: why there are fewer frames than it says; "": there are not

@@ -89,6 +89,19 @@ TEST_F(SensFiles, FramesWithoutAPoseKeepTheirColoursAlone) {
   EXPECT_EQ(all_of(*elsewhere), (std::vector<std::string>{"colour 0.00", "depth 0.50", "colour 0.50"}));
 }
 
+TEST_F(SensFiles, RecordingsThatWereNeverTrackedHaveNoPoses) {
+  SensPictures first = frame_at(1, 0), second = frame_at(2, 1);
+  for (SensPictures* frame : {&first, &second})
+    frame->world_from_camera = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+  const auto source = open(sens_bytes({first, lost_at(1), second}));
+  const std::vector<std::string> notes = source->warnings();
+  EXPECT_NE(notes.at(notes.size() - 2).find("as of a recording that was never tracked"), std::string::npos);
+  EXPECT_NE(notes.back().find("3 of 3 frames have no pose"), std::string::npos) << notes.back();
+  EXPECT_EQ(all_of(*source).size(), 3U) << "colours alone";
+  EXPECT_EQ(all_of(*open(sens_bytes({first, frame_at(2, 1)}))).size(), 4U) << "it begins there";
+  EXPECT_EQ(all_of(*open(sens_bytes({first}))).size(), 2U) << "one picture may be anywhere";
+}
+
 TEST_F(SensFiles, PosesThatAreNotRigidAreCountedApart) {
   SensPictures bent = frame_at(2, 1), inverted = frame_at(3, 2);
   bent.world_from_camera[0] = 0.5F;
