@@ -132,6 +132,7 @@ CameraPath read_scannetpp(const PathFields& file) {
   CameraPath path;
   path.is_named = path.is_scale_of_integers = true;
   path.depth_scale = 1e-3;
+  std::size_t bent = 0;
   for (const std::string& key : file.keys()) {
     const PathFields frame = file.at(key.c_str());
     CameraShot& shot = path.shots.emplace_back();
@@ -139,10 +140,18 @@ CameraPath read_scannetpp(const PathFields& file) {
     shot.camera = scannetpp_camera(frame.at("intrinsic"));
     if (frame.has("timestamp")) shot.time = frame.at("timestamp").time();
     if (!frame.has("aligned_pose")) continue;
-    const PathFields pose = frame.at("aligned_pose");
-    shot.world_from_camera = rigid_of(pose.numbers(), pose, "four rows of four numbers, a rigid transform");
+    try {
+      const PathFields pose = frame.at("aligned_pose");
+      shot.world_from_camera = rigid_of(pose.numbers(), pose, "a rigid transform");
+    } catch (const std::invalid_argument&) {
+      ++bent;
+    }
   }
-  path.note = "are the `aligned_pose` of ScanNet++, in the world of the scan's mesh.";
+  path.note = "are the `aligned_pose` of ScanNet++, in the world of the scan's mesh";
+  path.note += bent == 0 ? "."
+                         : "; " + std::to_string(bent) + " of " + std::to_string(path.shots.size()) +
+                               " are no rigid transform, and their pictures are left out.";
+  if (!path.has_poses()) path.lack = "`aligned_pose` of four rows of four numbers, a rigid transform";
   return path;
 }
 

@@ -23,7 +23,7 @@ CameraPath read_record3d(const PathFields& file);
 
 /// ScanNet++'s of the phone: by the name of the picture `aligned_pose`, world_from_camera of the optical
 /// frame in the world of the scan's mesh, `intrinsic` of pictures of 1920 x 1440, and `timestamp`; steps of
-/// depth are mm.
+/// depth are mm. Shots whose `aligned_pose` is no rigid transform have none, and the note counts them.
 CameraPath read_scannetpp(const PathFields& file);
 
 }  // namespace clearway

@@ -92,11 +92,24 @@ TEST(ScanNetPpPath, HasTheOpticalFramesPosesInTheMeshsWorld) {
   EXPECT_EQ(path.depth_scale, 0.001);
 }
 
+TEST(ScanNetPpPath, PosesThatAreNoneCostTheirShotAlone) {
+  const std::string other = R"(, "frame_000020": {"aligned_pose": null,
+                                  "intrinsic": [[1441, 0, 959.5], [0, 1451, 719.5], [0, 0, 1]]}})";
+  const CameraPath path = read_scannetpp(fields(scannetpp.substr(0, scannetpp.size() - 1) + other));
+  ASSERT_EQ(path.shots.size(), 3U);
+  EXPECT_TRUE(path.shots[0].world_from_camera);
+  EXPECT_FALSE(path.shots[2].world_from_camera);
+  EXPECT_NE(path.note.find("mesh; 1 of 3 are no rigid transform"), std::string::npos) << path.note;
+  EXPECT_EQ(path.lack, "");
+  std::string bent = scannetpp;
+  bent.replace(bent.find("[0, 0, 1, 1]"), 12, "[0, 0, 2, 1]");
+  EXPECT_NE(read_scannetpp(fields(bent)).lack.find("`aligned_pose` of four rows"), std::string::npos);
+}
+
 TEST(ScanNetPpPath, WhatIsNoneIsRefusedByItsField) {
-  for (const auto& [from, to, expected] : std::vector<std::array<std::string, 3>>{
-           {"[0, 0, 1, 1]", "[0, 0, 2, 1]", "'aligned_pose': expected four rows"},
-           {"[1440, 0, 959.5]", "[192, 0, 128]", "1920 x 1440"},
-           {"64852.5", "\"now\"", "expected a time in seconds"}}) {
+  for (const auto& [from, to, expected] :
+       std::vector<std::array<std::string, 3>>{{"[1440, 0, 959.5]", "[192, 0, 128]", "1920 x 1440"},
+                                               {"64852.5", "\"now\"", "expected a time in seconds"}}) {
     std::string text = scannetpp;
     text.replace(text.find(from), from.size(), to);
     const std::string said = complaint([&] { read_scannetpp(fields(text)); });
