@@ -64,6 +64,18 @@ std::string extrinsic_note(const fs::path& file) {
          "camera need `sensors: [{name: depth, poses: …, pose: …}]` in the setup.";
 }
 
+/// A sentence where poses lie beside those that count.
+std::string unread_poses_note(const DepthLayout& layout) {
+  const fs::path& used = layout.poses.empty() ? layout.pose_folder : layout.poses;
+  std::string unread;
+  for (const fs::path& other : {layout.pose_folder, layout.unread_poses})
+    if (!other.empty() && other != used)
+      unread += (unread.empty() ? "" : " and ") + quote(other.filename().string());
+  if (unread.empty()) return "";
+  return "poses are those of " + quote(used.filename().string()) + "; those of " + unread +
+         " beside it are not read; `source: {depth: {poses: …}}` states another file.";
+}
+
 class DepthFolder final : public FrameSource {
  public:
   /// @param path of the camera, where the poses are one @param camera of all pictures; empty: the path's
@@ -105,11 +117,7 @@ class DepthFolder final : public FrameSource {
       depth_note_ = "depth pictures are those of " +
                     quote(layout.depth.front().parent_path().filename().string()) + "; those of " +
                     quote(layout.unread_depth.filename().string()) + " beside it are not read.";
-    if (!options.places_depth && options.depth.poses.empty() && !layout.poses.empty() &&
-        !layout.pose_folder.empty())
-      poses_note_ = "poses are those of " + quote(layout.poses.filename().string()) + "; those of " +
-                    quote(layout.pose_folder.filename().string()) +
-                    " beside it are not read; `source: {depth: {poses: …}}` states another file.";
+    if (!options.places_depth && options.depth.poses.empty()) poses_note_ = unread_poses_note(layout);
     if (!layout.colour.empty()) colour_ = open_pictures(layout.colour, "colour", options);
   }
   bool has_poses() const { return poses_.are_there(); }

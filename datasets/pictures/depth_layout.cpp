@@ -312,9 +312,10 @@ std::optional<DepthLayout> depth_layout(const fs::path& folder, const fs::path& 
     layout.poses = first_there(folder, {"trajectory.json"});
   if (layout.poses.empty() && layout.pose_folder.empty()) layout.poses = polycam_cameras(folder);
   if (layout.poses.empty() && layout.pose_folder.empty()) layout.poses = phone_path_file(folder);
-  if (layout.poses.empty() && layout.pose_folder.empty())
-    layout.poses = first_there(folder, {"poses.npy", "camera_poses.npy", "trajectory.npy", "traj.npy"});
   if (layout.poses.empty() && layout.pose_folder.empty()) take_colmap_model(folder, layout);
+  const bool are_arrays_last = layout.poses.empty() && layout.pose_folder.empty();
+  (are_arrays_last ? layout.poses : layout.unread_poses) =
+      first_there(folder, {"poses.npy", "camera_poses.npy", "trajectory.npy", "traj.npy"});
   if (!path) {
     if (const fs::path scene = first_there(folder, {"scene_camera.json"}); !scene.empty())
       take_bop_scene(scene, stated_poses, layout);

@@ -17,6 +17,7 @@ struct DepthLayout {
   std::filesystem::path poses;         ///< TUM text, numbered poses, a camera's path or COLMAP's; empty: none
   bool poses_of_colour = false;        ///< the poses are those of the colour pictures, in order (SUN3D)
   std::filesystem::path other_poses;   ///< beside transforms.json: which of the two counts is not known
+  std::filesystem::path unread_poses;  ///< an array of poses beside others; empty: none
   std::filesystem::path pose_folder;   ///< of a matrix for each depth picture; empty: none
   std::filesystem::path camera;        ///< a file of the depth pictures' camera; empty: none
   std::filesystem::path scene_camera;  ///< BOP's, of cameras and scale, maybe of poses; empty: none

@@ -35,8 +35,20 @@ TEST_F(DepthLayouts, ArraysOfPosesAreFoundBehindTexts) {
   folder_.write("depth/0.png", depth_png(1000));
   folder_.write("poses.npy", "");
   EXPECT_EQ(depth_layout(folder_.path())->poses, folder_ / "poses.npy");
-  folder_.write("traj.txt", "");
+  folder_.write("images.txt", "1 1 0 0 0 -4 0 0 1 0.png\n\n");
+  folder_.write("cameras.txt", "1 PINHOLE 48 36 50 52 24 18\n");
+  EXPECT_EQ(depth_layout(folder_.path())->poses, folder_ / "images.txt");
+  EXPECT_EQ(depth_layout(folder_.path())->camera, folder_ / "cameras.txt");
+  folder_.write("traj.txt", "1 0 0 4 0 1 0 5 0 0 1 6\n");
   EXPECT_EQ(depth_layout(folder_.path())->poses, folder_ / "traj.txt");
+  SourceOptions options;
+  options.depth.camera = camera;
+  const auto source = open(options);
+  std::string told;
+  for (const std::string& warning : source->warnings()) told += warning + "\n";
+  EXPECT_NE(told.find("poses are those of 'traj.txt'; those of 'poses.npy' beside it are not read"),
+            std::string::npos)
+      << told;
 }
 
 /// As gradslam and NICE-SLAM write it.
