@@ -18,6 +18,7 @@ constexpr std::size_t sens_version = 4, longest_sensor_name = 4096;
 constexpr std::size_t matrix_bytes = 16 * sizeof(float);
 constexpr std::size_t sens_head_bytes = 4 * matrix_bytes + 2 * 4 + 4 * 4 + 4 + 8;  ///< behind the name
 constexpr std::size_t frame_head_bytes = matrix_bytes + 4 * 8;
+constexpr std::uint64_t most_frames = 1'000'000;
 
 /// Row by row; its numbers may be infinite.
 Eigen::Matrix4d take_matrix(ByteReader& reader) {
@@ -111,6 +112,14 @@ SensLayout read_sens_layout(std::uint64_t size,
     if (head.size() < frame_head_bytes || frame.colour.size > left ||
         frame.depth.size > left - frame.colour.size) {
       layout.damage = "it ends within frame " + std::to_string(i) + " of " + std::to_string(count);
+      break;
+    }
+    if (i == most_frames) {
+      layout.damage = "it has more than 1,000,000 frames";
+      break;
+    }
+    if (frame.colour.size == 0 && frame.depth.size == 0) {
+      layout.damage = "frame " + std::to_string(i) + " has neither depth nor colours";
       break;
     }
     frame.colour.at = at + frame_head_bytes;

@@ -38,6 +38,8 @@ struct SensLayout {
   std::string damage;  ///< a clause: why there are fewer frames than it says; "": there are not
 };
 
+/// Ends before a frame of no bytes, and after a million frames, so that no file asks for far more memory than
+/// its size.
 /// @param size of the file @param read gives `count` bytes from `at`, fewer at its end
 /// @throws std::runtime_error a clause that says why it is none, or is not read here
 SensLayout read_sens_layout(std::uint64_t size,

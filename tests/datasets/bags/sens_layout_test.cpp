@@ -54,6 +54,25 @@ TEST(SensLayout, WhatIsCutOffEndsThereOrIsRefused) {
   }
 }
 
+TEST(SensLayout, FramesOfNoBytesAndWithoutEndAreNotCounted) {
+  std::vector<SensPictures> frames = two;
+  frames.push_back({{1, 0, 0, 4, 0, 1, 0, 5, 0, 0, 1, 6, 0, 0, 0, 1}, 9, "", {}});
+  const SensLayout empty = read(sens_bytes(frames, 0));
+  EXPECT_EQ(empty.frames.size(), 2U);
+  EXPECT_EQ(empty.damage, "frame 2 has neither depth nor colours");
+
+  const std::string bytes = sens_bytes({{{}, 1, "j", {}}, {{}, 2, "j", {}}}, 0);
+  const std::size_t first = read(bytes).frames.at(0).colour.at - 96;
+  std::string begin = bytes.substr(0, first);
+  begin.replace(first - 8, 8, std::string(6, '\x7f') + std::string(2, '\0'));  // so many frames
+  const std::string head = bytes.substr(first, 96);
+  const SensLayout endless = read_sens_layout(UINT64_MAX / 2, [&](std::uint64_t at, std::size_t count) {
+    return at < first ? begin.substr(at, count) : head;
+  });
+  EXPECT_EQ(endless.frames.size(), 1'000'000U);
+  EXPECT_EQ(endless.damage, "it has more than 1,000,000 frames");
+}
+
 TEST(SensLayout, WhatIsNoneIsRefusedInAClause) {
   const auto refusal = [](std::size_t at, const std::string& with) {
     std::string bytes = sens_bytes(two);
