@@ -251,8 +251,9 @@ void PicturePoses::take_array(const std::string& bytes, const fs::path& file,
   const std::string name = "poses " + quote_path(file.string());
   NumberedPoses numbered = parse_npy_poses(bytes, name);
   notes_.push_back(name + taken_axes);
-  const std::vector<double> times = times_of_npy_poses(file, numbered.poses.size());
-  if (times.empty() || !have_times) {
+  const std::vector<double> times =
+      have_times ? times_of_npy_poses(file, numbered.poses.size(), notes_) : std::vector<double>();
+  if (times.empty()) {
     number(std::move(numbered), pictures, name);
     return;
   }

@@ -55,7 +55,8 @@ std::pair<std::size_t, std::size_t> matrix_in(const std::vector<std::int64_t>& s
   return {0, 0};
 }
 
-std::vector<double> times_in(const fs::path& file) {
+/// @param count of the poses
+std::vector<double> times_in(const fs::path& file, const fs::path& poses, std::size_t count) {
   const std::string name = "times " + quote_path(file.string());
   const std::string content = read_input(file, "times", largest_times);
   std::vector<double> times;
@@ -85,6 +86,10 @@ std::vector<double> times_in(const fs::path& file) {
   for (std::size_t i = 0; i < times.size(); ++i)
     if (!std::isfinite(times[i]) || (i > 0 && times[i] <= times[i - 1]))
       throw std::invalid_argument(name + ": its times do not rise, expected that of each pose in order");
+  if (times.size() != count)
+    throw std::invalid_argument(name + ": it has " + counted(times.size(), "time") + " for " +
+                                std::to_string(count) + " poses of " + quote_path(poses.string()) +
+                                ", expected one for each");
   make_seconds(times);
   return times;
 }
@@ -116,7 +121,8 @@ std::optional<Eigen::Isometry3d> parse_npy_pose(const std::string& bytes, const 
   return numbered.poses.begin()->second;
 }
 
-std::vector<double> times_of_npy_poses(const fs::path& poses, std::size_t count) {
+std::vector<double> times_of_npy_poses(const fs::path& poses, std::size_t count,
+                                       std::vector<std::string>& notes) {
   const std::string stem = poses.stem().string();
   std::error_code error;
   for (const std::string& name :
@@ -124,12 +130,12 @@ std::vector<double> times_of_npy_poses(const fs::path& poses, std::size_t count)
     for (const char* end : {".npy", ".txt"}) {
       const fs::path file = poses.parent_path() / (name + end);
       if (!fs::exists(file, error)) continue;
-      std::vector<double> times = times_in(file);
-      if (times.size() != count)
-        throw std::invalid_argument("times " + quote_path(file.string()) + ": it has " +
-                                    counted(times.size(), "time") + " for " + std::to_string(count) +
-                                    " poses of " + quote_path(poses.string()) + ", expected one for each");
-      return times;
+      try {
+        return times_in(file, poses, count);
+      } catch (const std::invalid_argument& refusal) {
+        if (name.starts_with(stem + "_")) throw;
+        notes.push_back(std::string(refusal.what()) + "; they are not used");
+      }
     }
   return {};
 }

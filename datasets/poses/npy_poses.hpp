@@ -21,7 +21,9 @@ std::optional<Eigen::Isometry3d> parse_npy_pose(const std::string& bytes, const 
 
 /// Their times, s: those in the one of NAME_times, NAME_timestamps, times and timestamps (.npy, or .txt with
 /// one number a line) that comes first beside NAME.npy; empty: there is none of these.
-/// @throws std::invalid_argument where they do not rise, or are not as many as the poses
-std::vector<double> times_of_npy_poses(const std::filesystem::path& poses, std::size_t count);
+/// @param notes takes a sentence for each file of times or timestamps that is about something else
+/// @throws std::invalid_argument where those of NAME do not rise, or are not as many as the poses
+std::vector<double> times_of_npy_poses(const std::filesystem::path& poses, std::size_t count,
+                                       std::vector<std::string>& notes);
 
 }  // namespace clearway

@@ -126,19 +126,27 @@ TEST(NpyPoses, WhatIsNoneIsRefusedInOneSentence) {
 
 TEST(NpyPoses, HaveTheTimesThatLieBesideThem) {
   const TemporaryFolder folder;
-  EXPECT_TRUE(times_of_npy_poses(folder / "poses.npy", 2).empty());
+  std::vector<std::string> notes;
+  const auto times = [&]() { return times_of_npy_poses(folder / "poses.npy", 2, notes); };
+  EXPECT_TRUE(times().empty());
+  folder.write("times.txt", "0 1305031102.25\n");  // of pictures, by their numbers
+  EXPECT_TRUE(times().empty());
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_NE(notes[0].find("times.txt', line 1: expected one number, the time of a pose; they are not used"),
+            std::string::npos)
+      << notes[0];
   folder.write("timestamps.txt", "# s\n1305031102.25\n1305031102.75\n");
   const std::vector<double> expected{1305031102.25, 1305031102.75};
-  EXPECT_EQ(times_of_npy_poses(folder / "poses.npy", 2), expected);
+  EXPECT_EQ(times(), expected);
   folder.write("poses_times.npy",
                npy_bytes("<i8", "(2,)", std::vector<std::int64_t>{1305031102250000000, 1305031102750000000}));
   folder.write("timestamps.txt", "9\n");
-  const std::vector<double> of_nanoseconds = times_of_npy_poses(folder / "poses.npy", 2);
+  const std::vector<double> of_nanoseconds = times();
   ASSERT_EQ(of_nanoseconds.size(), 2U);
   for (const std::size_t i : {0U, 1U}) EXPECT_NEAR(of_nanoseconds[i], expected[i], 1e-6);
   const auto said = [&](const std::string& bytes) {
     folder.write("poses_times.npy", bytes);
-    return complaint([&] { times_of_npy_poses(folder / "poses.npy", 2); });
+    return complaint([&] { times(); });
   };
   for (const auto& [bytes, why] :
        {std::pair<std::string, std::string>{npy_bytes("<f8", "(3,)", std::vector<double>{1, 2, 3}),
