@@ -77,8 +77,9 @@ cv::Mat unpacked(const cv::Mat& pixels) {
   const cv::Mat numbers(pixels.rows, pixels.cols, CV_32F, const_cast<uchar*>(pixels.data), pixels.step);
   bool has_depth = false;
   for (const float value : cv::Mat_<float>(numbers)) {
-    if (value != 0.0F && !(value >= least && value <= most)) return {};
-    has_depth |= value != 0.0F;
+    if (value == 0.0F || value == INFINITY) continue;  // none there
+    if (!(value >= least && value <= most)) return {};
+    has_depth = true;
   }
   return has_depth ? numbers.clone() : cv::Mat();
 }

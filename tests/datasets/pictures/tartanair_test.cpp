@@ -111,6 +111,9 @@ TEST_F(TartanAir, PosesOfAnotherLengthAreRefused) {
 TEST(PackedDepth, IsNoPictureThatIsOpaqueOrClear) {
   EXPECT_EQ(decode_depth_picture(packed_png(seen())).values[48], 4.0F);
   EXPECT_TRUE(decode_depth_picture(packed_png(seen())).is_real);
+  std::vector<float> open_sky = seen();
+  open_sky[7] = INFINITY;
+  EXPECT_EQ(decode_depth_picture(packed_png(open_sky)).values[48], 4.0F);
   for (const cv::Scalar& pixel :
        {cv::Scalar(90, 80, 70, 255), cv::Scalar(90, 80, 70, 0), cv::Scalar(0, 0, 0, 0)})
     EXPECT_NE(complaint<std::runtime_error>([&] {
