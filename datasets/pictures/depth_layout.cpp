@@ -128,13 +128,14 @@ DepthLayout layout_by_names(const fs::path& folder) {
     const bool has_confidence = std::erase_if(pictures, [](const fs::path& file) {
                                   return name_beside(file, "conf").has_value();
                                 }) > 0;
-    if (has_confidence && layout.depth.empty()) layout.confidence = of_depth;  // MobileBrick's
     if (!layout.depth.empty() && !pictures.empty()) layout.unread_depth = of_depth;
     if (layout.depth.empty()) layout.depth = pictures;
     if (layout.depth.empty())
       layout.depth = depth_alone_in(of_depth);
     else if (layout.arrays.empty() && layout.depth.front().parent_path() == of_depth)
       layout.arrays = depth_alone_in(of_depth);
+    if (has_confidence && !layout.depth.empty() && layout.depth.front().parent_path() == of_depth)
+      layout.confidence = of_depth;  // MobileBrick's
   }
   if (!layout.depth.empty()) {
     const fs::path colour = first_there(folder, {"rgb", "color", "colour", "image", "images", "lowres_wide"});

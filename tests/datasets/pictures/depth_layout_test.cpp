@@ -51,6 +51,16 @@ TEST_F(DepthLayouts, ArraysOfPosesAreFoundBehindTexts) {
       << told;
 }
 
+TEST_F(DepthLayouts, ConfidenceIsThatOfTheDepthBesideIt) {
+  for (const char* name : {"arkit_depth", "gt_depth"}) make(name);
+  folder_.write("gt_depth/0.png", depth_png(1000));
+  folder_.write("arkit_depth/0_conf.png", depth_png(1000));
+  EXPECT_EQ(depth_layout(folder_.path())->depth.front(), folder_ / "gt_depth/0.png");
+  EXPECT_TRUE(depth_layout(folder_.path())->confidence.empty());
+  folder_.write("arkit_depth/0.png", depth_png(1000));
+  EXPECT_EQ(depth_layout(folder_.path())->confidence, folder_ / "arkit_depth");
+}
+
 /// As gradslam and NICE-SLAM write it.
 TEST_F(DepthLayouts, StepsInAMetreOfTheCamerasFileAreTheScale) {
   const std::string file = folder_.write(
