@@ -320,7 +320,6 @@ std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const Dep
                                 ": expected `poses` of `source: {depth: …}` in the setup to name one");
   const auto head = depth_picture_head(in_order_of_names(layout.depth));
   DepthNumbers numbers{head && head->is_real};
-  if (found.of_tartanair) numbers.background = sky_of_tartanair;
   const auto depth_size = head ? std::optional(head->size) : std::nullopt;
   const auto path =
       path_of(layout.path_file(),
@@ -331,6 +330,7 @@ std::unique_ptr<FrameSource> open_depth_folder(const fs::path& folder, const Dep
   else
     whole.depth.scale = whole.depth.scale_of_file;
   if (found.of_tartanair && numbers.is_real && !options.depth.scale) {
+    numbers.background = sky_of_tartanair;
     whole.depth.scale = 1.0;
     whole.depth.scale_note =
         "depth is TartanAir's, metres along the optical axis, and sky, none, where it is 1000 m or more; "

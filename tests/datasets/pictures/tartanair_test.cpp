@@ -80,6 +80,12 @@ TEST_F(TartanAir, OfTheFirstVersionLandsNorthEastAndDown) {
        {"1000 m or more", "x forward, y right and z down", "those of 'depth_right' beside it"})
     EXPECT_NE(told_.find(said), std::string::npos) << said << '\n' << told_;
   EXPECT_EQ(told_.find("nothing states"), std::string::npos) << told_;
+  // What the setup states has no sky.
+  SourceOptions stated = with_camera();
+  stated.depth.scale = 1.0;
+  const auto whole = open(stated)->next();
+  ASSERT_TRUE(whole);
+  EXPECT_EQ(std::get<CloudFrame>(whole->content).points.size(), 35U * 48U + 24U);
   // Of fewer pictures each has the pose of its number.
   std::filesystem::remove(folder_ / "depth_left/000000_left_depth.npy");
   folder_.write("depth_left/000001_left_depth.npy", npy_bytes("<f4", "(36, 48)", seen()));
