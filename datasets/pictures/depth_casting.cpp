@@ -98,8 +98,10 @@ std::vector<fs::path> confidence_of(const std::vector<fs::path>& pictures, const
   for (std::size_t i = 0; i < pictures.size() && !folder.empty(); ++i)
     for (const char* end : {"_conf.png", ".png"})
       if (const fs::path file = folder / (pictures[i].stem().string() + end);
-          file != pictures[i] && fs::exists(file, error))
+          file != pictures[i] && fs::exists(file, error)) {
         files[i] = file;
+        break;
+      }
   return files;
 }
 

@@ -1,6 +1,7 @@
 // Record3D's and ScanNet++'s folders: known walls, on the sides where they have to land.
 #include <gtest/gtest.h>
 
+#include "datasets/pictures/depth_casting.hpp"
 #include "datasets/pictures/picture_times.hpp"
 #include "tests/datasets/complaint.hpp"
 #include "tests/datasets/pictures/depth_folders.hpp"
@@ -124,6 +125,15 @@ TEST_F(PhoneFolders, OfMobileBrickHaveTheMatrixOfEachPicture) {
   while (const auto frame = again->next())
     if (const auto* cloud = std::get_if<CloudFrame>(&frame->content)) points += cloud->points.size();
   EXPECT_EQ(points, 2U * (48U * 36U - 1U));
+}
+
+TEST_F(PhoneFolders, ConfidenceIsThePictureThatIsCalledSo) {
+  make("confidence");
+  folder_.write("confidence/7.png", "");
+  const std::vector<std::filesystem::path> depth{folder_ / "depth/7.png"};
+  EXPECT_EQ(confidence_of(depth, folder_ / "confidence").at(0), folder_ / "confidence/7.png");
+  folder_.write("confidence/7_conf.png", "");
+  EXPECT_EQ(confidence_of(depth, folder_ / "confidence").at(0), folder_ / "confidence/7_conf.png");
 }
 
 TEST_F(PhoneFolders, PicturesThatTheFileDoesNotListAreLeftOut) {
