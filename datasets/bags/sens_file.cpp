@@ -182,10 +182,6 @@ std::vector<std::string> notes_of_sens(const SensLayout& layout, const SourceOpt
     notes.push_back("steps of depth are " + short_text(layout.step) +
                     " m, by the file; `source: {depth: {scale: …}}` states others.");
   if (!options.places_depth) note_unposed(layout, notes);
-  if (layout.is_depth_moved && !options.places_depth)
-    notes.emplace_back(
-        "the file's extrinsic of the depth camera is not the identity and is not applied: poses are taken as "
-        "the depth camera's own.");
   if (!layout.has_pictures) notes.emplace_back("colours are neither PNG nor JPEG and are not read.");
   return notes;
 }
@@ -214,6 +210,12 @@ std::unique_ptr<FrameSource> open_sens(const std::filesystem::path& file, const 
   if (work.layout.frames.empty())
     throw std::invalid_argument(name + ": expected at least one frame" +
                                 (work.layout.damage.empty() ? "" : "; " + work.layout.damage));
+  if (work.layout.is_depth_moved && !options.places_depth)
+    throw std::invalid_argument(
+        name +
+        ": the extrinsic of its depth camera is not the identity, and does not say which camera the poses "
+        "are "
+        "of; expected `sensors: [{name: depth, poses: …, pose: …}]` in the setup to place the depth");
   std::vector<std::string> notes = notes_of_sens(work.layout, options);
   std::string caveat;
   work.times = times_of_sens(work.layout, options.rate, caveat);

@@ -46,7 +46,8 @@ std::uint64_t take_head(const std::string& bytes, SensLayout& layout) {
   const Eigen::Matrix4d of_colour = take_matrix(reader);
   take_matrix(reader);  // where the colour camera is
   const Eigen::Matrix4d of_depth = take_matrix(reader);
-  layout.is_depth_moved = !take_matrix(reader).isIdentity(1e-6);
+  const auto moved = rigid_pose(take_matrix(reader));
+  layout.is_depth_moved = moved && !moved->matrix().isIdentity(1e-6);
   const auto colour_kind = reader.get<std::int32_t>(), depth_kind = reader.get<std::int32_t>();
   const ImageSize colour = take_size(reader), depth = take_size(reader);
   if (depth_kind != 0 && depth_kind != 1)

@@ -29,7 +29,7 @@ struct SensFrame {
 /// version 4).
 struct SensLayout {
   CameraIntrinsics colour, depth;
-  bool is_depth_moved = false;   ///< the extrinsic of its depth camera is not the identity
+  bool is_depth_moved = false;   ///< the extrinsic of its depth camera is rigid, and not the identity
   bool is_depth_packed = false;  ///< by zlib; else as it is
   bool has_pictures = false;     ///< colours are PNG or JPEG; else they are not read
   bool is_untracked = false;     ///< all its poses were the identity, and were dropped

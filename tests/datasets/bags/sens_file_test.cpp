@@ -113,6 +113,19 @@ TEST_F(SensFiles, PosesThatAreNotRigidAreCountedApart) {
   EXPECT_EQ(notes.back(), "1 of 4 frames have no pose, and their depth was left out");
 }
 
+TEST_F(SensFiles, DepthThatIsMovedIsPlacedByTheSetup) {
+  constexpr std::size_t extrinsic = 4 + 8 + 15 + 3 * 64;
+  std::string bytes = sens_bytes({frame_at(1, 1), frame_at(2, 2)});
+  bytes.replace(extrinsic + 12, 4, std::string("\0\0\0\x3f", 4));  // half a metre aside
+  EXPECT_NE(complaint([&] { open(bytes); }).find("extrinsic of its depth camera is not the identity"),
+            std::string::npos);
+  SourceOptions placed;
+  placed.places_depth = true;
+  EXPECT_EQ(all_of(*open(bytes, placed)).size(), 4U);
+  bytes.replace(extrinsic, 64, std::string(64, '\0'));  // not stated
+  EXPECT_EQ(all_of(*open(bytes)).size(), 4U);
+}
+
 TEST_F(SensFiles, DamageCostsItsFrame) {
   SensPictures broken = frame_at(1, 1000000);
   broken.colour = "no JPEG";
