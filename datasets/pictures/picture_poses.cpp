@@ -108,18 +108,11 @@ constexpr char taken_axes[] =
     " are taken as world_from_camera of the optical frame (x right, y down, z forward), which arrays do not "
     "state.";
 
-/// Whether the poses of pictures are arrays of NumPy.
 bool holds_arrays(const fs::path& folder) {
   std::error_code error;
-  if (folder.empty()) return false;
   const auto entries = fs::directory_iterator(folder, error);
-  bool has_arrays = false;
-  for (const auto& entry : entries) {
-    const std::string end = extension_of(entry.path());
-    if (end == ".txt") return false;
-    has_arrays |= end == ".npy";
-  }
-  return has_arrays;
+  return std::any_of(begin(entries), end(entries),
+                     [](const auto& entry) { return extension_of(entry.path()) == ".npy"; });
 }
 
 bool is_part(char c) { return c == '.' || c == '_' || c == '-' || c == ' '; }
@@ -146,7 +139,11 @@ PicturePoses::PicturePoses(const fs::path& file, fs::path folder, std::string wo
                            const fs::path& camera, std::optional<double> unit)
     : folder_(std::move(folder)), word_(std::move(word)) {
   if (file.empty()) {
-    if (holds_arrays(folder_)) notes_.push_back("poses in " + quote_path(folder_.string()) + taken_axes);
+    const auto has_array = [this](const fs::path& picture) {
+      return extension_of(file_of(picture)) == ".npy";
+    };
+    if (!folder_.empty() && holds_arrays(folder_) && std::any_of(pictures.begin(), pictures.end(), has_array))
+      notes_.push_back("poses in " + quote_path(folder_.string()) + taken_axes);
     return;
   }
   folder_.clear();
@@ -317,23 +314,26 @@ std::optional<Eigen::Isometry3d> PicturePoses::of(const TimedFile& picture) cons
     const auto found = by_file_.find(picture.file);
     return found == by_file_.end() ? std::nullopt : found->second;
   }
+  const fs::path file = file_of(picture.file);
+  if (file.empty()) return std::nullopt;
+  const std::string content = read_input(file, "pose", 64U << 10U),
+                    called = "pose " + quote_path(file.string());
+  return is_npy(content) ? parse_npy_pose(content, called) : parse_pose_matrix(content, called);
+}
+
+fs::path PicturePoses::file_of(const fs::path& picture) const {
   std::vector<std::string> names;
-  for (const std::string& part : {picture.file.stem().string(), first_part(picture.file)})
+  for (const std::string& part : {picture.stem().string(), first_part(picture)})
     for (const char* end : {".txt", ".pose.txt", ".npy", ".pose.npy"}) names.push_back(part + end);
-  if (const auto beside = name_beside(picture.file, word_))
+  if (const auto beside = name_beside(picture, word_))
     for (const char* form :
          {"@.txt", "@.pose.txt", "pose_@.txt", "pose-@.txt", "pose@.txt", "@_pose.txt", "@-pose.txt", "@.npy",
           "@.pose.npy", "pose_@.npy", "pose-@.npy", "pose@.npy", "@_pose.npy", "@-pose.npy"})
       names.push_back(std::string(form).replace(std::string(form).find('@'), 1, *beside));
   std::error_code error;
-  for (const std::string& name : names) {
-    const fs::path file = folder_ / name;
-    if (!fs::exists(fs::symlink_status(file, error))) continue;
-    const std::string content = read_input(file, "pose", 64U << 10U),
-                      called = "pose " + quote_path(file.string());
-    return is_npy(content) ? parse_npy_pose(content, called) : parse_pose_matrix(content, called);
-  }
-  return std::nullopt;
+  for (const std::string& name : names)
+    if (fs::exists(fs::symlink_status(folder_ / name, error))) return folder_ / name;
+  return {};
 }
 
 }  // namespace clearway

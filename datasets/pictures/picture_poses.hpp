@@ -54,6 +54,8 @@ class PicturePoses {
   std::optional<Eigen::Isometry3d> of(const TimedFile& picture) const;
 
  private:
+  /// Of its pose, in the folder; empty: there is none.
+  std::filesystem::path file_of(const std::filesystem::path& picture) const;
   void take_shots(const CameraPath& path, const std::filesystem::path& file,
                   const std::vector<std::filesystem::path>& pictures);
   void take_path(CameraPath path, const std::filesystem::path& file,

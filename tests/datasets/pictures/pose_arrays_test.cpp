@@ -64,6 +64,15 @@ TEST_F(PoseArrays, MayLieInAFileForEachPicture) {
     folder_.write("pose/" + std::to_string(i) + ".npy", npy_bytes("<f8", "(4, 4)", matrix_at(i)));
   const PicturePoses poses("", folder_ / "pose", "depth", pictures_, 0.02);
   expect_places(poses);
+  const auto noted = [&]() {
+    return !PicturePoses("", folder_ / "pose", "depth", pictures_, 0.02).notes().empty();
+  };
+  folder_.write("pose/readme.txt", "of somebody");
+  EXPECT_TRUE(noted()) << "their axes are taken";
+  for (int i = 0; i < 3; ++i)
+    folder_.write("pose/" + std::to_string(i) + ".txt", "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\n");
+  EXPECT_FALSE(noted()) << "texts count before arrays";
+  for (int i = 0; i < 3; ++i) std::filesystem::remove(folder_ / "pose" / (std::to_string(i) + ".txt"));
   folder_.write("pose/1.npy", npy_bytes("<f8", "(16,)", matrix_at(1)));
   EXPECT_NE(complaint([&] {
               poses.of({pictures_[1], 1.0});
