@@ -31,7 +31,7 @@
 #include "tests/apps/run_command.hpp"
 #include "tests/worlds/bag_topics.hpp"
 #include "tests/worlds/bags/sqlite_bag_writer.hpp"
-#include "tests/worlds/picture_bytes.hpp"
+#include "tests/worlds/bytes/picture_bytes.hpp"
 #include "tests/worlds/small_scene.hpp"
 
 namespace clearway {

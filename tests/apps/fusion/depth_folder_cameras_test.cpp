@@ -7,8 +7,8 @@
 #include "datasets/descriptions/load_setup.hpp"
 #include "mapping/system/number_text.hpp"
 #include "tests/datasets/complaint.hpp"
-#include "tests/worlds/npy_bytes.hpp"
-#include "tests/worlds/picture_bytes.hpp"
+#include "tests/worlds/bytes/npy_bytes.hpp"
+#include "tests/worlds/bytes/picture_bytes.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {

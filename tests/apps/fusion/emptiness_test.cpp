@@ -8,7 +8,7 @@
 #include "datasets/sources/recording.hpp"
 #include "tests/apps/run_command.hpp"
 #include "tests/worlds/bags/camera_bag.hpp"
-#include "tests/worlds/picture_bytes.hpp"
+#include "tests/worlds/bytes/picture_bytes.hpp"
 #include "tests/worlds/small_scene.hpp"
 
 namespace clearway {

@@ -17,7 +17,7 @@
 #include "mapping/system/number_text.hpp"
 #include "tests/apps/run_command.hpp"
 #include "tests/datasets/complaint.hpp"
-#include "tests/worlds/picture_bytes.hpp"
+#include "tests/worlds/bytes/picture_bytes.hpp"
 #include "tests/worlds/small_scene.hpp"
 
 namespace clearway {

@@ -8,8 +8,8 @@
 #include "datasets/bags/mcap_writer.hpp"
 #include "datasets/sources/recording.hpp"
 #include "tests/apps/run_command.hpp"
-#include "tests/worlds/picture_bytes.hpp"
-#include "tests/worlds/sens_bytes.hpp"
+#include "tests/worlds/bytes/picture_bytes.hpp"
+#include "tests/worlds/bytes/sens_bytes.hpp"
 
 namespace clearway {
 namespace inspect_recording_test {

@@ -12,7 +12,7 @@
 #include "datasets/poses/tum_poses.hpp"
 #include "datasets/simulation/simulate.hpp"
 #include "tests/apps/run_command.hpp"
-#include "tests/worlds/picture_bytes.hpp"
+#include "tests/worlds/bytes/picture_bytes.hpp"
 #include "tests/worlds/small_scene.hpp"
 #include "tracking/dense.hpp"
 

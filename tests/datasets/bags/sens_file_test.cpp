@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "tests/datasets/complaint.hpp"
-#include "tests/worlds/picture_bytes.hpp"
-#include "tests/worlds/sens_bytes.hpp"
+#include "tests/worlds/bytes/picture_bytes.hpp"
+#include "tests/worlds/bytes/sens_bytes.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "tests/datasets/complaint.hpp"
-#include "tests/worlds/sens_bytes.hpp"
+#include "tests/worlds/bytes/sens_bytes.hpp"
 
 namespace clearway {
 namespace sens_layout_test {

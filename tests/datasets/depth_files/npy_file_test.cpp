@@ -7,7 +7,7 @@
 
 #include "datasets/pictures/depth_picture.hpp"
 #include "tests/datasets/complaint.hpp"
-#include "tests/worlds/npy_bytes.hpp"
+#include "tests/worlds/bytes/npy_bytes.hpp"
 
 namespace clearway {
 namespace npy_file_test {

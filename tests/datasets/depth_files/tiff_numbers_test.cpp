@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "datasets/pictures/depth_picture.hpp"
-#include "tests/worlds/picture_bytes.hpp"
+#include "tests/worlds/bytes/picture_bytes.hpp"
 
 namespace clearway {
 namespace tiff_numbers_test {

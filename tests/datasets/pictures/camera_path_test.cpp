@@ -11,7 +11,7 @@
 
 #include "datasets/pictures/depth_folder.hpp"
 #include "tests/datasets/complaint.hpp"
-#include "tests/worlds/picture_bytes.hpp"
+#include "tests/worlds/bytes/picture_bytes.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {

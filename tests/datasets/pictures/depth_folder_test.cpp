@@ -8,7 +8,7 @@
 #include "datasets/pictures/picture_file.hpp"
 #include "tests/datasets/complaint.hpp"
 #include "tests/datasets/pictures/depth_folders.hpp"
-#include "tests/worlds/picture_bytes.hpp"
+#include "tests/worlds/bytes/picture_bytes.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "datasets/pictures/depth_folder.hpp"
-#include "tests/worlds/picture_bytes.hpp"
+#include "tests/worlds/bytes/picture_bytes.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {

@@ -4,7 +4,7 @@
 
 #include "datasets/pictures/files_in_child.hpp"
 #include "datasets/pictures/picture_file.hpp"
-#include "tests/worlds/picture_bytes.hpp"
+#include "tests/worlds/bytes/picture_bytes.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "tests/worlds/picture_bytes.hpp"
+#include "tests/worlds/bytes/picture_bytes.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {

@@ -7,7 +7,7 @@
 #include <map>
 
 #include "tests/datasets/complaint.hpp"
-#include "tests/worlds/picture_bytes.hpp"
+#include "tests/worlds/bytes/picture_bytes.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {

@@ -3,7 +3,7 @@
 
 #include "datasets/pictures/picture_poses.hpp"
 #include "tests/datasets/complaint.hpp"
-#include "tests/worlds/npy_bytes.hpp"
+#include "tests/worlds/bytes/npy_bytes.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {

@@ -6,7 +6,7 @@
 #include "datasets/pictures/depth_picture.hpp"
 #include "tests/datasets/complaint.hpp"
 #include "tests/datasets/pictures/depth_folders.hpp"
-#include "tests/worlds/npy_bytes.hpp"
+#include "tests/worlds/bytes/npy_bytes.hpp"
 
 namespace clearway {
 namespace tartanair_test {

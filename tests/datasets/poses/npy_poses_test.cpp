@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "tests/datasets/complaint.hpp"
-#include "tests/worlds/npy_bytes.hpp"
+#include "tests/worlds/bytes/npy_bytes.hpp"
 #include "tests/worlds/temporary_folder.hpp"
 
 namespace clearway {
