@@ -180,6 +180,7 @@ bool LatticeChecks::is_free(const LatticeIndex& node, const LatticeIndex& neighb
 
 bool LatticeChecks::is_edge_free(const LatticeIndex& from, KnownClearances& of_from, const LatticeIndex& to,
                                  KnownClearances& of_to) {
+  const WorkMeter::Scope scope(meter_, PlanWork::proofs);
   find_motion(from, to);
   open_.clear();
   for (const std::size_t member : order_) {
@@ -190,7 +191,6 @@ bool LatticeChecks::is_edge_free(const LatticeIndex& from, KnownClearances& of_f
       open_.push_back(static_cast<int>(member));
   }
   if (open_.empty()) return true;
-  const WorkMeter::Scope scope(meter_, PlanWork::proofs);
   place_edge(from, to);
   return model_.is_edge_free(lattice_.configuration(from), lattice_.configuration(to), open_, recent_,
                              &of_from, &of_to, edge_.get());

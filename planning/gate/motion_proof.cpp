@@ -35,8 +35,8 @@ Verdict nearest_to(const ConfigurationSpace& space, const Configuration& q) {
   return verdict;
 }
 
-/// ConfigurationSpace::check of what may well be free, which is_free says sooner.
-Verdict looked_at(const ConfigurationSpace& space, const Configuration& q) {
+/// ConfigurationSpace::check, sooner where it is free.
+Verdict verdict_at(const ConfigurationSpace& space, const Configuration& q) {
   return space.is_free(q) ? Verdict() : space.check(q);
 }
 
@@ -118,7 +118,7 @@ ProofEnd find_proof_end(const ProofSpace& proof, const StraightPiece& piece) {
   const ConfigurationSpace& space = proof.space;
   const auto at = [&](double part) { return between(piece.from, piece.to, part); };
   ProofEnd end;
-  end.obstruction = looked_at(space, piece.from);
+  end.obstruction = verdict_at(space, piece.from);
   if (!end.obstruction.is_free()) return end;
   double proved = 0.0, open = 1.0, begin = 0.0;  // from `begin` to `open` is what was not proved last
   std::optional<bool> is_open_free;              // by what blocks it; none: it was not asked yet
@@ -142,7 +142,7 @@ ProofEnd find_proof_end(const ProofSpace& proof, const StraightPiece& piece) {
   // What is too near to be proved is mostly touched a little farther on, and bounds are left.
   double part = open;
   for (double step = open - proved; step <= looks_on * (open - proved) && part <= 1.0; step *= 2.0) {
-    if (!leaves_first) end.obstruction = looked_at(space, at(part));
+    if (!leaves_first) end.obstruction = verdict_at(space, at(part));
     if (!end.obstruction.is_free()) {
       end.leaving.reset();
       return end;

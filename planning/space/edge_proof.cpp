@@ -102,7 +102,8 @@ bool is_clear_at_end(const BodyCollision& body, const Eigen::Isometry3d& pose, s
   return is_clear;
 }
 
-/// One proof: the edge is halved until each member is proved free on each piece.
+/// One proof: the edge, or each of its pieces, is halved until each member is proved free on each part; what
+/// is open on pieces in a row is tried on all of them first.
 class EdgeProof {
  public:
   /// @param deviation how far each joint may be from the edge; null: not at all
@@ -149,7 +150,7 @@ class EdgeProof {
 
  private:
   /// What is open on pieces in a row is mostly proved on all of them at once, or on half of them. False: it
-  /// is not proved where the edge ends.
+  /// is not free where the edge ends.
   bool prove_rows(const std::vector<EdgePieces::Piece>& pieces, const std::vector<int>& members) {
     find_open_parts(pieces, members);
     scratch_.is_proved.assign(members.size(), 0);
@@ -159,7 +160,7 @@ class EdgeProof {
                            parts[last].begin == parts[last - 1].end;
       if (goes_on) continue;
       if (!prove_at_once(first, last)) {
-        if (parts[last - 1].end == 1.0 && !is_proved_at_end(parts[last - 1])) return false;
+        if (parts[last - 1].end == 1.0 && !is_free_at_end(parts[last - 1].member)) return false;
         prove_halves(first, last);
       }
       first = last;
@@ -209,13 +210,14 @@ class EdgeProof {
                                             recent_[id]);
   }
 
-  /// On the shortest piece that the part's halving may come to at the end of the edge.
-  bool is_proved_at_end(const OpenPart& part) {
-    Piece piece{part.begin, 1.0, 0, 0, -1, -1, true};
-    while ((1.0 - piece.begin) * length_ > model_.options.edge_resolution)
-      piece.begin = (piece.begin + 1.0) / 2, piece.is_near = false;
-    const int middle = scratch_.sample(model_.robot, (piece.begin + 1.0) / 2);
-    return examine(static_cast<std::size_t>(part.member), piece, middle) == Finding::proved;
+  /// Where the edge ends, with no room for motion: what is not clear there is proved on no piece up to it.
+  bool is_free_at_end(int member) {
+    const auto id = static_cast<std::size_t>(member);
+    const int end = scratch_.sample_at_border(model_.robot, 1.0);
+    if (id >= model_.bodies.size())
+      return is_apart(model_.robot, model_.pairs[id - model_.bodies.size()], poses(end), scratch_.aside[id]);
+    return model_.bodies[id].is_clear(pose(end, id), model_.options.padding + scratch_.aside[id],
+                                      &recent_[id]);
   }
 
   bool examine_pieces() {

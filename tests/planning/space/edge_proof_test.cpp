@@ -345,7 +345,7 @@ TEST(EdgeProof, ThePosesOfAnEdgeAreTakenForItsBeginningItsMiddleAndItsEnd) {
 }
 
 TEST(EdgeProof, PiecesInARowAreProvedWhereEachOfThemIsProvedAlone) {
-  int proved = 0, refused = 0;
+  int proved = 0, refused = 0, by_themselves = 0;
   for (const char* name : {"puma560", "arm5", "panda"}) {
     const Robot robot = load_robot(name);
     const ConfigurationSpace space(robot, worlds::voxels_about(robot, 9), not_occupied());
@@ -359,13 +359,21 @@ TEST(EdgeProof, PiecesInARowAreProvedWhereEachOfThemIsProvedAlone) {
       const auto is_proved = [&](const std::vector<EdgePieces::Piece>& some) {
         return model.are_pieces_free(from, to, some, pieces.open_members());
       };
-      bool each = true;
-      for (const EdgePieces::Piece& one : pieces.open_pieces()) each = each && is_proved({one});
+      bool each = true, each_by_itself = true;
+      for (const EdgePieces::Piece& one : pieces.open_pieces()) {
+        each = each && is_proved({one});
+        each_by_itself = each_by_itself && model.is_edge_free_by_shapes(from + one.begin * (to - from),
+                                                                        from + one.end * (to - from));
+      }
       ASSERT_EQ(is_proved(pieces.open_pieces()), each) << name << " edge " << i;
+      if (each_by_itself) {
+        ASSERT_TRUE(each) << name << " edge " << i;
+        ++by_themselves;
+      }
       (each ? proved : refused)++;
     }
   }
-  EXPECT_GT(std::min(proved, refused), 100);
+  EXPECT_GT(std::min({proved, refused, by_themselves}), 100);
 }
 
 TEST(EdgeProof, AnEdgeThatEndsJustInsideOfWhatBlocksIsRefusedFromEitherEnd) {
