@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "datasets/bags/sens_layout.hpp"
+#include "datasets/cameras/rigid_pose.hpp"
 #include "datasets/pictures/depth_casting.hpp"
 #include "datasets/pictures/picture_file.hpp"
-#include "datasets/ros/sensor_frames.hpp"
 #include "datasets/sources/decoding_child.hpp"
 #include "datasets/sources/folder_damage.hpp"
 #include "datasets/sources/frame_bytes.hpp"

@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "datasets/cameras/image_size.hpp"
-#include "datasets/poses/numbered_poses.hpp"
+#include "datasets/cameras/rigid_pose.hpp"
 #include "mapping/system/byte_reader.hpp"
 
 namespace clearway {

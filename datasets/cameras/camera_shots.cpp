@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "datasets/poses/numbered_poses.hpp"
+#include "datasets/cameras/rigid_pose.hpp"
 
 namespace clearway {
 

@@ -74,9 +74,11 @@ CameraIntrinsics scannetpp_camera(const PathFields& field) {
 }  // namespace
 
 fs::path phone_path_file(const fs::path& folder) {
-  if (const fs::path file = folder / "metadata.json"; is_record3d_file(file)) return file;
+  std::error_code error;
+  if (const fs::path file = folder / "metadata.json"; fs::exists(file, error) && is_record3d_file(file))
+    return file;
   if (const fs::path file = folder / "pose_intrinsic_imu.json";
-      text_of(file).find("\"aligned_pose\"") != std::string::npos)
+      fs::exists(file, error) && text_of(file).find("\"aligned_pose\"") != std::string::npos)
     return file;
   return {};
 }

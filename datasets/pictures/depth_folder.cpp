@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "datasets/cameras/picture_matrices.hpp"
+#include "datasets/cameras/rigid_pose.hpp"
 #include "datasets/pictures/arkit_folder.hpp"
 #include "datasets/pictures/camera_path.hpp"
 #include "datasets/pictures/depth_casting.hpp"
@@ -18,7 +19,6 @@
 #include "datasets/pictures/picture_times.hpp"
 #include "datasets/pictures/polycam_path.hpp"
 #include "datasets/pictures/stray_folder.hpp"
-#include "datasets/ros/sensor_frames.hpp"
 #include "datasets/sources/folder_damage.hpp"
 #include "datasets/sources/lens.hpp"
 #include "mapping/system/input_file.hpp"

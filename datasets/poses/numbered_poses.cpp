@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "datasets/cameras/lower_case.hpp"
+#include "datasets/cameras/rigid_pose.hpp"
 #include "datasets/poses/word_lines.hpp"
 #include "datasets/sources/finite_number.hpp"
 
@@ -95,19 +96,6 @@ NumberedPoses poses_of_rows(const std::vector<WordLine>& lines, const std::strin
 }
 
 }  // namespace
-
-std::optional<Eigen::Isometry3d> rigid_pose(const Eigen::Matrix4d& matrix) {
-  constexpr double most_off = 1e-3, most_off_below = 1e-6;
-  const Eigen::Matrix3d turn = matrix.topLeftCorner<3, 3>();
-  const Eigen::RowVector4d below = matrix.row(3) - Eigen::RowVector4d(0, 0, 0, 1);
-  if (!matrix.allFinite() || below.cwiseAbs().maxCoeff() > most_off_below ||
-      !(turn * turn.transpose()).isIdentity(most_off) || turn.determinant() < 0.0)
-    return std::nullopt;
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() = Eigen::Quaterniond(turn).normalized().toRotationMatrix();
-  pose.translation() = matrix.topRightCorner<3, 1>();
-  return pose;
-}
 
 std::optional<Eigen::Isometry3d> parse_pose_matrix(const std::string& text, const std::string& name) {
   const std::vector<std::string> words = words_in(text);

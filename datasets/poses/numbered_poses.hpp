@@ -15,10 +15,6 @@ struct NumberedPoses {
   bool count_lines = false;   ///< numbers are places from 0, and pictures are called by them (TartanAir)
 };
 
-/// The transform that a matrix is, within what single precision leaves of a rotation, and inverting of the
-/// last row; nothing: it is not rigid, or not finite.
-std::optional<Eigen::Isometry3d> rigid_pose(const Eigen::Matrix4d& matrix);
-
 /// Four rows of four numbers, or the first three of them, world_from_camera, m; empty when they are not
 /// finite (the data sets' way to say that it is not known). @throws std::invalid_argument naming `name` when
 /// they are no rigid transform

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "datasets/cameras/rigid_pose.hpp"
 #include "datasets/ros/bag_readings.hpp"
 #include "datasets/ros/compressed_depth.hpp"
 #include "datasets/ros/cut_bag.hpp"

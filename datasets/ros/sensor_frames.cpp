@@ -100,12 +100,6 @@ GrayImage gray_image(const RosCompressedImage& image) {
   return decode_picture(std::string(reinterpret_cast<const char*>(image.data.data()), image.data.size()));
 }
 
-Eigen::Isometry3d optical_from_sensor() {
-  Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
-  result.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
-  return result;
-}
-
 CloudFrame depth_cloud(const RosImage& image, const CameraIntrinsics& camera,
                        const std::vector<Eigen::Vector2d>& rays, double step) {
   const bool is_float = image.encoding == "32FC1";

@@ -23,8 +23,6 @@ GrayImage gray_image(const RosCompressedImage& image);
 /// @param rays of that camera (depth_rays) @param step metres
 CloudFrame depth_cloud(const RosImage& image, const CameraIntrinsics& camera,
                        const std::vector<Eigen::Vector2d>& rays, double step = 1e-3);
-/// The pose of the axes x forward, y left, z up in the optical ones: z forward, x right, y down.
-Eigen::Isometry3d optical_from_sensor();
 
 /// Whether the coordinates of a cloud make sense in the other order of bytes than the one it states, and not
 /// in that: some drivers say `is_bigendian` of what is not, which PCL and RViz do not read.

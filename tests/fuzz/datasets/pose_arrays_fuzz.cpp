@@ -1,5 +1,5 @@
 // libFuzzer on poses as arrays of NumPy.
-#include "datasets/poses/npy_poses.hpp"
+#include "datasets/depth_files/npy_poses.hpp"
 
 #include "tests/fuzz/fuzzed_input.hpp"
 

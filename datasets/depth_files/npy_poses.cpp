@@ -1,9 +1,10 @@
-#include "datasets/poses/npy_poses.hpp"
+#include "datasets/depth_files/npy_poses.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
+#include "datasets/cameras/rigid_pose.hpp"
 #include "datasets/depth_files/npy_file.hpp"
 #include "datasets/poses/word_lines.hpp"
 #include "datasets/sources/clock_seconds.hpp"

@@ -1,4 +1,4 @@
-#include "datasets/poses/npy_poses.hpp"
+#include "datasets/depth_files/npy_poses.hpp"
 
 #include <gtest/gtest.h>
 
