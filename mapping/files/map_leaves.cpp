@@ -122,8 +122,11 @@ Eigen::AlignedBox3i main_part(Eigen::AlignedBox3i cells, const Contents& content
     if (!contents.free.is_empty()) span = span.joined(contents.free.dense(axis, dense_share));
   }
   if (longest(spans) == 0) return cells;
-  for (const int gap = longest(spans); Span & span : spans)
-    span = contents.occupied.with_near(static_cast<int>(&span - spans.data()), span, gap);
+  const int gap = longest(spans);
+  for (int axis = 0; axis < 3; ++axis) {
+    Span& span = spans[static_cast<std::size_t>(axis)];
+    span = contents.occupied.with_near(axis, span, gap);
+  }
   const int length = longest(spans), margin = length / margin_share;
   for (int axis = 0; axis < 3; ++axis) {
     const Span& span = spans[static_cast<std::size_t>(axis)];

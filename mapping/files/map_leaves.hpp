@@ -45,10 +45,11 @@ class MapLeaves {
   VoxelCounts counts() const { return counts_; }
   Eigen::AlignedBox3d bounds() const;  ///< of all stored leaves' cubes; empty for an empty map
   /// Where to look first: `bounds` without a few far returns of a sensor, which else leave a map a dot in its
-  /// picture. All that is painted or in conflict is inside. Of what is occupied at most 0.2 % is left out at
-  /// each end of an axis, of what is seen free where slabs of 16 voxels hold less than 1 % of the fullest
-  /// one's; both only if they lie farther away than the rest is long, and an axis is cut only if it is three
-  /// times as long. Goes through the map at the first call; not to be called by several threads at once.
+  /// picture. All that is painted or in conflict is inside. Of what is occupied, at most 0.2 % at each end of
+  /// an axis is left out, and only where it lies farther away than the rest is long; of what is seen free,
+  /// slabs of 16 voxels that hold less than 1 % of what the fullest one holds. An axis is cut only where
+  /// `bounds` is over three times as long as the rest.
+  /// Goes through the map at the first call; not to be called by several threads at once.
   Eigen::AlignedBox3d main_bounds() const;
   std::size_t tree_bytes() const { return tree_bytes_; }  ///< of memory, of the map as a tree
   const std::string& sha256() const { return sha256_; }   ///< of the file; empty for a map in memory
