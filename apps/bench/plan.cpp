@@ -1,10 +1,11 @@
 // Whole queries, from free ends to a path: `rrtconnect` and `auto`, whose paths are proved everywhere,
-// against OMPL's RRT-Connect with FCL's shapes on an fcl::OcTree; in a map that is known, and in one that a
-// depth frame has just changed.
+// against OMPL's RRT-Connect with FCL's shapes on an fcl::OcTree; in a map that is known, in one that a depth
+// frame has just changed, and in one that was never asked.
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <random>
@@ -134,8 +135,8 @@ Answer ask(const Planner& planner, const Task& task, const ConfigurationSpace& s
 
 /// A planner on all tasks, with each seed.
 struct Times {
-  std::vector<double> warm, cold;  ///< CPU ms of each query
-  std::size_t asked = seeds;       ///< of a task, one after the other
+  std::vector<double> warm, changed;  ///< CPU ms of each query
+  std::size_t asked = seeds;          ///< of a task, one after the other
   std::size_t solved = 0, valid = 0;
 
   double valid_share() const { return solved > 0 ? double(valid) / double(solved) : 0.0; }
@@ -160,7 +161,7 @@ void measure_ours(const Task& task, const Planner& planner, std::uint64_t seed, 
   judge(task, known, first, times);
   if (first.path.empty()) {
     times.warm.push_back(first.ms);
-    times.cold.push_back(first.ms);
+    times.changed.push_back(first.ms);
     return;
   }
   const auto after_frame = [&] {
@@ -171,13 +172,13 @@ void measure_ours(const Task& task, const Planner& planner, std::uint64_t seed, 
     return 1e3 * (cpu_time() - begin);
   };
   after_frame();  // of a camera's frames the first is none of many
-  std::vector<double> warm, cold;
+  std::vector<double> warm, changed;
   for (int run = 0; run < (first.ms > slow ? 1 : runs); ++run) {
     warm.push_back(ask(planner, task, known, seed).ms);
-    cold.push_back(after_frame());
+    changed.push_back(after_frame());
   }
   times.warm.push_back(median(warm));
-  times.cold.push_back(median(cold));
+  times.changed.push_back(median(changed));
 }
 
 Times measure_ours(const std::vector<Task>& tasks, const Planner& planner, int runs) {
@@ -185,6 +186,66 @@ Times measure_ours(const std::vector<Task>& tasks, const Planner& planner, int r
   for (const Task& task : tasks)
     for (std::uint64_t seed = 1; seed <= seeds; ++seed) measure_ours(task, planner, seed, runs, times);
   return times;
+}
+
+/// Ours on maps of one voxel size that hold nothing but their voxels, CPU ms.
+struct FirstTimes {
+  std::vector<double> answers;        ///< of the first configuration that is asked
+  std::vector<double> trees, chosen;  ///< of the first query, by rrtconnect and auto
+};
+
+/// The map before, without what any query derived from it.
+Snapshot as_loaded(const Task& task) {
+  return {std::make_shared<const FusedTree>(task.before.tree()), task.before.volumes()};
+}
+
+double ms_of_first_answer(const Task& task) {
+  const Snapshot map = as_loaded(task);
+  const double begin = cpu_time();
+  task.space(map).is_free(task.start);
+  return 1e3 * (cpu_time() - begin);
+}
+
+double ms_of_first_query(const Task& task, const Planner& planner, std::uint64_t seed) {
+  const Snapshot map = as_loaded(task);
+  const double begin = cpu_time();
+  ask(planner, task, task.space(map), seed);
+  return 1e3 * (cpu_time() - begin);
+}
+
+/// By voxel size, metres. The robots were asked before.
+std::map<double, FirstTimes> measure_first(const std::vector<Task>& tasks) {
+  std::map<double, FirstTimes> of_size;
+  for (const Task& task : tasks)
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+      FirstTimes& times = of_size[task.before.resolution()];
+      times.answers.push_back(ms_of_first_answer(task));
+      times.trees.push_back(ms_of_first_query(task, RrtConnect(), seed));
+      times.chosen.push_back(ms_of_first_query(task, AutoPlanner(), seed));
+    }
+  return of_size;
+}
+
+std::vector<std::vector<std::string>> rows_of(const std::map<double, FirstTimes>& first) {
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& [size, times] : first)
+    rows.push_back({figure(1e3 * size) + " mm", count_text(double(times.answers.size())),
+                    figure(median(times.answers)), figure(median(times.trees)),
+                    figure(quantile(times.trees, 0.95)), figure(median(times.chosen)),
+                    figure(quantile(times.chosen, 0.95))});
+  return rows;
+}
+
+nlohmann::ordered_json reported(const std::map<double, FirstTimes>& first) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const auto& [size, times] : first)
+    json.push_back({{"resolution_m", size},
+                    {"first_answer_ms", median(times.answers)},
+                    {"rrtconnect_median_ms", median(times.trees)},
+                    {"rrtconnect_p95_ms", quantile(times.trees, 0.95)},
+                    {"auto_median_ms", median(times.chosen)},
+                    {"auto_p95_ms", quantile(times.chosen, 0.95)}});
+  return json;
 }
 
 struct Peer {
@@ -211,7 +272,7 @@ Times measure_peer(const std::vector<Task>& tasks, const Peer& peer) {
       judge(task, known, answer, times);
       const ConfigurationSpace changed = task.space(just_changed(task));
       is_free_at_ends(changed, task.start, task.goal);
-      times.cold.push_back(
+      times.changed.push_back(
           ask(RrtConnectFcl({.resolution = peer.resolution}), task, changed, seed, peer.limit).ms);
     }
   }
@@ -242,9 +303,9 @@ nlohmann::ordered_json reported(const Times& times) {
                               {"p95_ms", quantile(times.warm, 0.95)},
                               {"solved", times.solved},
                               {"valid", times.valid}};
-  if (times.cold.empty()) return json;
-  json["cold_median_ms"] = median(times.cold);
-  json["cold_p95_ms"] = quantile(times.cold, 0.95);
+  if (times.changed.empty()) return json;
+  json["cold_median_ms"] = median(times.changed);
+  json["cold_p95_ms"] = quantile(times.changed, 0.95);
   return json;
 }
 
@@ -255,6 +316,7 @@ BenchResult bench_plan(const BenchOptions& options) {
   options.say("ours");
   const Times trees = measure_ours(tasks, RrtConnect(), options.runs);
   const Times chosen = measure_ours(tasks, AutoPlanner(), options.runs);
+  const std::map<double, FirstTimes> first = measure_first(tasks);
   options.say("peer at its default resolution");
   const Times peer = measure_peer(tasks, Peer());
   options.say("peer at " + figure(valid_resolution));
@@ -273,6 +335,7 @@ BenchResult bench_plan(const BenchOptions& options) {
                    {"peer_valid_limit_s", valid_peer_limit},
                    {"rrtconnect", reported(trees)},
                    {"auto", reported(chosen)},
+                   {"first", reported(first)},
                    {"peer_default", reported(peer)},
                    {"peer_valid", reported(valid_peer)},
                    {"peer_valid_resolution", valid_resolution}};
@@ -287,11 +350,15 @@ BenchResult bench_plan(const BenchOptions& options) {
                      row_of(finer, valid_peer, valid_peer.warm, trees.warm)}},
                    {"Right after a depth frame changed that map, all that is derived from it included:",
                     head,
-                    {row_of("`rrtconnect`", trees, trees.cold, trees.cold),
-                     row_of("`auto`", chosen, chosen.cold, trees.cold),
-                     row_of("peer at OMPL's default", peer, peer.cold, trees.cold),
-                     row_of(finer, valid_peer, valid_peer.cold, trees.cold)},
-                    "Solved and valid are those of the map before."}};
+                    {row_of("`rrtconnect`", trees, trees.changed, trees.changed),
+                     row_of("`auto`", chosen, chosen.changed, trees.changed),
+                     row_of("peer at OMPL's default", peer, peer.changed, trees.changed),
+                     row_of(finer, valid_peer, valid_peer.changed, trees.changed)},
+                    "Solved and valid are those of the map before."},
+                   {"The first query of a map that is in memory, with nothing derived from it, ours, CPU ms:",
+                    {"voxels", "queries", "first answer of `is_free`", "`rrtconnect`, median", "at 95 %",
+                     "`auto`, median", "at 95 %"},
+                    rows_of(first)}};
   result.compared = count_text(static_cast<double>(tasks.size())) +
                     " problems of the suites `cells` and `guided`, with " + std::to_string(seeds) +
                     " seeds each: paths that are proved on every edge and "
