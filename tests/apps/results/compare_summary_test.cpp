@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "apps/results/compare_columns.hpp"
 #include "apps/results/compare_results.hpp"
@@ -107,6 +108,16 @@ TEST(CompareSummary, ReportsMediansOfValidRunsAndTimesOfSolvedOnes) {
   EXPECT_DOUBLE_EQ(sum.length_median, 100.0 * middle);
   EXPECT_DOUBLE_EQ(sum.steps_median, 7.0 * middle);
   EXPECT_DOUBLE_EQ(sum.motion_median, 1000.0 * middle);
+  const nlohmann::ordered_json json = summary_json(experiment, 0);
+  const std::map<std::string, double> told{{"time_median_s", 9.0},
+                                           {"cpu_median_s", 18.0},
+                                           {"check_cpu_median_s", 27.0},
+                                           {"space_cpu_mean_s", 4.5 * 55 / 5},
+                                           {"search_cpu_mean_s", (1.5 * 14 + 16.0) / 4},
+                                           {"shortcut_cpu_mean_s", 8.0 / 4},
+                                           {"proof_cpu_mean_s", 0.5 * 30 / 4},
+                                           {"check_cpu_mean_s", 3.0 * 55 / 5}};
+  for (const auto& [key, value] : told) EXPECT_DOUBLE_EQ(json.at(key).get<double>(), value) << key;
 }
 
 /// Only of runs that are valid: a path that is none is not ridden at all.
