@@ -266,10 +266,24 @@ CompareAsked asked_of(const Suite& suite, const std::vector<PreparedExperiment>&
   return asked;
 }
 
+/// Refuses a place where maps of results would take that of a map that the suite reads.
+void require_apart_from(const SuiteWorld& world, const fs::path& out) {
+  const std::string name = "world " + quote(world.name) + " of the suite";
+  require_apart({{"--out", out}}, {{name, world.map}});
+  std::error_code error;
+  if (world.map.empty() || !fs::exists(world.map, error)) return;
+  const fs::path map = fs::is_directory(world.map, error) ? world.map / "map.ot" : world.map;
+  const fs::path below =
+      fs::weakly_canonical(map, error).lexically_relative(fs::weakly_canonical(out, error));
+  if (below.empty() || *below.begin() == ".." || !is_of_comparison(below)) return;
+  throw std::invalid_argument("--out: " + quote_path(out.string()) + " holds " +
+                              quote_path(world.map.string()) + ", the map of " + name +
+                              ", where results have theirs, expected another place " + "to write to");
+}
+
 int run_suite(const CompareOptions& options, Console& console) {
   const Suite suite = chosen_suite(options);
-  for (const SuiteWorld& world : suite.worlds)
-    require_apart({{"--out", options.out}}, {{"world " + quote(world.name) + " of the suite", world.map}});
+  for (const SuiteWorld& world : suite.worlds) require_apart_from(world, options.out);
   const std::vector<PreparedExperiment> prepared = prepare_all(suite, options);
   const CompareResults results =
       run_and_publish(suite, prepared, options, asked_of(suite, prepared, options), console);

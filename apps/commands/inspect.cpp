@@ -210,7 +210,7 @@ void report_maps(const InspectOptions& options, const InspectedMaps& maps, Conso
     console.note("the map holds nothing inside of --crop");
   if (!options.paint.empty() && leaves.counts().painted + leaves.counts().conflict == 0)
     console.note("no ball of --paint holds a whole voxel of " + significant(1000.0 * leaves.resolution(), 3) +
-                 " mm, so that nothing is painted");
+                 " mm" + (options.crop.empty() ? "" : " inside of --crop") + ", so that nothing is painted");
   console.note(maps.edits.clock_remark);
   console.note(hand_edit_remark(options, maps.edits.tally));
 }

@@ -21,8 +21,8 @@ namespace {
 std::vector<NamedPlace> places_read(const PlanOptions& options) {
   std::vector<NamedPlace> inputs = {
       {"--map", options.map}, {"--srdf", options.robot.srdf}, {"--pick", options.pick}};
-  const std::filesystem::path robot = options.robot.robot;
-  if (robot.has_extension()) inputs.push_back({"--robot", robot});
+  for (NamedPlace& place : places_of_robot("--robot", options.robot.robot))
+    inputs.push_back(std::move(place));
   for (const auto& file : options.attach) inputs.push_back({"--attach", file});
   return inputs;
 }

@@ -307,9 +307,8 @@ class Description {
 };
 
 std::vector<NamedPlace> places_read(const RobotsOptions& options) {
-  std::vector<NamedPlace> places{{"--srdf", options.robot.srdf}};
-  const std::filesystem::path robot = options.robot.robot;
-  if (robot.has_extension()) places.push_back({"ROBOT", robot});
+  std::vector<NamedPlace> places = places_of_robot("ROBOT", options.robot.robot);
+  places.push_back({"--srdf", options.robot.srdf});
   for (const auto& file : options.attach) places.push_back({"--attach", file});
   return places;
 }

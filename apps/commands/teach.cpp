@@ -31,6 +31,7 @@
 #include "mapping/system/file_descriptor.hpp"
 #include "mapping/system/interruption.hpp"
 #include "mapping/system/number_text.hpp"
+#include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -47,15 +48,10 @@ TeachSession::EventSource script(std::vector<TeachEvent> events) {
   };
 }
 
-/// What of a folder this command writes. Without a list of our files in it nothing but a map is ours: all
-/// else may be somebody's only copy.
-IsOurs written_into(const fs::path& folder) {
-  const bool has_list = fs::exists(folder / own_files_name);
-  return [has_list](const fs::path& relative) {
-    const fs::path part = *relative.begin();
-    const bool is_of_session = part == "session" || part == "approved" || part == "maps";
-    return is_in_map_folder(relative) || (has_list && is_of_session);
-  };
+/// What of a folder this command writes.
+bool is_taught(const fs::path& relative) {
+  const fs::path part = *relative.begin();
+  return is_in_map_folder(relative) || part == "session" || part == "approved" || part == "maps";
 }
 
 /// What keys mean, at the frame before which they are asked for.
@@ -375,8 +371,7 @@ int run_teach(const TeachCommand& command, Console& console) {
   const bool is_kept = is_live(input, screen.get());
   if (is_kept) require_nothing_unfinished(command);
   // Refuses before the work what cannot be written.
-  AtomicFolder folder(command.out, written_into(command.out),
-                      is_kept ? Unpublished::kept : Unpublished::removed);
+  AtomicFolder folder(command.out, is_taught, is_kept ? Unpublished::kept : Unpublished::removed);
   for (const char* part : {"plans", "session/source"}) fs::create_directories(folder.path() / part);
   LedSession led(command, input, screen.get(), folder, console);
   try {

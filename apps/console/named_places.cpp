@@ -36,7 +36,7 @@ fs::path folder_of_input(const fs::path& input) {
 bool would_overwrite(const fs::path& output, const fs::path& input) {
   if (output.empty() || input.empty()) return false;
   const fs::path folder = folder_of_input(input);
-  return is_same(output, input) || is_same(output / "map.ot", input) ||
+  return is_same(output, input) || is_read_with(output, input) ||
          (!folder.empty() && (is_same(output, folder) || is_read_with(folder, output)));
 }
 
@@ -50,6 +50,14 @@ void require_apart(const std::vector<NamedPlace>& outputs, const std::vector<Nam
                                   input.flag + ", expected another place to write to");
     }
   }
+}
+
+std::vector<NamedPlace> places_of_robot(const std::string& flag, const fs::path& robot) {
+  if (!robot.has_extension()) return {};
+  std::vector<NamedPlace> places{{flag, robot}};
+  for (const char* extension : {".urdf", ".yaml", ".srdf"})
+    places.push_back({flag, fs::path(robot).replace_extension(extension)});
+  return places;
 }
 
 void require_not_in(const std::vector<NamedPlace>& outputs, const NamedPlace& folder) {

@@ -23,7 +23,7 @@ constexpr const char* records_name = "runs.jsonl";
 inline constexpr std::array result_files = {"results.sqlite", "results.csv", "results.log", "report.html",
                                             records_name};
 
-/// Whether a file of a folder of results is ours, where an older version left no list of them.
+/// Whether a file of this name is written into a folder of results.
 bool is_of_comparison(const std::filesystem::path& relative);
 
 /// Database, CSV, OMPL's log and page, each replaced as a whole.

@@ -13,6 +13,7 @@
 #include "mapping/files/painted_csv.hpp"
 #include "mapping/files/velodyne_scan.hpp"
 #include "mapping/system/atomic_file.hpp"
+#include "mapping/system/files_of_others.hpp"
 #include "mapping/system/input_file.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
@@ -257,7 +258,12 @@ void save_map(const Snapshot& map, const fs::path& directory) {
                              "': it is not a directory and cannot be made one");
   }
   // map.ot alone holds everything, so that a cut between the two files loses nothing.
-  for (const auto& [name, bytes] : files_of_map(map)) save_file(directory / name, bytes);
+  std::vector<std::string> names;
+  for (const auto& [name, bytes] : files_of_map(map)) {
+    save_file(directory / name, bytes);
+    names.emplace_back(name);
+  }
+  list_as_own(directory, names);
 }
 
 void export_map(const Snapshot& map, const fs::path& file) {

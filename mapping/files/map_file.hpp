@@ -37,7 +37,8 @@ bool is_own_map(const std::filesystem::path& file);
 /// What save_map writes: each file's name and its bytes.
 std::map<std::string, std::string> files_of_map(const Snapshot& map);
 
-/// Writes DIR/map.ot and DIR/painted.csv, each to a temporary name, synced and renamed.
+/// Writes DIR/map.ot and DIR/painted.csv, each to a temporary name, synced and renamed, and adds them to the
+/// list of Clearway's files there (`.clearway_files`).
 /// @throws std::runtime_error naming the file that could not be written; the old file is then intact.
 void save_map(const Snapshot& map, const std::filesystem::path& directory);
 

@@ -63,6 +63,7 @@ AtomicFolder::AtomicFolder(const fs::path& folder, IsOurs is_ours, Unpublished u
   target_ = place.target;
   existed_ = place.exists;
   if (existed_) require_no_other_command(folder_, is_ours_);
+  if (existed_) require_no_file_of_others(folder_, is_ours_);
   try {
     make_parents();
     remove_abandoned(target_.parent_path());
@@ -73,7 +74,7 @@ AtomicFolder::AtomicFolder(const fs::path& folder, IsOurs is_ours, Unpublished u
     }
     if (unpublished_ != Unpublished::removed)
       save_file(staging_ / own_files_name, "");  // says that it is ours
-    if (existed_) kept_.update(target_, staging_, is_ours_);
+    if (existed_) kept_.update(target_, staging_);
   } catch (...) {
     if (finished_.empty()) remove_staging();
     throw;
@@ -153,7 +154,7 @@ void AtomicFolder::publish() {
   existed_ = fs::is_directory(target_, error);
   if (existed_) {
     require_no_other_command(folder_, is_ours_);  // it may have been written meanwhile
-    kept_.update(target_, staging_, is_ours_);
+    kept_.update(target_, staging_);
   }
   kept_.write_list(staging_);
   sync_all_folders(staging_, folder_);
@@ -225,7 +226,7 @@ void AtomicFolder::remove_older() {
   if (older_.empty()) return;
   try {
     std::error_code error;
-    for (const fs::path& relative : files_of_others(older_, is_ours_)) {
+    for (const fs::path& relative : files_of_others(older_)) {
       if (fs::exists(fs::symlink_status(target_ / relative, error))) continue;
       fs::create_directories((target_ / relative).parent_path(), error);
       rename_with(older_ / relative, target_ / relative, RENAME_NOREPLACE);

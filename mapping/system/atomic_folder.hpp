@@ -22,16 +22,17 @@ enum class Unpublished {
 /// any moment the name leads to the older or to the new one. Before that, and after an error, a signal or a
 /// kill, the older folder is as it was.
 ///
-/// What Clearway did not write stays: files in the older folder that are neither on its list of our files
-/// (`.clearway_files`, written with the folder) nor, where it has no list, said to be ours by `is_ours`, get
-/// a hard link in the new folder before the exchange.
+/// What Clearway did not write stays: files in the older folder that are not on its list of our files
+/// (`.clearway_files`, written with the folder) get a hard link in the new folder before the exchange. Where
+/// one has a name that the new folder needs for itself, the older folder stays.
 class AtomicFolder {
  public:
   /// Makes the folder to fill, readable by this user alone. A link to a folder is followed.
-  /// @param is_ours whether an earlier run of the same command wrote this file, in a folder without a list
+  /// @param is_ours whether this command writes a file of that name
   /// @throws std::runtime_error in one sentence when the folder cannot be replaced as a whole: it or its
   ///         parent cannot be written, it is a mount point, the present folder or above it, or holds things
-  ///         of others that cannot be kept, or files that another command wrote (require_no_other_command).
+  ///         of others that cannot be kept or whose name is needed (require_no_file_of_others), or files that
+  ///         another command wrote (require_no_other_command).
   AtomicFolder(const std::filesystem::path& folder, IsOurs is_ours,
                Unpublished unpublished = Unpublished::removed);
   ~AtomicFolder();

@@ -8,6 +8,9 @@
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
+#include <system_error>
+
+#include "mapping/system/temporary_name.hpp"
 
 namespace clearway {
 
@@ -52,7 +55,12 @@ void sync_folder(const std::filesystem::path& folder, const std::filesystem::pat
 }
 
 void fail_to_write(const std::filesystem::path& file, const std::string& reason) {
-  throw std::runtime_error("cannot write '" + file.string() + "': " + reason);
+  const std::filesystem::path folder = lasting_folder(file);
+  if (folder.empty()) throw std::runtime_error("cannot write '" + file.string() + "': " + reason);
+  std::error_code error;
+  throw std::runtime_error(
+      "cannot write '" + file.filename().string() + "' for '" + folder.string() + "', which " +
+      (std::filesystem::exists(folder, error) ? "is as it was" : "is not there") + ": " + reason);
 }
 
 void fail_to_write(const std::filesystem::path& file) { fail_to_write(file, std::strerror(errno)); }

@@ -43,7 +43,7 @@ void write_all(const FileDescriptor& descriptor, std::string_view bytes, const s
 /// @throws std::runtime_error naming `what` and the reason, such as a disk that reports an error.
 void sync_folder(const std::filesystem::path& folder, const std::filesystem::path& what);
 
-/// "cannot write 'FILE': REASON"
+/// "cannot write 'FILE': REASON". A temporary folder that `file` lies in is told as what it was to become.
 [[noreturn]] void fail_to_write(const std::filesystem::path& file, const std::string& reason);
 /// The same with errno's reason.
 [[noreturn]] void fail_to_write(const std::filesystem::path& file);

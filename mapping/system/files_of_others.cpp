@@ -8,7 +8,6 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <optional>
 #include <set>
 #include <system_error>
 
@@ -23,22 +22,31 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t most_files = 100'000;
 
-std::optional<std::set<fs::path>> own_files(const fs::path& folder) {
+/// None in a folder without a list.
+std::set<fs::path> own_files(const fs::path& folder) {
   std::error_code error;
-  const fs::path list = folder / own_files_name;
-  if (!fs::is_regular_file(fs::symlink_status(list, error))) return std::nullopt;
   std::set<fs::path> names;
+  const fs::path list = folder / own_files_name;
+  if (!fs::is_regular_file(fs::symlink_status(list, error))) return names;
   std::ifstream stream(list);
   for (std::string line; std::getline(stream, line);)
     if (!line.empty()) names.insert(line);
   return names;
 }
 
+/// One name a line, in the order of their texts.
+void save_list(const fs::path& folder, const std::set<fs::path>& own) {
+  std::set<std::string> names;
+  for (const fs::path& relative : own) names.insert(relative.generic_string());
+  std::string text;
+  for (const std::string& name : names) text += name + "\n";
+  save_file(folder / own_files_name, text);
+}
+
 /// Looks through one folder after the other.
 class Search {
  public:
-  Search(const fs::path& folder, const IsOurs& is_ours) : folder_(folder), is_ours_(is_ours) {
-    own_ = own_files(folder);
+  explicit Search(const fs::path& folder) : folder_(folder), own_(own_files(folder)) {
     struct stat status {};
     if (::lstat(folder.c_str(), &status) == 0) device_ = status.st_dev;
   }
@@ -63,7 +71,7 @@ class Search {
     if (::lstat((folder_ / relative).c_str(), &status) != 0) return;  // gone since
     const bool is_file = S_ISREG(status.st_mode);
     if (is_file && (relative == own_files_name || is_temporary_name(relative))) return;
-    if (is_file && (own_ ? own_->contains(relative) : is_ours_(relative))) return;
+    if (is_file && own_.contains(relative)) return;
     const bool is_folder = S_ISDIR(status.st_mode);
     if ((!is_file && !is_folder && !S_ISLNK(status.st_mode)) || status.st_dev != device_)
       fail_to_write(folder_, "it holds '" + relative.string() +
@@ -78,10 +86,15 @@ class Search {
   }
 
   const fs::path& folder_;
-  const IsOurs& is_ours_;
-  std::optional<std::set<fs::path>> own_;
+  std::set<fs::path> own_;
   dev_t device_ = 0;
 };
+
+[[noreturn]] void fail_to_replace(const fs::path& folder, const fs::path& theirs) {
+  fail_to_write(folder, "it holds '" + theirs.string() + "', which this command would replace, but '" +
+                            own_files_name + "' there does not name it as Clearway's: expected a new or " +
+                            "another folder");
+}
 
 unsigned long inode(const fs::path& path) {
   struct stat status {};
@@ -115,17 +128,33 @@ void make_folders(const fs::path& from, const fs::path& to, const fs::path& rela
 
 }  // namespace
 
-std::vector<fs::path> files_of_others(const fs::path& folder, const IsOurs& is_ours) {
-  Search search(folder, is_ours);
+void list_as_own(const fs::path& folder, const std::vector<std::string>& names) {
+  std::set<fs::path> own = own_files(folder);
+  own.insert(names.begin(), names.end());
+  save_list(folder, own);
+}
+
+std::vector<fs::path> files_of_others(const fs::path& folder) {
+  Search search(folder);
   search.look_in("");
   return std::move(search.found);
 }
 
-void require_no_other_command(const fs::path& folder, const IsOurs& is_ours) {
-  const auto own = own_files(folder);
-  if (!own) return;
+void require_no_file_of_others(const fs::path& folder, const IsOurs& is_ours) {
+  const std::set<fs::path> own = own_files(folder);
+  std::set<fs::path> theirs;
   std::error_code error;
-  for (const fs::path& relative : *own) {
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const fs::path name = entry.path().filename();
+    const bool is_below = entry.is_directory(error) && !entry.is_symlink(error);
+    if (!is_below && is_ours(name) && !own.contains(name)) theirs.insert(name);
+  }
+  if (!theirs.empty()) fail_to_replace(folder, *theirs.begin());
+}
+
+void require_no_other_command(const fs::path& folder, const IsOurs& is_ours) {
+  std::error_code error;
+  for (const fs::path& relative : own_files(folder)) {
     if (is_ours(relative) || !fs::exists(fs::symlink_status(folder / relative, error))) continue;
     fail_to_write(folder, "it holds '" + relative.string() +
                               "', which another command wrote and this one would remove: expected another "
@@ -133,22 +162,20 @@ void require_no_other_command(const fs::path& folder, const IsOurs& is_ours) {
   }
 }
 
-void KeptFiles::update(const fs::path& from, const fs::path& to, const IsOurs& is_ours) {
-  for (const fs::path& relative : files_of_others(from, is_ours)) keep(from, to, relative);
+void KeptFiles::update(const fs::path& from, const fs::path& to) {
+  for (const fs::path& relative : files_of_others(from)) keep(from, to, relative);
 }
 
 void KeptFiles::keep(const fs::path& from, const fs::path& to, const fs::path& relative) {
   if (is_folder(from / relative)) return make_folders(from, to, relative);
   const unsigned long source = inode(from / relative), present = inode(to / relative);
   if (const auto known = inodes_.find(relative); known != inodes_.end()) {
-    if (present != known->second) {  // written anew: ours
-      inodes_.erase(known);
-      return;
-    }
+    if (present != known->second) fail_to_replace(from, relative);
     if (present == source) return;
     ::unlink((to / relative).c_str());  // replaced by its owner
   } else if (present != 0) {
-    if (present == source) inodes_[relative] = source;  // linked by an earlier one that did not end
+    if (present != source) fail_to_replace(from, relative);
+    inodes_[relative] = source;  // linked by an earlier one that did not end
     return;
   }
   make_folders(from, to, relative.parent_path());
@@ -161,17 +188,14 @@ void KeptFiles::keep(const fs::path& from, const fs::path& to, const fs::path& r
 }
 
 void KeptFiles::write_list(const fs::path& folder) const {
-  std::vector<std::string> names;
+  std::set<fs::path> own;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     const fs::path relative = entry.path().lexically_relative(folder);
     if (entry.is_regular_file() && !entry.is_symlink() && relative != own_files_name &&
         !inodes_.contains(relative))
-      names.push_back(relative.generic_string());
+      own.insert(relative);
   }
-  std::sort(names.begin(), names.end());
-  std::string text;
-  for (const std::string& name : names) text += name + "\n";
-  save_file(folder / own_files_name, text);
+  save_list(folder, own);
 }
 
 }  // namespace clearway

@@ -95,6 +95,16 @@ fs::path moved_aside_name(const fs::path& target) { return named_beside(target, 
 
 bool is_temporary_name(const fs::path& path) { return !purpose_of(path.filename().string()).target.empty(); }
 
+fs::path lasting_folder(const fs::path& path) {
+  fs::path folder;
+  for (const fs::path& part : path.parent_path()) {
+    const std::string target = purpose_of(part.string()).target;
+    folder /= target.empty() ? part : fs::path(target);
+    if (!target.empty()) return folder;
+  }
+  return {};
+}
+
 void remove_abandoned(const fs::path& folder) {
   std::error_code error;
   std::vector<std::pair<fs::path, Purpose>> found;

@@ -17,6 +17,9 @@ std::filesystem::path moved_aside_name(const std::filesystem::path& target);
 /// Whether a file or folder has such a name.
 bool is_temporary_name(const std::filesystem::path& path);
 
+/// What a temporary folder on the way to `path` is to become; empty: there is none.
+std::filesystem::path lasting_folder(const std::filesystem::path& path);
+
 /// Removes what processes that are gone left in a folder: temporary files and folders of this user that
 /// nobody has locked. Where a folder was moved aside and its successor never came, it gets its name back.
 void remove_abandoned(const std::filesystem::path& folder);

@@ -388,6 +388,33 @@ TEST_F(CompareParts, ARunOfAPlannerThatOnlyAFlagNamedIsRepeatedByItsId) {
   EXPECT_GT(repeated, 1U);
 }
 
+/// As projects are laid out: the suite beside the folder of its maps, where results have theirs.
+TEST_F(CompareParts, TheMapsOfASuiteDoNotMakeWayForItsResults) {
+  const std::string project = folder_.file("project"), hall = project + "/maps/hall";
+  fs::create_directories(hall);
+  save_map(FreeSpaceMap({.resolution = 0.1}).snapshot(), hall);
+  const std::string map = read_file(hall + "/map.ot");
+  folder_.write("project/suite.yaml", R"(
+worlds: [{name: hall, map: maps/hall}]
+experiments:
+  - name: e
+    robot: point
+    world: hall
+    problems: [{name: a, start: [0.2, 0], goals: [[2, 0]]}]
+    policies: {default: not_occupied}
+    planners: [{planner: rrtconnect}]
+)");
+  const CommandRun run = compare({project + "/suite.yaml", "--out", project});
+  EXPECT_EQ(run.status, exit_bad_input);
+  EXPECT_TRUE(run.complains_in_one_sentence()) << run.log;
+  EXPECT_NE(run.log.find("the map of world 'hall'"), std::string::npos) << run.log;
+  EXPECT_EQ(read_file(hall + "/map.ot"), map);
+  fs::create_directory(project + "/plans");
+  folder_.write("project/plans/keep.json", "{}");
+  EXPECT_EQ(compare({project + "/suite.yaml", "--out", project + "/results"}).status, exit_done);
+  EXPECT_EQ(read_file(project + "/plans/keep.json"), "{}");
+}
+
 TEST_F(CompareParts, FlagsThatContradictAreRefused) {
   const auto refused = [&](const std::vector<std::string>& flags, const std::string& because) {
     const CommandRun run = compare(flags);

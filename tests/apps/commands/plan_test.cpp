@@ -87,6 +87,18 @@ TEST_F(PlanInCloud, WhoAsksForKnownFreeSpaceWhereNoneIsIsTold) {
 
 /// The points of a trajectory are as far apart as asked, and the check accepts what a controller makes of
 /// them.
+TEST_F(PlanInCloud, NoFileOfTheRobotIsWrittenOver) {
+  const std::string settings = folder_.write("blade.yaml", "position_accuracy: 0.002\n");
+  for (const Arguments& output : {Arguments{"--trajectory", "ros", settings}, {"--out", settings}}) {
+    Arguments query{"--start=-0.3", "--goal=-0.2"};
+    query.insert(query.end(), output.begin(), output.end());
+    const CommandRun refused = run("plan", query);
+    EXPECT_EQ(refused.status, exit_bad_input);
+    EXPECT_NE(refused.log.find("is read by --robot"), std::string::npos) << refused.log;
+    EXPECT_EQ(read_file(settings), "position_accuracy: 0.002\n");
+  }
+}
+
 TEST(PlanPeriod, PointsAreAsFarApartAsAskedAndTheFileHoldsAsATrajectory) {
   TemporaryFolder folder;
   std::vector<Eigen::Vector3f> wall;

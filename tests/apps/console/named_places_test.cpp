@@ -33,6 +33,15 @@ class NamedPlaces : public ::testing::Test {
     return "";
   }
 
+  static bool would_be_refused(const fs::path& output, const std::vector<NamedPlace>& inputs) {
+    try {
+      require_apart({{"--out", output}}, inputs);
+    } catch (const std::invalid_argument&) {
+      return true;
+    }
+    return false;
+  }
+
   TemporaryFolder folder_;
   std::string map_, file_;
 };
@@ -49,6 +58,21 @@ TEST_F(NamedPlaces, AnInputIsKnownByEveryName) {
   EXPECT_EQ(refusal(file_, "puma560"), "");
   EXPECT_EQ(refusal("", file_), "");
   EXPECT_EQ(refusal("", ""), "");
+}
+
+TEST_F(NamedPlaces, NoFolderOfAMapIsAnOutputWhereItsPaintIsRead) {
+  EXPECT_NE(refusal(map_, map_ + "/painted.csv").find("is read by --in"), std::string::npos);
+  EXPECT_EQ(refusal(folder_ / "other", map_ + "/painted.csv"), "");
+}
+
+TEST_F(NamedPlaces, DescriptionSettingsAndGroupsOfARobotBelongToIt) {
+  for (const char* name : {"arm.urdf", "arm.yaml", "arm.srdf", "arm.csv"}) folder_.write(name, "read");
+  for (const char* named : {"arm.urdf", "arm.yaml"})
+    for (const char* written : {"arm.urdf", "arm.yaml", "arm.srdf", "arm.csv"})
+      EXPECT_EQ(would_be_refused(folder_ / written, places_of_robot("--robot", folder_ / named)),
+                std::string(written) != "arm.csv")
+          << named << " " << written;
+  EXPECT_TRUE(places_of_robot("--robot", "puma560").empty());
 }
 
 TEST_F(NamedPlaces, NoFileInTheFolderOfARecordingIsAnOutput) {

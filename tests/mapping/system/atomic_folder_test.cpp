@@ -86,7 +86,6 @@ TEST(AtomicFolder, KeepsWhatIsNotOurs) {
   fs::create_directory(out / "empty");
   write_file(out / "recording.rawlog", "mine");
   write_file(out / "mine/deep/note.md", "mine");
-  write_file(out / "old.txt", "ours, of a version that left no list");
   fs::create_symlink("recording.rawlog", out / "link");
   publish(out, {{"a.txt", "first"}});
   EXPECT_EQ(content(out), (Content{{"a.txt", "first"},
@@ -95,14 +94,65 @@ TEST(AtomicFolder, KeepsWhatIsNotOurs) {
                                    {"link", "mine"}}));
   EXPECT_TRUE(fs::is_symlink(out / "link"));
   EXPECT_TRUE(fs::is_directory(out / "empty"));
-  // From now on the list says what is ours: a text of somebody else stays as well.
-  write_file(out / "theirs.txt", "theirs");
+  write_file(out / "theirs.dat", "theirs");
   publish(out, {{"b.txt", "second"}});
   EXPECT_EQ(content(out), (Content{{"b.txt", "second"},
                                    {"mine/deep/note.md", "mine"},
                                    {"recording.rawlog", "mine"},
-                                   {"theirs.txt", "theirs"},
+                                   {"theirs.dat", "theirs"},
                                    {"link", "mine"}}));
+}
+
+/// What a command wrote is what the list says, whatever names it uses: a copy may lack the list, and a person
+/// may choose any name.
+TEST(AtomicFolder, ReplacesNoFileOfOthersUnderANameOfOurs) {
+  const TemporaryFolder folder;
+  const fs::path out = folder / "out";
+  const auto refusal_of = [&](const Content& files) -> std::string {
+    try {
+      publish(out, files);
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  for (const bool is_listed : {false, true}) {
+    SCOPED_TRACE(is_listed);
+    fs::remove_all(out);
+    fs::create_directory(out);
+    if (is_listed) publish(out, {{"a.txt", "ours"}, {"plans/p.txt", "ours"}});
+    fs::create_directories(out / "plans");
+    write_file(out / "plans/mine.txt", "mine");
+    EXPECT_EQ(refusal_of({{"a.txt", "new"}}), "") << "of a file below nothing is said";
+    EXPECT_EQ(content(out), (Content{{"a.txt", "new"}, {"plans/mine.txt", "mine"}}));
+    EXPECT_NE(refusal_of({{"a.txt", "newer"}, {"plans/mine.txt", "other"}}).find("it holds 'plans/mine.txt'"),
+              std::string::npos);
+    write_file(out / "mine.txt", "mine");
+    fs::create_symlink("plans/mine.txt", out / "link.txt");
+    EXPECT_NE(refusal_of({{"a.txt", "newer"}}).find("it holds 'link.txt'"), std::string::npos);
+    fs::remove(out / "link.txt");
+    EXPECT_NE(refusal_of({{"a.txt", "newer"}}).find("it holds 'mine.txt'"), std::string::npos);
+    EXPECT_EQ(content(out), (Content{{"a.txt", "new"}, {"mine.txt", "mine"}, {"plans/mine.txt", "mine"}}));
+  }
+  EXPECT_EQ(entries_in(folder.path()), 1U);
+}
+
+TEST(AtomicFolder, AFileThatCannotBeWrittenIsToldWithTheFolderThatItIsFor) {
+  const TemporaryFolder folder;
+  const fs::path out = folder / "out";
+  for (const std::string state : {"is not there", "is as it was"}) {
+    {
+      AtomicFolder next(out, text_is_ours);
+      fs::create_directory(next.path() / "plans");
+      try {
+        fail_to_write(next.path() / "plans/p.txt", "no space");
+      } catch (const std::runtime_error& error) {
+        EXPECT_EQ(error.what(),
+                  "cannot write 'p.txt' for '" + out.string() + "', which " + state + ": no space");
+      }
+    }
+    publish(out, {{"a.txt", "old"}});
+  }
 }
 
 TEST(AtomicFolder, WhatAnotherCommandWroteDoesNotGo) {
@@ -158,13 +208,11 @@ TEST(AtomicFolder, FilesOfOthersThatComeOrChangeMeanwhileAreKeptAsTheyAreThen) {
   const fs::path out = folder / "out";
   fs::create_directory(out);
   write_file(out / "changes.md", "before");
-  write_file(out / "ours.txt.md", "theirs, until we write it");
   AtomicFolder next(out, text_is_ours);
   save_file(out / "changes.md", "after");  // a new file under the old name
   write_file(out / "comes.md", "late");
-  save_file(next.path() / "ours.txt.md", "ours");
   next.publish();
-  EXPECT_EQ(content(out), (Content{{"changes.md", "after"}, {"comes.md", "late"}, {"ours.txt.md", "ours"}}));
+  EXPECT_EQ(content(out), (Content{{"changes.md", "after"}, {"comes.md", "late"}}));
 }
 
 TEST(AtomicFolder, KeepsPermissionsOfTheFolderThatItReplaces) {
