@@ -1,9 +1,11 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <ostream>
+#include <set>
 #include <stdexcept>
 
 #include "apps/console/flags.hpp"
@@ -84,46 +86,101 @@ class FolderWords {
   std::map<std::filesystem::path, std::string> words_;
 };
 
-/// Scenes, as YAML or as MoveIt's text, and then requests, each in the frames of its scene.
-ForeignSet read_scenes(const ImportOptions& options, const RobotRequest& request) {
-  const SceneContext context = scene_context(options, request);
-  ForeignSet set;
-  FolderWords of_scenes, of_requests;
-  std::vector<std::pair<std::filesystem::path, std::string>> requests;
-  for (const std::filesystem::path& file : options.files) {
+/// Scenes, as YAML or as MoveIt's text, and then requests, each in the frames of its scene. One that cannot
+/// be read is left out: a scene with its requests.
+class SceneSet {
+ public:
+  SceneSet(const ImportOptions& options, const RobotRequest& request)
+      : context_(scene_context(options, request)) {
+    for (const std::filesystem::path& file : options.files) add_file(file);
+    if (faults_.size() == set_.worlds.size()) refuse();
+    scenes_ = set_.worlds.size();  // others come behind them
+    for (const auto& [file, text] : requests_) add_request(file, text);
+    if (!requests_.empty() && set_.problems.empty() && !first_fault_.empty()) refuse();
+  }
+
+  ForeignSet set() {
+    for (ForeignWorld& world : set_.worlds)
+      if (const std::string word = of_scenes_.of(world.folder); !word.empty())
+        world.name = word + "/" + world.name;
+    remove_unread();
+    return std::move(set_);
+  }
+
+ private:
+  [[noreturn]] void refuse() const {
+    if (!first_fault_.empty()) throw std::invalid_argument(first_fault_);
+    const std::string why = set_.left_out.empty() ? "" : " (" + plain(set_.left_out.front()) + ")";
+    throw std::invalid_argument("import: no file is a scene, expected at least one" + why);
+  }
+
+  void add_file(const std::filesystem::path& file) {
     std::string text = read_text(file, "scene or request", largest_scene);
     const bool is_text = extension_of(file) == ".scene";
     const SceneFileKind kind = is_text ? SceneFileKind::scene : kind_of_scene_file(text, file);
     if (kind == SceneFileKind::request) {
-      requests.emplace_back(file, std::move(text));
-      of_requests.add(file);
+      requests_.emplace_back(file, std::move(text));
+      of_requests_.add(file);
     }
     if (kind == SceneFileKind::neither)
-      set.left_out.push_back(file.filename().string() +
-                             ": neither a scene with 'world' nor a request with 'goal_constraints'");
-    if (kind != SceneFileKind::scene) continue;
-    set.worlds.push_back(is_text ? read_scene_text(text, file, context)
-                                 : read_planning_scene(text, file, context, set.left_out));
-    set.worlds.back().folder = file.parent_path();
-    of_scenes.add(file);
+      set_.left_out.push_back(file.filename().string() +
+                              ": neither a scene with 'world' nor a request with 'goal_constraints'");
+    if (kind != SceneFileKind::scene) return;
+    of_scenes_.add(file);
+    const bool is_read = try_to(file, [&] {
+      set_.worlds.push_back(is_text ? read_scene_text(text, file, context_)
+                                    : read_planning_scene(text, file, context_, set_.left_out));
+    });
+    if (!is_read) {  // keeps its place, so that no other scene takes its requests
+      faults_.insert(set_.worlds.size());
+      set_.worlds.push_back({file.stem().string(), {}});
+    }
+    set_.worlds.back().folder = file.parent_path();
   }
-  if (set.worlds.empty())
-    throw std::invalid_argument(
-        "import: no file is a scene, expected at least one" +
-        (set.left_out.empty() ? std::string() : " (" + plain(set.left_out.front()) + ")"));
-  const std::size_t scenes = set.worlds.size();  // others come behind them
-  for (const auto& [file, text] : requests) {
-    const std::size_t scene = scene_of(file, {set.worlds.data(), scenes});
-    ForeignProblem problem = read_motion_request(text, file, context, set.worlds[scene], set.left_out);
-    problem.experiment = of_requests.of(file.parent_path());
-    take_scene(scene, problem, set);
-    set.problems.push_back(std::move(problem));
+
+  void add_request(const std::filesystem::path& file, const std::string& text) {
+    const std::size_t scene = scene_of(file, {set_.worlds.data(), scenes_});
+    if (faults_.contains(scene)) {
+      set_.left_out.push_back(file.filename().string() + ": its scene was left out");
+      return;
+    }
+    try_to(file, [&] {
+      ForeignProblem problem = read_motion_request(text, file, context_, set_.worlds[scene], set_.left_out);
+      problem.experiment = of_requests_.of(file.parent_path());
+      take_scene(scene, problem, set_);
+      set_.problems.push_back(std::move(problem));
+    });
   }
-  for (ForeignWorld& world : set.worlds)
-    if (const std::string word = of_scenes.of(world.folder); !word.empty())
-      world.name = word + "/" + world.name;
-  return set;
-}
+
+  /// Whether `read` came to its end; else the file is left out.
+  bool try_to(const std::filesystem::path& file, const std::function<void()>& read) {
+    const std::size_t left_out = set_.left_out.size();
+    try {
+      read();
+      return true;
+    } catch (const std::invalid_argument& fault) {
+      set_.left_out.resize(left_out);
+      set_.left_out.push_back(file.filename().string() + ": " + fault.what());
+      if (first_fault_.empty()) first_fault_ = fault.what();
+      return false;
+    }
+  }
+
+  void remove_unread() {
+    for (auto scene = faults_.rbegin(); scene != faults_.rend(); ++scene) {
+      set_.worlds.erase(set_.worlds.begin() + static_cast<std::ptrdiff_t>(*scene));
+      for (ForeignProblem& problem : set_.problems) problem.world -= problem.world > *scene;
+    }
+  }
+
+  SceneContext context_;
+  ForeignSet set_;
+  FolderWords of_scenes_, of_requests_;
+  std::vector<std::pair<std::filesystem::path, std::string>> requests_;
+  std::set<std::size_t> faults_;  ///< indices of the scenes that were left out
+  std::string first_fault_;
+  std::size_t scenes_ = 0;
+};
 
 void report(const ImportOptions& options, const ImportOutcome& outcome, Console& console) {
   if (console.json) {
@@ -156,7 +213,7 @@ int run_import(const ImportOptions& options, Console& console) {
   const RobotRequest request = robot_request(options.robot);
   const ForeignSet set = options.kind == "json"          ? read_sets(options, read_problem_json)
                          : options.kind == "robometrics" ? read_robometrics_sets(options, request)
-                                                         : read_scenes(options, request);
+                                                         : SceneSet(options, request).set();
   ImportOutcome outcome =
       write_suite(set, {request, options.resolution, folder.path(), options.robot.padding});
   if (!outcome.suite.empty()) outcome.suite = options.out / outcome.suite.filename();

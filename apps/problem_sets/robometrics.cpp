@@ -85,6 +85,7 @@ class SetReader {
     } else {
       for (const std::string& name : keys) add_group(root_, name, name);
     }
+    if (set_.problems.empty() && !first_fault_.empty()) throw std::invalid_argument(first_fault_);
     return std::move(set_);
   }
 
@@ -105,7 +106,19 @@ class SetReader {
     }
     std::size_t number = 0;
     for (const YamlFields& problem : groups.list_of_maps(key))
-      add_problem(name, name + " " + std::to_string(++number), problem);
+      try_problem(name, name + " " + std::to_string(++number), problem);
+  }
+
+  /// What cannot be read costs its problem, not the set.
+  void try_problem(const std::string& experiment, const std::string& name, const YamlFields& problem) {
+    const std::size_t left_out = set_.left_out.size();
+    try {
+      add_problem(experiment, name, problem);
+    } catch (const std::invalid_argument& fault) {
+      set_.left_out.resize(left_out);
+      leave(name + ": " + fault.what());
+      if (first_fault_.empty()) first_fault_ = fault.what();
+    }
   }
 
   void add_problem(const std::string& experiment, const std::string& name, const YamlFields& problem) {
@@ -227,6 +240,7 @@ class SetReader {
   const SceneContext& context_;
   SceneFrames frames_;
   ForeignSet set_;
+  std::string first_fault_;
 };
 
 }  // namespace

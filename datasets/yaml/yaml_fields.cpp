@@ -50,6 +50,8 @@ std::optional<double> parsed_number(const YAML::Node& node) {
 }  // namespace
 
 std::string shown_node(const YAML::Node& node) {
+  if (node.IsScalar() && node.Scalar() == "...")
+    return "'...', by which ros2 topic echo shortens lists unless it is called with --full-length";
   if (node.IsScalar()) return quote(node.Scalar());
   return node.IsSequence() ? "a list" : node.IsMap() ? "a map" : "nothing";
 }

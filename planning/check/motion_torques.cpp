@@ -167,7 +167,9 @@ std::string torque_fault(const Robot& robot, double period, const TorqueTerms& t
        << shortened(robot.joints[static_cast<std::size_t>(found.joint)].name) << " is " << found.torque
        << ", beyond its limit of " << terms.limits[found.joint] << ", the URDF's effort";
   if (found.held > 1.0)
-    text << ", and gravity alone takes more than all of it: no slower motion helps";
+    text << ", and gravity alone takes more than all of it: no slower motion helps (an effort of 0 states no "
+            "limit, where "
+            "this one is a placeholder)";
   else if (found.held > most_slowed_for)
     text << ", of which gravity alone takes " << 100.0 * found.held
          << " % at its worst: motions are not slowed where it takes more than 99 %";
