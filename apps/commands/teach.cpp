@@ -9,6 +9,7 @@
 
 #include "apps/console/commands.hpp"
 #include "apps/console/named_places.hpp"
+#include "apps/console/parse.hpp"
 #include "apps/console/quantile.hpp"
 #include "apps/console/table.hpp"
 #include "apps/fusion/fusion.hpp"
@@ -30,7 +31,6 @@
 #include "mapping/system/atomic_folder.hpp"
 #include "mapping/system/file_descriptor.hpp"
 #include "mapping/system/interruption.hpp"
-#include "mapping/system/number_text.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
