@@ -304,6 +304,7 @@ void report_ends(const PlanQuery& query, Plan& plan) {
 }  // namespace
 
 void require_rigid_hold(const Robot& robot, const Pick& pick) {
+  require_one_tip(robot);
   const auto tip = static_cast<std::size_t>(robot.tip_link);
   std::vector<int> above(robot.links.size(), 0);
   std::vector<std::size_t> ends{tip};

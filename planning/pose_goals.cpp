@@ -49,6 +49,7 @@ PoseGoals::PoseGoals(const ConfigurationSpace& space, const std::string& tip,
       robot_(tip.empty() ? space.robot() : with_tip(space.robot(), link_of_tip(space.robot(), tip))),
       poses_(std::move(poses)),
       start_(std::move(start)) {
+  require_one_tip(robot_);
   require_configuration(robot_, start_, "pose goals: start");
   for (const NamedGoalPose& pose : poses_) require_sound(pose);
   choose_from(0);

@@ -30,7 +30,8 @@ class PoseGoals {
   /// @param space must live as long
   /// @param tip link, or end effector of the SRDF, that the poses are of; empty: the robot's own tip
   /// @throws UnreachablePose when no configuration is at one; std::invalid_argument naming the pose when it
-  /// is not rigid or one of its tolerances is out of range, or naming the tip
+  /// is not rigid or one of its tolerances is out of range, or naming the tip, or what it could be
+  /// (require_one_tip)
   PoseGoals(const ConfigurationSpace& space, const std::string& tip, std::vector<NamedGoalPose> poses,
             Configuration start);
 

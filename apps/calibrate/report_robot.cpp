@@ -13,6 +13,7 @@
 #include "datasets/yaml/moved_files.hpp"
 #include "datasets/yaml/pose_numbers.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "planning/robot_files/tip_choice.hpp"
 #include "tracking/calibration/robot_world.hpp"
 
 namespace clearway {
@@ -275,6 +276,7 @@ CalibrationReport report_robot(const CalibrateOptions& options, const Setup& set
 CalibrationReport report_base(const CalibrateOptions& options, const Setup& setup,
                               const SearchedImages& images) {
   const MovingRobot robot = recorded_robot(options, setup);
+  require_one_tip(robot.robot());
   return report_robot(options, setup, looks_of_base(options, setup, images, robot), robot, "board");
 }
 
@@ -285,6 +287,7 @@ CalibrationReport report_hand_eye(const CalibrateOptions& options, const Setup& 
     throw std::invalid_argument("--sensor: the setup has no sensor " + quote(options.sensor) +
                                 " with `link: tip`, expected the name of one");
   const MovingRobot robot = recorded_robot(options, setup);
+  require_one_tip(robot.robot());
   return report_robot(options, setup, looks_of_hand_eye(options, setup, images, robot), robot, "camera");
 }
 

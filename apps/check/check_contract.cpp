@@ -281,6 +281,7 @@ class Statement {
 
 void state_tip(const Robot& robot, TermSource source, Contract& contract) {
   if (!contract.pick.value && contract.goal_poses.empty()) return;
+  if (contract.tip.empty()) require_one_tip(robot);
   contract.tip_link = {tip_name(with_tip_of(robot, contract.tip)),
                        contract.tip.empty() ? TermSource::by_default : source};
 }

@@ -97,6 +97,11 @@ std::string say_source(HoldSource source) {
   return "";
 }
 
+std::string say_source(TipSource source) {
+  if (source == TipSource::joints) return "joints";
+  return source == TipSource::srdf ? "SRDF" : "settings";
+}
+
 /// What the program makes of a robot: all that `plan` and `check` rest on.
 class Description {
  public:
@@ -136,7 +141,9 @@ class Description {
     json["srdf"] = robot_.srdf.string();
     json["group"] = robot_.group;
     json["base"] = numbers_from_pose(robot_.map_from_base);
-    json["tip"] = {{"link", tip_link().name}, {"link_from_tip", numbers_from_pose(robot_.link_from_tip)}};
+    json["tip"] = {{"link", tip_link().name},
+                   {"link_from_tip", numbers_from_pose(robot_.link_from_tip)},
+                   {"by", say_source(robot_.tip_choice.source)}};
     json["position_accuracy_m"] = robot_.position_accuracy;
     const RateLimits used = rate_limits(robot_);
     for (std::size_t j = 0; j < robot_.dof(); ++j) {
@@ -206,10 +213,12 @@ class Description {
     if (!robot_.srdf.empty()) rows.emplace_back("SRDF", quote_path(robot_.srdf.string()));
     if (!robot_.group.empty()) rows.emplace_back("group", shortened(robot_.group));
     rows.emplace_back("scale, base", significant(robot_.scale) + ", " + to_text(robot_.map_from_base));
-    rows.emplace_back(
-        "tip", shortened(tip_link().name) + (robot_.link_from_tip.isApprox(Eigen::Isometry3d::Identity())
-                                                 ? ""
-                                                 : ", then " + to_text(robot_.link_from_tip)));
+    rows.emplace_back("tip",
+                      shortened(tip_link().name) +
+                          (robot_.link_from_tip.isApprox(Eigen::Isometry3d::Identity())
+                               ? ""
+                               : ", then " + to_text(robot_.link_from_tip)) +
+                          (robot_.tip_choice.source == TipSource::joints ? " (as its joints have it)" : ""));
     rows.emplace_back("accuracy", significant(1e3 * robot_.position_accuracy) + " mm: the padding `auto`");
     if (!robot_.critical_parts.empty()) rows.emplace_back("critical parts", listed(robot_.critical_parts));
     std::vector<std::string> states;

@@ -14,6 +14,7 @@
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/robot/kinematics.hpp"
+#include "planning/robot_files/tip_choice.hpp"
 
 namespace clearway {
 namespace {
@@ -61,7 +62,10 @@ ScanFilter filter_of(const MapSetup& map) {
 
 /// The link that a sensor is on.
 int link_of(const SensorSetup& sensor, const Robot& robot) {
-  if (sensor.link == "tip") return robot.tip_link;
+  if (sensor.link == "tip") {
+    require_one_tip(robot);
+    return robot.tip_link;
+  }
   std::string names;
   for (std::size_t i = 0; i < robot.links.size(); ++i) {
     if (robot.links[i].name == sensor.link) return static_cast<int>(i);

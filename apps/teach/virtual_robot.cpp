@@ -10,6 +10,7 @@
 #include "mapping/system/number_text.hpp"
 #include "planning/robot/follow_tip.hpp"
 #include "planning/robot/goal_configurations.hpp"
+#include "planning/robot_files/tip_choice.hpp"
 
 namespace clearway {
 namespace {
@@ -26,6 +27,7 @@ Configuration middle_of_limits(const Robot& robot) {
 VirtualRobot::VirtualRobot(const RobotChoice& choice, const std::vector<double>& near,
                            const std::optional<Eigen::Isometry3d>& map_from_base)
     : choice_(choice), robot_(choose_robot(choice)), policies_(choose_policies(choice.policies, robot_)) {
+  require_one_tip(robot_);
   if (map_from_base && choice.base.empty()) robot_.map_from_base = *map_from_base;
   if (near.empty()) {
     near_ = middle_of_limits(robot_);

@@ -259,6 +259,7 @@ Robot with_tip(const Robot& robot, const std::string& link) {
   Robot result = robot;
   result.tip_link = static_cast<int>(found - names.begin());
   result.link_from_tip.setIdentity();
+  result.tip_choice = {};
   result.inverse_kinematics = "numeric";
   if (!is_moved(result, result.tip_link))
     throw std::invalid_argument("--tip: no joint of robot " + quote(robot.name) + " moves link " +

@@ -90,6 +90,16 @@ struct NamedState {
       aside{};  ///< joints that other groups' states alone name, beside one of the group's own
 };
 
+/// Who says where a robot's tip is: its settings (or who made it), its SRDF, or nobody but its joints.
+enum class TipSource { stated, srdf, joints };
+
+/// Of a tip that nobody chose: what else it could be (tip_of_joints).
+struct TipChoice {
+  TipSource source = TipSource::stated;
+  std::vector<std::string> others{};  ///< tips of other arms
+  std::string finger_joint{};  ///< taken for a gripper's because it slides little, and alone; empty: none
+};
+
 /// Of a robot whose settings state none, full size: makers state repeatability, some 0.1 mm, but of the
 /// accuracy of a pose that was computed and not taught only that it is several times worse. Metres.
 constexpr double default_position_accuracy = 1e-3;
@@ -107,6 +117,7 @@ struct Robot {
   std::vector<std::pair<int, int>> exempt;  ///< pairs of bodies (first < second) never tested for contact
   int tip_link = 0;                         ///< frame of the end effector, W'
   Eigen::Isometry3d link_from_tip = Eigen::Isometry3d::Identity();  ///< tip frame on tip_link
+  TipChoice tip_choice{};
   std::vector<std::string> critical_parts;     ///< parts that `painted` is the default policy for
   std::string inverse_kinematics = "numeric";  ///< "numeric" or "puma" (geometric, Craig)
   Eigen::Isometry3d map_from_base = Eigen::Isometry3d::Identity();

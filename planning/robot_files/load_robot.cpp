@@ -356,10 +356,11 @@ Robot load_robot(const RobotRequest& request) {
   const Robot free = robot;
   robot = hold(free, request, settings, settings_file, srdf);
   robot.standing = standing_links(robot, request, settings);
-  if (!robot.group.empty() && settings.tip_link.empty()) robot.tip_link = tip_of_group(robot, *srdf);
+  if (settings.tip_link.empty()) place_tip(free, srdf, robot);
   if (!request.moving.empty()) {
     Robot moved = hold(free, request, settings, settings_file, srdf, request.moving);
     moved.standing = robot.standing, moved.tip_link = robot.tip_link;
+    moved.tip_choice = robot.tip_choice;
     robot = std::move(moved);
   }
   cover_bodies(robot);

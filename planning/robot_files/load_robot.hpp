@@ -34,7 +34,7 @@ struct RobotRequest {
 /// where the SRDF's state "default" puts them, else at 0 clamped into their limits. Their bodies still count.
 /// Those of `moving` are part of configurations all the same, and the tip is where it is without them.
 /// The tip is the settings', else the parent link of the end effector on the group, else the tip of its
-/// chain, else the last link that the group's joints move.
+/// chain, else where the joints of the group have it, or all joints (place_tip).
 /// @throws as load_robot(name_or_path); std::invalid_argument for a group without a SRDF or that it does not
 ///         define, a fixed joint that is none or out of its limits, states that contradict each other, xacro
 ///         arguments of a file that is none, or a standing link that is none or that a joint of

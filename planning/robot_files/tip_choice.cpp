@@ -5,19 +5,14 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "mapping/system/input_file.hpp"
 #include "mapping/system/plain_text.hpp"
-#include "planning/robot_files/robot_settings.hpp"
+#include "planning/robot/tip_of_joints.hpp"
 
 namespace clearway {
 namespace {
 
 /// What begins the name of an own tip that is not its link's frame.
 constexpr std::string_view own_tip = "own tip on ";
-
-bool includes(const std::set<int>& all, const std::set<int>& some) {
-  return std::includes(all.begin(), all.end(), some.begin(), some.end());
-}
 
 bool hangs_on(std::size_t link, std::size_t above, const Robot& robot) {
   while (link > above) link = static_cast<std::size_t>(robot.links[link].parent);  // parents come first
@@ -27,36 +22,24 @@ bool hangs_on(std::size_t link, std::size_t above, const Robot& robot) {
 /// A robot's links as a tree.
 class Branches {
  public:
-  explicit Branches(const Robot& robot)
-      : robot_(robot), depth_(robot.links.size(), 0), is_end_(robot.links.size(), true) {
-    for (std::size_t i = 1; i < robot.links.size(); ++i) {
-      const auto parent = static_cast<std::size_t>(robot.links[i].parent);
-      depth_[i] = depth_[parent] + 1;
-      is_end_[parent] = false;
-    }
-  }
-
-  std::vector<std::string> ends_as_deep_as(std::size_t tip) const {
-    std::vector<std::string> names;
-    for (std::size_t i = 0; i < robot_.links.size(); ++i)
-      if (i != tip && is_end_[i] && depth_[i] == depth_[tip]) names.push_back(robot_.links[i].name);
-    return names;
+  explicit Branches(const Robot& robot) : robot_(robot), is_end_(robot.links.size(), true) {
+    for (std::size_t i = 1; i < robot.links.size(); ++i) is_end_[parent(i)] = false;
   }
 
   /// The link that the last joint above the tip moves, which could move if it is held; 0: none.
   std::size_t last_moved(std::size_t tip) const {
-    while (tip > 0 && robot_.links[tip].joint < 0 && !robot_.links[tip].is_held) tip = parent(tip);
+    while (tip > 0 && !could_move(tip)) tip = parent(tip);
     return tip;
   }
 
   std::size_t parent(std::size_t link) const { return static_cast<std::size_t>(robot_.links[link].parent); }
 
-  /// Ends below a link that no held joint parts from it.
+  /// Ends that a link carries along and that its tool could be.
   std::vector<std::string> ends_below(std::size_t link) const {
     std::vector<std::string> names;
     for (std::size_t i = link + 1; i < robot_.links.size(); ++i) {
       std::size_t at = i;
-      while (at > link && !robot_.links[at].is_held) at = parent(at);
+      while (at > link && !could_move(at) && !is_beside_tool(robot_.links[at].name)) at = parent(at);
       if (is_end_[i] && at == link) names.push_back(robot_.links[i].name);
     }
     return names;
@@ -73,27 +56,43 @@ class Branches {
   }
 
  private:
+  bool could_move(std::size_t link) const {
+    return robot_.links[link].joint >= 0 || robot_.links[link].is_held;
+  }
+
   const Robot& robot_;
-  std::vector<int> depth_;
   std::vector<bool> is_end_;
 };
 
-/// Where the joints that move have links.
+/// The joints of a planning group that are held because somebody fixed them.
+std::set<std::string> fixed_joints_of_group(const Robot& robot, const Srdf& srdf) {
+  Robot free = robot;
+  for (const HeldJoint& held : robot.held) {
+    for (Link& link : free.links) {
+      if (link.joint_name != held.name) continue;
+      link.joint = static_cast<int>(free.joints.size());
+      free.joints.push_back({.name = held.name});
+    }
+  }
+  std::set<std::string> joints = joints_of_group(free, srdf, robot.group, robot.srdf);
+  for (const Joint& joint : robot.joints) joints.erase(joint.name);
+  return joints;
+}
+
+/// The links that joints of the planning group move, also where somebody fixed these.
 class MovedLinks {
  public:
-  explicit MovedLinks(const Robot& robot)
-      : robot_(robot), joints_(robot.links.size(), 0), last_(joints_), depth_(joints_) {
+  MovedLinks(const Robot& robot, const Srdf& srdf) : robot_(robot), is_moved_(robot.links.size(), false) {
+    const std::set<std::string> fixed = fixed_joints_of_group(robot, srdf);
     for (std::size_t i = 1; i < robot.links.size(); ++i) {
       const Link& link = robot.links[i];
-      const std::size_t above = parent(i);
-      joints_[i] = joints_[above] + (link.joint >= 0 ? 1 : 0);
-      depth_[i] = depth_[above] + 1;
-      last_[i] = link.joint >= 0 ? static_cast<int>(i) : link.is_held ? 0 : last_[above];
+      const bool is_above_moved = is_moved_[static_cast<std::size_t>(link.parent)];
+      is_moved_[i] = link.joint >= 0 || fixed.contains(link.joint_name) || (!link.is_held && is_above_moved);
     }
   }
 
-  /// The link that the last joint above a link moves; 0: none, or a held joint is between.
-  int last_moved(std::size_t link) const { return last_[link]; }
+  /// Whether the last joint above a link, held ones included, is of the group.
+  bool is_moved(std::size_t link) const { return is_moved_[link]; }
 
   /// Whether, of what is below a link, these joints alone move.
   bool moves_only(const std::set<std::string>& joints, std::size_t link) const {
@@ -105,76 +104,9 @@ class MovedLinks {
     return true;
   }
 
-  /// The last link below the most joints, but for a finger the hand that it hangs on.
-  int tip() const {
-    std::size_t moved = 0;
-    for (std::size_t i = 1; i < last_.size(); ++i)
-      if (is_moved(i) && joints_[i] > joints_[moved]) moved = i;
-    return moved == 0 ? 0 : end_of(hand_of(static_cast<int>(moved)));
-  }
-
  private:
-  std::size_t parent(std::size_t link) const { return static_cast<std::size_t>(robot_.links[link].parent); }
-  bool is_moved(std::size_t link) const { return robot_.links[link].joint >= 0; }
-
-  int carrier(int moved) const { return last_[parent(static_cast<std::size_t>(moved))]; }
-
-  /// The highest link above a moved one that carries fingers; that one itself where none does.
-  int hand_of(int moved) const {
-    int hand = moved;
-    for (int link = moved; carrier(link) > 0; link = carrier(link))
-      if (is_finger(link)) hand = carrier(link);
-    return hand;
-  }
-
-  /// Whether a moved link begins one of several fingers: a branch with few joints, beside which another has
-  /// at least half as many. One that only mimics joints of the other mimics all of them: a rod of a
-  /// parallelogram mimics some.
-  bool is_finger(int moved) const {
-    constexpr std::size_t most_joints = 5;  // a thumb has; arms that part at a torso have more
-    const std::set<int> joints = joints_from(moved);
-    for (int other = 1; other < static_cast<int>(last_.size()); ++other) {
-      const bool is_beside =
-          other != moved && is_moved(static_cast<std::size_t>(other)) && carrier(other) == carrier(moved);
-      const std::set<int> others = is_beside ? joints_from(other) : std::set<int>();
-      const bool is_mimic = includes(joints, others) || includes(others, joints);
-      if (is_beside && (is_mimic ? others == joints : 2 * others.size() >= joints.size()))
-        return joints.size() <= most_joints;
-    }
-    return false;
-  }
-
-  /// The joints that move a link and what hangs on it against what carries it, each once where others mimic
-  /// it, and none that moves the carrier, too.
-  std::set<int> joints_from(int moved) const {
-    const auto first = static_cast<std::size_t>(moved);
-    std::set<int> joints;
-    for (std::size_t i = first; i < last_.size(); ++i)
-      if (is_moved(i) && hangs_on(i, first, robot_)) joints.insert(robot_.links[i].joint);
-    for (std::size_t above = parent(first); above > 0; above = parent(above))
-      joints.erase(robot_.links[above].joint);
-    return joints;
-  }
-
-  /// The last of the links that a moved one carries along; the one that several last ones have above them.
-  int end_of(int moved) const {
-    auto end = static_cast<std::size_t>(moved);
-    int deepest = depth_[end];
-    for (std::size_t i = end + 1; i < last_.size(); ++i) {
-      if (last_[i] != moved || depth_[i] < deepest) continue;
-      end = depth_[i] > deepest ? i : common(i, end);
-      deepest = depth_[i];
-    }
-    return static_cast<int>(end);
-  }
-
-  std::size_t common(std::size_t a, std::size_t b) const {
-    while (a != b) (a > b ? a : b) = parent(std::max(a, b));
-    return a;
-  }
-
   const Robot& robot_;
-  std::vector<int> joints_, last_, depth_;
+  std::vector<bool> is_moved_;
 };
 
 /// The joints that move in an end effector's own group: none where it names no group of the robot's.
@@ -197,32 +129,55 @@ std::string stated_tip(const Robot& robot, const Srdf& srdf) {
   return effectors.empty() ? "" : effectors.front().parent_link;
 }
 
-}  // namespace
-
-std::vector<Srdf::EndEffector> end_effectors_of_group(const Robot& robot, const Srdf& srdf) {
-  std::vector<Srdf::EndEffector> named, attached;
-  if (robot.group.empty()) return named;
-  const MovedLinks moved(robot);
-  for (const Srdf::EndEffector& effector : srdf.end_effectors) {
-    if (effector.parent_group == robot.group) named.push_back(effector);
-    if (!effector.parent_group.empty() || effector.group == robot.group) continue;
-    for (std::size_t i = 1; i < robot.links.size(); ++i)
-      if (robot.links[i].name == effector.parent_link && moved.last_moved(i) > 0 &&
-          moved.moves_only(joints_of_hand(robot, srdf, effector.group), i))
-        attached.push_back(effector);
-  }
-  return named.empty() ? attached : named;
-}
-
-int tip_of_group(const Robot& robot, const Srdf& srdf) {
-  const std::string tip = stated_tip(robot, srdf);
-  if (tip.empty()) return MovedLinks(robot).tip();
+/// The link of that name. @throws std::invalid_argument where the robot has none
+int stated_link(const Robot& robot, const std::string& tip) {
   const auto link = std::find_if(robot.links.begin(), robot.links.end(),
                                  [&](const Link& other) { return other.name == tip; });
   if (link == robot.links.end())
     throw std::invalid_argument(robot.srdf.string() + ": the tip of group " + quote(robot.group) +
                                 " is link " + quote(tip) + ", which " + robot.name + " does not have");
   return static_cast<int>(link - robot.links.begin());
+}
+
+std::string name_of_tip(const Robot& robot) {
+  return quote(robot.links[static_cast<std::size_t>(robot.tip_link)].name);
+}
+
+constexpr std::string_view nobody_says =
+    ", because neither --tip nor the robot's settings or SRDF say another";
+
+}  // namespace
+
+std::vector<Srdf::EndEffector> end_effectors_of_group(const Robot& robot, const Srdf& srdf) {
+  std::vector<Srdf::EndEffector> named, attached;
+  if (robot.group.empty()) return named;
+  const MovedLinks moved(robot, srdf);
+  for (const Srdf::EndEffector& effector : srdf.end_effectors) {
+    if (effector.parent_group == robot.group) named.push_back(effector);
+    if (!effector.parent_group.empty() || effector.group == robot.group) continue;
+    for (std::size_t i = 1; i < robot.links.size(); ++i)
+      if (robot.links[i].name == effector.parent_link && moved.is_moved(i) &&
+          moved.moves_only(joints_of_hand(robot, srdf, effector.group), i))
+        attached.push_back(effector);
+  }
+  return named.empty() ? attached : named;
+}
+
+void place_tip(const Robot& free, const std::optional<Srdf>& srdf, Robot& robot) {
+  std::set<std::string> arm;
+  if (!robot.group.empty()) {
+    if (const std::string tip = stated_tip(robot, *srdf); !tip.empty()) {
+      robot.tip_link = stated_link(robot, tip);
+      robot.tip_choice.source = TipSource::srdf;
+      return;
+    }
+    arm = joints_of_group(free, *srdf, robot.group, robot.srdf);
+  }
+  const TipOfJoints tip = tip_of_joints(free, arm, robot);
+  robot.tip_link = tip.link;
+  robot.tip_choice = {TipSource::joints, {}, tip.finger_joint};
+  for (const int other : tip.others)
+    robot.tip_choice.others.push_back(robot.links[static_cast<std::size_t>(other)].name);
 }
 
 std::string tip_name(const Robot& robot) {
@@ -233,38 +188,33 @@ std::string tip_name(const Robot& robot) {
 
 bool is_own_tip_name(const std::string& name) { return name.starts_with(own_tip); }
 
-bool is_tip_chosen(const Robot& robot) {
-  if (robot.source.empty()) return true;  // who made it in memory
-  const std::filesystem::path settings =
-      is_urdf_name(robot.source) ? beside_urdf(robot.source, ".yaml") : robot.source;
-  if ((!is_urdf_name(robot.source) || is_input_there(settings)) &&
-      !read_robot_settings(settings).tip_link.empty())
-    return true;
-  return !robot.group.empty() && !robot.srdf.empty() && !stated_tip(robot, read_srdf(robot.srdf)).empty();
+void require_one_tip(const Robot& robot) {
+  if (robot.tip_choice.others.empty()) return;
+  throw std::invalid_argument("robot " + quote(robot.name) + " has several arms, and its tip could be link " +
+                              name_of_tip(robot) + ", " + listed(robot.tip_choice.others) +
+                              ": expected --tip, a planning group (--group), or tip: in its settings");
 }
 
 std::string tip_doubt(const Robot& robot) {
-  if (is_tip_chosen(robot)) return {};
+  if (robot.tip_choice.source != TipSource::joints) return {};
   const auto tip = static_cast<std::size_t>(robot.tip_link);
+  const std::string says = "the tip is link " + name_of_tip(robot);
   const Branches branches(robot);
-  std::string why;
-  if (const auto others = branches.ends_below(tip); !others.empty())
-    return "the tip is link " + quote(robot.links[tip].name) + ", on which " + listed(others) +
-           (others.size() == 1 ? " hangs" : " hang") +
-           ", because neither --tip nor the robot's settings or SRDF say another";
-  if (const auto others = branches.ends_as_deep_as(tip); !others.empty())
-    why = listed(others) + (others.size() == 1 ? " is" : " are") + " at the end of as long a branch";
+  if (const auto& others = robot.tip_choice.others; !others.empty())
+    return says + std::string(nobody_says) + ", and " + listed(others) +
+           (others.size() == 1 ? " is the end of another arm" : " are the ends of other arms");
+  if (const auto others = branches.ends_below(tip); !others.empty() && !is_tool_frame(robot.links[tip].name))
+    return says + ", on which " + listed(others) + (others.size() == 1 ? " hangs" : " hang") +
+           std::string(nobody_says);
+  if (!robot.tip_choice.finger_joint.empty())
+    return says + std::string(nobody_says) + ", and joint " + quote(robot.tip_choice.finger_joint) +
+           " behind it slides little, as that of a finger would";
   const std::size_t moved = branches.last_moved(tip);
   const bool is_on_moved = moved > 0 && branches.last_moved(branches.parent(moved)) > 0;
-  if (const auto others = is_on_moved ? branches.ends_beside(moved) : std::vector<std::string>();
-      why.empty() && !others.empty())
-    why = "joint " + quote(robot.links[moved].joint_name) + " moves it against " + listed(others) +
-          ", as it would a finger";
-  if (why.empty()) return {};
-  return "the tip is link " + quote(robot.links[tip].name) +
-         ", the end of the longest branch, because neither --tip nor the robot's settings or SRDF say "
-         "another, and " +
-         why;
+  const auto others = is_on_moved ? branches.ends_beside(moved) : std::vector<std::string>();
+  if (others.empty()) return {};
+  return says + std::string(nobody_says) + ", and joint " + quote(robot.links[moved].joint_name) +
+         " moves it against " + listed(others) + ", as it would a finger";
 }
 
 }  // namespace clearway

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,24 +22,23 @@ bool is_own_tip_name(const std::string& name);
 /// group moves that link, and below it nothing but the effector's own group. None without a group.
 std::vector<Srdf::EndEffector> end_effectors_of_group(const Robot& robot, const Srdf& srdf);
 
-/// The link that configurations of the robot's planning group place: what an end effector hangs on that names
-/// it as parent group; else the tip of its only chain; else what another of its end effectors hangs on. Where
-/// the SRDF says none of these, the last link below the last joint of the group: of two fingers side by side
-/// the link that both hang on, of a group with gaps what is below the most of its joints.
-/// @param robot with all joints outside of the group held
+/// Places the tip that configurations of the robot have. Of a planning group that is what an end effector
+/// hangs on that names it as parent group; else the tip of its only chain; else what another of its end
+/// effectors hangs on. Where nobody says so, or there is no group, it is where the joints of the group have
+/// it, or all joints (tip_of_joints, Robot::tip_choice).
+/// @param free the robot with no joint held
 /// @throws std::invalid_argument where the SRDF names a link that the robot does not have
-int tip_of_group(const Robot& robot, const Srdf& srdf);
+void place_tip(const Robot& free, const std::optional<Srdf>& srdf, Robot& robot);
 
-/// Whether somebody chose the robot's own tip: its settings, or, of a planning group, an end effector or the
-/// only chain of its SRDF. Else it is the last link of the longest branch. Files are read anew.
-/// @throws as read_robot_settings and read_srdf
-bool is_tip_chosen(const Robot& robot);
+/// @throws std::invalid_argument naming the candidates, where nobody chose the robot's tip and the joints
+/// have several arms of which it could be: whoever asks for poses of the tip has to say which.
+void require_one_tip(const Robot& robot);
 
-/// One sentence where the robot's tip, which nobody chose, may be another link than one thinks: other links
-/// hang on it, another link at the end of a branch is as many joints away from the root, fixed ones included,
-/// or the last moving joint above the tip moves the tip and no other end that hangs on the same moving link,
-/// as of a finger. Else empty.
-/// @param robot as loaded, with its own tip @throws as is_tip_chosen
+/// One sentence where the robot's tip, which nobody chose, may be another link than one thinks: there are
+/// other arms, other links hang on it, the last joint was taken for a gripper's because it slides little, or
+/// the last moving joint above the tip moves the tip and no other end that hangs on the same moving link, as
+/// of a finger. Else empty.
+/// @param robot as loaded, with its own tip
 std::string tip_doubt(const Robot& robot);
 
 }  // namespace clearway

@@ -53,7 +53,6 @@ class Reader {
           "no link that a joint moves has a <collision> body, expected at least one: nothing could be "
           "checked against a map");
     }
-    robot_.tip_link = deepest_link();
     return std::move(robot_);
   }
 
@@ -195,16 +194,6 @@ class Reader {
       body.shape = Shape::convex(corners);
       robot_.bodies.push_back(body);
     }
-  }
-
-  int deepest_link() const {
-    std::vector<int> depth(robot_.links.size(), 0);
-    int best = 0;
-    for (std::size_t i = 1; i < robot_.links.size(); ++i) {
-      depth[i] = depth[static_cast<std::size_t>(robot_.links[i].parent)] + 1;
-      if (depth[i] > depth[static_cast<std::size_t>(best)]) best = static_cast<int>(i);
-    }
-    return best;
   }
 
   const std::filesystem::path& file_;

@@ -17,8 +17,8 @@ struct MeshPieces {
 
 /// Links, joints, masses and bodies of a URDF file (urdfdom), full size, base at the map's origin. Joints are
 /// in the order in which a walk down the tree meets them, children in the order of the file. A body's part is
-/// the name of its link. Nothing is exempt from contact yet; the tip is the last link of the longest branch.
-/// A mimic joint whose axis differs from its master's gets its link frame turned so that the axes agree.
+/// the name of its link. Nothing is exempt from contact yet, and the tip is the root.
+/// A mimic joint whose axis differs from its master's keeps its own (Link::own_axis).
 /// @throws std::invalid_argument in one sentence naming file, element and what was expected.
 /// @param packages folders of packages, as find_mesh takes them
 /// @param xacro arguments of a .xacro file @param pieces of links that are there and have a mesh

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "mapping/system/plain_text.hpp"
-#include "planning/robot/axisymmetric_joints.hpp"
+#include "planning/space/axisymmetric_joints.hpp"
 #include "planning/robot/last_made.hpp"
 #include "planning/robot/reach.hpp"
 #include "planning/robot/same_robot.hpp"

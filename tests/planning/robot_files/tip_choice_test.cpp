@@ -195,21 +195,37 @@ TEST(TipChoice, OfOneBranchIsNoQuestion) {
 }
 
 TEST(TipChoice, NamesEndsThatAreAsDeep) {
-  const std::string said = doubt(hand(finger("left") + finger("right") + fixed("palm", "tcp")));
-  EXPECT_NE(said.find("the tip is link 'left'"), std::string::npos) << said;
-  EXPECT_NE(said.find("right, tcp are at the end of as long a branch"), std::string::npos) << said;
-  EXPECT_NE(doubt(hand(fixed("palm", "a") + fixed("palm", "b"))).find("b is at the end"), std::string::npos);
+  const std::string said = doubt(hand(fixed("palm", "a") + fixed("palm", "b")));
+  EXPECT_NE(said.find("the tip is link 'palm', on which a, b hang, because neither --tip nor"),
+            std::string::npos)
+      << said;
 }
 
-TEST(TipChoice, NamesAFingerThatIsDeeperThanTheTool) {
-  const std::string said = doubt(hand(finger("left") + fixed("left", "pad") + fixed("palm", "tcp")));
-  EXPECT_NE(said.find("the tip is link 'pad'"), std::string::npos) << said;
-  EXPECT_NE(said.find("joint 'left_joint' moves it against tcp"), std::string::npos) << said;
+/// Fingers and cameras are no other tips, nor is what hangs on a tool's frame.
+TEST(TipChoice, OfAHandIsNoQuestion) {
+  for (const std::string& urdf :
+       {hand(finger("left") + finger("right")), hand(finger("left") + finger("right") + fixed("palm", "tcp")),
+        hand(finger("left") + fixed("left", "pad") + fixed("palm", "tcp")),
+        hand(fixed("palm", "camera") + fixed("palm", "left_finger")),
+        hand(fixed("palm", "tcp") + fixed("tcp", "a") + fixed("tcp", "b"))})
+    EXPECT_EQ(doubt(urdf), "") << urdf;
+}
+
+TEST(TipChoice, NamesALastJointThatMovesItAsAFinger) {
+  const std::string said = doubt(hand(fixed("palm", "camera") + finger("boom")));
+  EXPECT_NE(said.find("the tip is link 'boom'"), std::string::npos) << said;
+  EXPECT_NE(said.find("joint 'boom_joint' moves it against camera"), std::string::npos) << said;
+  std::vector<std::string> links;
+  const std::string alone =
+      doubt(hand(turning_chain("palm", "j", 4, links) + "<link name='quill'/>" +
+                 urdf_joint("feed", "prismatic", "j4", "quill", "0 0 0", "0 1 0", urdf_limit(0, 0.1))));
+  EXPECT_NE(alone.find("the tip is link 'j4'"), std::string::npos) << alone;
+  EXPECT_NE(alone.find("joint 'feed' behind it slides little"), std::string::npos) << alone;
 }
 
 TEST(TipChoice, IsNoQuestionWhereSomebodyChoseIt) {
-  const std::string urdf = hand(finger("left") + finger("right") + fixed("palm", "tcp"));
-  EXPECT_EQ(doubt(urdf, "tip: {link: tcp}\n"), "");
+  const std::string urdf = hand(finger("left") + finger("right") + fixed("palm", "a") + fixed("palm", "b"));
+  EXPECT_EQ(doubt(urdf, "tip: {link: a}\n"), "");
   EXPECT_NE(doubt(urdf, "fixed: {left_joint: 0.02}\n"), "");
   const std::string group = "<group name='arm'><chain base_link='rail' tip_link='palm'/></group>";
   EXPECT_EQ(doubt(urdf, "", group, "arm"), "");
@@ -220,8 +236,72 @@ TEST(TipChoice, IsNoQuestionWhereSomebodyChoseIt) {
                            "parent_group='arm'/><group name='fingers'><link name='left'/></group>",
                   "arm"),
             "");
-  Robot in_memory;
-  EXPECT_TRUE(is_tip_chosen(in_memory));
+  EXPECT_EQ(tip_doubt(Robot()), "");
+}
+
+/// Without a SRDF, and where joints of hand and arm are fixed.
+TEST(TipChoice, WithoutAGroupIsWhatTheJointsSay) {
+  std::vector<std::string> links;
+  const std::string arm = turning_chain("palm", "wrist", 3, links) + fixed("wrist3", "tool0");
+  const std::string grips = finger("left") + finger("right");
+  TemporaryFolder folder;
+  RobotRequest request{folder.write("hand.urdf", hand(arm + grips))};
+  const auto tip = [&](const std::map<std::string, double>& held) {
+    request.fixed = held;
+    const Robot robot = load_robot(request);
+    EXPECT_EQ(robot.tip_choice.source, TipSource::joints);
+    return tip_name(robot);
+  };
+  EXPECT_EQ(tip({}), "tool0");
+  EXPECT_EQ(tip({{"wrist3_joint", 0.3}}), "tool0");
+  EXPECT_EQ(tip({{"wrist2_joint", 0.3}, {"wrist3_joint", 0.3}, {"left_joint", 0.0}}), "tool0");
+}
+
+/// A joint of the planning group that somebody fixes is between arm and hand all the same.
+TEST(TipChoice, OfAGroupDoesNotChangeWhereItsLastJointIsFixed) {
+  std::vector<std::string> links;
+  const std::string arm =
+      hand(turning_chain("palm", "wrist", 3, links) + fixed("wrist3", "mount") + finger("other"));
+  const std::string effector =
+      "<group name='fingers'><link name='mount'/></group>"
+      "<end_effector name='gripper' parent_link='mount' group='fingers'/>";
+  for (const std::string& srdf : {slide_with(links), slide_with(links) + effector}) {
+    TemporaryFolder folder;
+    RobotRequest request{folder.write("hand.urdf", arm)};
+    folder.write("hand.srdf", "<robot name='hand'>" + srdf + "</robot>");
+    request.group = "arm";
+    request.fixed = {{"wrist3_joint", 0.5}};
+    const Robot robot = load_robot(request);
+    EXPECT_EQ(tip_name(robot), "mount") << srdf;
+    EXPECT_EQ(robot.tip_choice.source, srdf == slide_with(links) ? TipSource::joints : TipSource::srdf);
+    EXPECT_TRUE(robot_notes(robot).empty()) << robot_notes(robot).front();
+  }
+}
+
+TEST(TipChoice, OfSeveralArmsMustBeChosen) {
+  std::vector<std::string> links;
+  const std::string arms = hand(turning_chain("palm", "l", 6, links) + turning_chain("palm", "r", 6, links));
+  TemporaryFolder folder;
+  RobotRequest request{folder.write("hand.urdf", arms)};
+  const Robot robot = load_robot(request);
+  EXPECT_NE(tip_doubt(robot).find("the tip is link 'l6'"), std::string::npos);
+  EXPECT_NE(tip_doubt(robot).find("and r6 is the end of another arm"), std::string::npos) << tip_doubt(robot);
+  try {
+    require_one_tip(robot);
+    FAIL() << "took one of two arms";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(
+        error.what(),
+        "robot 'hand' has several arms, and its tip could be link 'l6', r6: expected --tip, a planning "
+        "group (--group), or tip: in its settings");
+  }
+  require_one_tip(with_tip(robot, "r6"));
+  for (int i = 1; i <= 6; ++i) request.fixed["l" + std::to_string(i) + "_joint"] = 0.0;
+  require_one_tip(load_robot(request));
+  EXPECT_EQ(tip_name(load_robot(request)), "r6");
+  request.fixed.clear();
+  folder.write("hand.yaml", "tip: {link: l6}\n");
+  require_one_tip(load_robot(request));
 }
 
 }  // namespace tip_choice_test

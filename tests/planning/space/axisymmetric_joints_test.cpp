@@ -1,4 +1,4 @@
-#include "planning/robot/axisymmetric_joints.hpp"
+#include "planning/space/axisymmetric_joints.hpp"
 
 #include <gtest/gtest.h>
 
