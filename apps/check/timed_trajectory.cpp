@@ -71,6 +71,27 @@ std::string moving(const SplinePoint& point, const Robot& robot, const std::stri
          significant(point.velocity[joint], 3) + " a second: " + what;
 }
 
+/// A sentence where no robot can be as fast at the first point as that says, from rest at 0 s, else empty:
+/// within its limits of acceleration, or, without any, within a millisecond, the cycle of fast controllers.
+std::string too_soon(const SplinePoint& first, const Robot& robot) {
+  constexpr double shortest = 1e-3;  // s
+  constexpr double rounding = 0.01;  // of a limit
+  for (Eigen::Index j = 0; j < first.velocity.size(); ++j) {
+    const Joint& joint = robot.joints[static_cast<std::size_t>(j)];
+    const double speed = std::abs(first.velocity[j]), asked = speed / first.time;
+    const double limit = joint.max_acceleration;
+    const bool is_soon = limit > 0.0 ? asked > (1.0 + rounding) * limit : first.time < shortest;
+    if (speed <= rests_within || !is_soon) continue;
+    const bool turns = joint.kind == JointKind::revolute;
+    return "the first point moves joint " + shortened(joint.name) + " at " +
+           significant(first.velocity[j], 3) + " a second after " + significant(first.time) +
+           " s: from rest that takes " + significant(asked, 3) + (turns ? " rad/s^2" : " m/s^2") +
+           (limit > 0.0 ? ", beyond its acceleration limit of " + significant(limit) : "") +
+           ", expected it to start at rest";
+  }
+  return {};
+}
+
 /// From where the robot is before to the first point.
 void add_start(const ForeignTrajectory& trajectory, const Robot& robot, TimedTrajectory& timed) {
   const SplinePoint first = timed.points.front();
@@ -98,9 +119,11 @@ void add_start(const ForeignTrajectory& trajectory, const Robot& robot, TimedTra
       timed.points.insert(timed.points.begin(), {0.0, start, rest, rest});
       timed.has_start = true;
       if (stated != start) timed.stated_start = stated;
-    } else
+    } else {
+      timed.moving_start = too_soon(first, robot);
       timed.notes.push_back("where the robot is before the first point, which it reaches after " +
                             significant(first.time) + " s, is not said: the way there is not judged");
+    }
     return;
   }
   Eigen::Index joint = 0;

@@ -94,6 +94,38 @@ TEST_F(CheckTimed, AStartInMotionIsRefusedUnlessItIsNamed) {
   EXPECT_EQ(check_points({{0.5, {0, 0}, {0.3, 0}}, {1.5, {0.2, 0}, {0, 0}}}).status, exit_done);
 }
 
+/// Whether a joint may be as fast as at the first point depends on its acceleration limit and the time.
+TEST_F(CheckTimed, AStartInMotionIsNoOtherOneWhereItBeginsALittleLater) {
+  for (const double time : {1e-9, 1e-4, 9e-4}) {
+    const std::vector<Point> cut{{time, {0, 0}, {0, -0.3}}, {1.0, {0, -0.2}, {0, 0}}};
+    const CommandRun refused = check_points(cut);
+    EXPECT_EQ(refused.status, exit_no);
+    EXPECT_NE(refused.out.find("refused for      the first point moves joint y at -0.3 a second after"),
+              std::string::npos)
+        << refused.out;
+    EXPECT_NE(refused.out.find("(--accept-moving-start accepts it)"), std::string::npos);
+    EXPECT_EQ(check_points(cut, {"--accept-moving-start"}).status, exit_done);
+  }
+  Robot robot = load_robot("point");
+  const auto sentence = [&](double time, double speed, double limit) {
+    for (Joint& joint : robot.joints) joint.max_acceleration = limit;
+    const ForeignTrajectory moving{.joints = {"x", "y"},
+                                   .points = {{0.0, 0.0}, {0.1, 0.1}},
+                                   .times = {time, time + 1.0},
+                                   .velocities = {{0.0, speed}, {0.0, 0.0}},
+                                   .accelerations = {{}, {}}};
+    return timed_trajectory(moving, robot, "t.json")->moving_start;
+  };
+  EXPECT_EQ(sentence(0.05, -0.5, 5.0),
+            "the first point moves joint y at -0.5 a second after 0.05 s: from rest that takes 10 m/s^2, "
+            "beyond its acceleration limit of 5, expected it to start at rest");
+  EXPECT_EQ(sentence(0.1, -0.5, 5.0), "");
+  EXPECT_EQ(sentence(0.05, 0.0, 5.0), "");
+  EXPECT_EQ(sentence(0.05, -0.5, 0.0), "") << "no limit is known";
+  EXPECT_NE(sentence(5e-4, -0.5, 0.0), "") << "no controller is so quick";
+  EXPECT_EQ(sentence(5e-4, -0.5, 2000.0), "");
+}
+
 TEST_F(CheckTimed, SpeedsBeyondALimitAreRefused) {
   const CommandRun fast = check_points({{0, {0, 0}, {0, 0}}, {0.001, {0.3, 0}, {0, 0}}});
   EXPECT_EQ(fast.status, exit_no);
