@@ -7,6 +7,7 @@
 #include <string>
 
 #include "mapping/system/number_text.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/path/motion_section.hpp"
 #include "planning/path/straightened_path.hpp"
 
@@ -14,6 +15,8 @@ namespace clearway {
 namespace {
 
 using Waypoints = std::vector<Configuration>;
+
+constexpr double most_jerk_time = 60.0;  ///< s: of a leg, by jerk alone
 
 void require_sound(const ConfigurationSpace& space, const std::vector<Waypoints>& legs,
                    const SmoothMotionOptions& options) {
@@ -41,6 +44,39 @@ void require_sound(const ConfigurationSpace& space, const std::vector<Waypoints>
     if (i > 0 && legs[i].front() != legs[i - 1].back())
       refuse("leg " + std::to_string(i) + " does not begin where the one before it ends");
   }
+}
+
+/// How far each joint goes along a leg at least, forth and back: blends pass a waypoint at half of its way
+/// from the start or beyond, if it is not left out (SmoothMotionOptions::straighten).
+Eigen::VectorXd least_way(const Waypoints& leg, double straighten) {
+  const Configuration whole = leg.back() - leg.front();
+  Eigen::VectorXd way = whole.cwiseAbs();
+  for (const Configuration& q : leg) {
+    const Configuration half = 0.5 * (q - leg.front());
+    way = way.cwiseMax(((half.cwiseAbs() + (whole - half).cwiseAbs()).array() - 2.0 * straighten).matrix());
+  }
+  return way;
+}
+
+/// Refuses, before the work, jerk limits by which a leg takes more than most_jerk_time: from rest to rest a
+/// joint goes jerk t^3 / 24 at most in the time t.
+void require_sensible_jerk(const Robot& robot, const Waypoints& leg, const RateLimits& limits,
+                           const SmoothMotionOptions& options) {
+  Eigen::Index joint = 0;
+  const double least =
+      std::cbrt(24.0 * least_way(leg, options.straighten).cwiseQuotient(limits.jerk).maxCoeff(&joint));
+  if (!(least > most_jerk_time)) return;
+  const double jerk_scale = options.scales.jerk;
+  const double enough = jerk_scale * std::pow(least / most_jerk_time, 3);
+  const std::string takes = "a leg takes more than " + short_text(least, 3) + " s";
+  if (enough <= 1.0)
+    throw std::invalid_argument("motion: with the jerk scale " + short_text(jerk_scale) + " " + takes +
+                                ", expected at least " + short_text(enough * 1.1, 2) + ", by which " +
+                                short_text(most_jerk_time) + " s may do");
+  throw std::invalid_argument("motion: the jerk limit of joint " +
+                              quote(robot.joints[static_cast<std::size_t>(joint)].name) + ", " +
+                              short_text(limits.jerk[joint]) + ", is so low that " + takes + ", expected " +
+                              short_text(most_jerk_time) + " s at most");
 }
 
 /// Proves the motion of a section between knots.
@@ -179,6 +215,7 @@ SmoothMotion smooth_motion(const ConfigurationSpace& space,
   const Configuration& start = legs.front().front();
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(start.size());
   SmoothMotion result{.motion = {options.period, {start}, {rest}, {rest}}, .leg_ends = {}};
+  for (const Waypoints& leg : legs) require_sensible_jerk(space.robot(), leg, limits, options);
   for (const Waypoints& leg : legs) {
     const Waypoints path = without_doubles(leg);
     if (path.size() > 1) {

@@ -64,7 +64,7 @@ struct SmoothMotion {
 /// @throws std::invalid_argument for no legs or an empty one, waypoints of a wrong size, not finite or beyond
 /// largest_joint_value, legs
 ///         that do not join, an option out of range, a motion of more than a million samples a leg, or jerk
-///         limits that no window of sensible length keeps.
+///         limits by which a leg takes more than a minute, naming the least scale that helps.
 SmoothMotion smooth_motion(const ConfigurationSpace& space,
                            const std::vector<std::vector<Configuration>>& legs,
                            const SmoothMotionOptions& options = {});

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "mapping/system/thread_time.hpp"
 #include "planning/check/motion_check.hpp"
 #include "planning/check/motion_torques.hpp"
 #include "planning/path/trajectory.hpp"
@@ -288,8 +289,36 @@ TEST(SmoothMotion, RefusesWhatIsNoPath) {
   EXPECT_THROW(smooth_motion(space, path, {.reach = 0.6}), std::invalid_argument);
   EXPECT_THROW(smooth_motion(space, path, {.scales = {.speed = 2.0}}), std::invalid_argument);
   EXPECT_THROW(smooth_motion(space, path, {.scales = {.speed = 1e-6}}), std::invalid_argument);
-  for (const double jerk : {1e-20, 1e-200, 1e-308})
+  for (const double jerk : {1e-6, 1e-7, 1e-20, 1e-200, 1e-308}) {
+    const double begin = thread_cpu_seconds();
     EXPECT_THROW(smooth_motion(space, path, {.scales = {.jerk = jerk}}), std::invalid_argument) << jerk;
+    EXPECT_LT(thread_cpu_seconds() - begin, 0.1) << jerk;
+  }
+}
+
+/// The least scale that the sentence names is one that works; limits of the robot's own name their joint.
+TEST(SmoothMotion, OfTooLittleJerkNamesWhatIsEnough) {
+  Robot robot = load_robot("point");
+  const std::vector<Eigen::AlignedBox3d> far{box_of(5, 5, -0.05, 5.1, 5.1, 0.05)};
+  const std::vector<Path> path{{at(0, 0), at(1, 0)}};
+  const auto refusal = [&](double jerk) -> std::string {
+    try {
+      smooth_motion(space_of(robot, far), path, {.scales = {.jerk = jerk}});
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string said = refusal(1e-6);
+  const std::string words =
+      "motion: with the jerk scale 1e-06 a leg takes more than 62.1 s, expected at least ";
+  ASSERT_EQ(said.substr(0, words.size()), words);
+  EXPECT_EQ(refusal(std::stod(said.substr(words.size()))), "") << said;
+  for (Joint& joint : robot.joints) joint.max_jerk = 1e-5;
+  EXPECT_EQ(
+      refusal(1.0),
+      "motion: the jerk limit of joint 'x', 1e-05, is so low that a leg takes more than 134 s, expected "
+      "60 s at most");
 }
 
 }  // namespace smooth_motion_test
