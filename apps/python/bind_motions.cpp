@@ -71,7 +71,7 @@ std::string export_text(const NamedRobot& robot, const Plan& plan, const Traject
   if (joints != plan.joints)
     throw std::invalid_argument("robot: expected that of the plan, '" + plan.robot + "', got '" +
                                 robot.robot.name + "' with other joints");
-  require_own_robot(robot.robot, robot.asked, plan, "robot");
+  require_own_robot(placed_by(plan, robot.robot), robot.asked, plan, "robot");
   const auto dof = static_cast<Eigen::Index>(joints.size());
   const auto is_at = [&](const TrajectoryPoint& point, const Configuration& q) {
     return point.position.size() == q.size() &&
@@ -220,8 +220,9 @@ void bind_making(py::module_& module) {
             throw std::invalid_argument("robot: expected that of the plan, '" + plan.robot + "'");
         return without_lock([&] {
           const Plan ordered = in_order_of(robot.robot, plan);
-          require_own_robot(robot.robot, robot.asked, ordered, "robot");
-          return trajectory_of(robot.robot, ordered);
+          const Robot placed = placed_by(ordered, robot.robot);
+          require_own_robot(placed, robot.asked, ordered, "robot");
+          return trajectory_of(placed, ordered);
         });
       },
       py::arg("robot"), py::arg("plan"), doc("plan_trajectory"));

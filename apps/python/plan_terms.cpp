@@ -59,6 +59,11 @@ void require_own_robot(const Robot& robot, const std::string& asked, const Plan&
   require_held(robot, plan, whose);
 }
 
+Robot placed_by(const Plan& plan, Robot robot) {
+  if (robot.map_from_base.matrix() == Eigen::Matrix4d::Identity()) robot.map_from_base = plan.map_from_base;
+  return robot;
+}
+
 void require_own_map(const NamedSpace& space, const Plan& plan) {
   if (!plan.map_sha256.empty()) {
     const std::string own = space.map_digest.empty() ? map_sha256(space->map()) : space.map_digest;

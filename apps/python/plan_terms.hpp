@@ -13,6 +13,10 @@ namespace clearway {
 void require_own_robot(const Robot& robot, const std::string& asked, const Plan& plan,
                        const std::string& whose);
 
+/// The robot where the plan has its base, as `clearway` takes it from the plan: one that nobody placed stands
+/// at the map's origin. One that is placed stays where it is.
+Robot placed_by(const Plan& plan, Robot robot);
+
 /// As `clearway check` does: by the digest of the map, which it has without a file, too. A plan that names no
 /// map is told apart by its resolution alone. @throws std::invalid_argument for a plan that was made on
 /// another map

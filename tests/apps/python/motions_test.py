@@ -85,6 +85,39 @@ class Motions(unittest.TestCase):
             trajectory = cw.trajectory_of(cw.plan_motion(space, plan).motion)
             self.assertEqual(file.read_text(), cw.export_trajectory(self.robot, plan, trajectory, "csv"))
 
+    def test_plans_of_a_placed_robot_are_what_the_program_makes(self):
+        base = worlds.pose(turn=0.2)  # about the axis of the first joint
+        start, goal = (q - [0.2, 0, 0, 0, 0, 0] for q in (self.start, self.goal))
+        placed = self.robot.placed(base)
+        with worlds.folder() as folder:
+            self.map.save(folder)
+            file, exported = pathlib.Path(folder) / "plan.json", pathlib.Path(folder) / "motion.json"
+            answer = worlds.answer("plan", "--map", folder, "--robot", "puma560", "--base=0,0,0,0,0,0.2", "--planner", "rrtconnect",
+                                   "--start=" + worlds.text(start), "--goal=" + worlds.text(goal), "--out", file, "--motion",
+                                   "--export", "json", exported)
+            plan = cw.load_plan(file)
+            np.testing.assert_allclose(plan.map_from_base, base, atol=1e-12)
+            space = cw.ConfigurationSpace(placed, cw.load_map(folder))
+            verdict = cw.check_plan(space, plan)
+            self.assertTrue(verdict.valid, verdict.first_contact)
+            checked = worlds.answer("check", file, "--map", folder, "--robot", "puma560", "--base=0,0,0,0,0,0.2")
+            self.assertEqual(checked["verdict"], "valid")
+            proved = cw.require_proved(plan, space)
+            planned = cw.plan_motion(space, proved)
+            np.testing.assert_array_equal(planned.motion.positions, answer["motion"]["positions"])
+            for robot in (self.robot, placed):  # one that nobody placed stands where the plan has it
+                trajectory = cw.plan_trajectory(robot, proved)
+                np.testing.assert_array_equal(trajectory.positions, planned.motion.positions)
+                text = cw.export_trajectory(robot, proved, trajectory, "json")
+                self.assertEqual(json.loads(text), json.loads(exported.read_text()))
+            for make in (
+                lambda: cw.plan_trajectory(self.robot.placed(worlds.pose(0.1)), proved),
+                lambda: cw.check_plan(cw.ConfigurationSpace(self.robot, cw.load_map(folder)), proved),
+                lambda: cw.plan_motion(cw.ConfigurationSpace(self.robot, cw.load_map(folder)), proved),
+            ):
+                with self.assertRaisesRegex(ValueError, "base is where"):
+                    make()
+
     def test_a_motion_from_a_file_is_checked_whatever_the_file_says(self):
         with worlds.folder() as folder:
             self.map.save(folder)
