@@ -169,8 +169,9 @@ std::vector<Configuration> PoseGoals::with_others_aside(const Configuration& nea
 }
 
 std::string PoseGoals::hint_of(const GoalPose& wanted) const {
-  if (robot_.dof() >= 6 || !wanted.is_exact()) return {};
-  return "; an arm of " + counted(robot_.dof(), "joint") +
+  const std::size_t joints = joints_of_tip(robot_);
+  if (joints >= 6 || !wanted.is_exact()) return {};
+  return "; an arm of " + counted(joints, "joint") +
          " reaches few poses exactly: leave a turn open (free axis, turn tolerance)";
 }
 

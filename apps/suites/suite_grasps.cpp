@@ -95,8 +95,8 @@ class GraspDrawer {
 }  // namespace
 
 void require_cells(const Robot& robot) {
-  if (robot.dof() < 6)
-    throw std::runtime_error("cells: robot '" + robot.name + "' has " + counted(robot.dof(), "joint") +
+  if (const std::size_t joints = joints_of_tip(robot); joints < 6)
+    throw std::runtime_error("cells: robot '" + robot.name + "' has " + counted(joints, "joint") +
                              ", expected at least 6 to hold its hand as it likes");
 }
 

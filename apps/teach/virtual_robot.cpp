@@ -84,12 +84,12 @@ std::string VirtualRobot::take_next_branch() {
   if (!is_led_)
     throw std::invalid_argument("the robot stands nowhere yet; the gripper probe, or 'near', says where");
   GoalPose pose{.map_from_tip = tip_pose(robot_, q_)};
-  if (robot_.dof() < 6) pose.turn_tolerance = std::numbers::pi;
+  if (joints_of_tip(robot_) < 6) pose.turn_tolerance = std::numbers::pi;
   const std::vector<Configuration> found = pose.is_exact()
                                                ? goal_configurations(robot_, pose.map_from_tip, near_)
                                                : goal_configurations(robot_, pose, near_);
   constexpr std::size_t most_branches = 16;  // shoulder, elbow and wrist, with half turns; more: it floats
-  if (robot_.dof() > 6 || found.size() > most_branches)
+  if (joints_of_tip(robot_) > 6 || found.size() > most_branches)
     throw std::invalid_argument("the joints of robot '" + robot_.name +
                                 "' can move while its tip stands: it has no separate arm configurations");
   const auto apart = [this](const Configuration& q) {

@@ -9,6 +9,7 @@
 
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
+#include "planning/robot/goal_configurations.hpp"
 #include "planning/robot/puma_branches.hpp"
 
 namespace clearway {
@@ -66,7 +67,7 @@ double largest_move(const Robot& robot, const Configuration& from, const Configu
   return joint_move(robot, farthest_joint(robot, from, q), from, q);
 }
 
-bool follows_place_alone(const Robot& robot) { return robot.dof() < 6; }
+bool follows_place_alone(const Robot& robot) { return joints_of_tip(robot) < 6; }
 
 Eigen::MatrixXd tip_jacobian(const Robot& robot, const Configuration& q) {
   const Eigen::Vector3d tip = tip_pose(robot, q).translation();

@@ -65,12 +65,11 @@ std::vector<std::size_t> moved_links(const Robot& robot) {
 std::optional<SphericalWrist> spherical_wrist(const Robot& robot, const Configuration& q) {
   constexpr double near = 1e-6;  // m, and sine of an angle
   const std::vector<std::size_t> moved = moved_links(robot);
-  const bool is_arm =
-      moved.size() == 6 && robot.dof() == 6 && std::all_of(moved.begin(), moved.end(), [&](std::size_t i) {
-        const Link& link = robot.links[i];
-        return link.multiplier == 1.0 &&
-               robot.joints[static_cast<std::size_t>(link.joint)].kind == JointKind::revolute;
-      });
+  const bool is_arm = moved.size() == 6 && joints_of_tip(robot) == 6 &&
+                      std::all_of(moved.begin(), moved.end(), [&](std::size_t i) {
+                        const Link& link = robot.links[i];
+                        return link.multiplier == 1.0 && kind_of(robot, link) == JointKind::revolute;
+                      });
   if (!is_arm) return std::nullopt;
   const LinkPoses poses = forward_kinematics(robot, q);
   const auto placed_axis = [&](std::size_t i) {
@@ -265,6 +264,12 @@ Robot with_tip(const Robot& robot, const std::string& link) {
     throw std::invalid_argument("--tip: no joint of robot " + quote(robot.name) + " moves link " +
                                 quote(link));
   return result;
+}
+
+std::size_t joints_of_tip(const Robot& robot) {
+  std::size_t joints = 0;
+  for (std::size_t j = 0; j < robot.dof(); ++j) joints += moves_tip(robot, j);
+  return joints;
 }
 
 std::vector<Configuration> goal_configurations(const Robot& robot, const Eigen::Isometry3d& map_from_tip,

@@ -14,6 +14,9 @@ namespace clearway {
 /// have, naming the nearest one, or one that no joint moves.
 Robot with_tip(const Robot& robot, const std::string& link);
 
+/// How many joints move the tip: those of a hand beyond it do not.
+std::size_t joints_of_tip(const Robot& robot);
+
 /// Where the tip shall be, and what of it may differ.
 struct GoalPose {
   Eigen::Isometry3d map_from_tip = Eigen::Isometry3d::Identity();

@@ -180,7 +180,8 @@ std::optional<Configuration> numeric_inverse_kinematics(const Robot& robot, cons
       const double here = near[static_cast<Eigen::Index>(j)];
       const double lower = std::isfinite(joint.lower) ? joint.lower : here - std::numbers::pi;
       const double upper = std::isfinite(joint.upper) ? joint.upper : here + std::numbers::pi;
-      q[static_cast<Eigen::Index>(j)] = lower + (upper - lower) * random_unit(random);
+      const double value = lower + (upper - lower) * random_unit(random);
+      if (moves_tip(robot, j)) q[static_cast<Eigen::Index>(j)] = value;  // fingers stay
     }
     clamp_to_limits(robot, q);
     if (descend(robot, wanted, options, size, q)) return unwrapped_within_limits(robot, q, near).value_or(q);

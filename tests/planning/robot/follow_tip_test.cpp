@@ -351,6 +351,26 @@ Configuration with_closed_finger(const Configuration& q) {
   return all;
 }
 
+/// Fingers beyond the tip are no joints of the arm: with five it follows the place alone, whatever its hand
+/// has, and with six it keeps the turn, too.
+TEST(FollowTip, AHandsFingersDoNotCountAsJointsOfTheArm) {
+  Random random(23);
+  for (const char* name : {"arm5", "arm6"}) {
+    const Robot bare = load_robot(name), robot = with_closed_finger(with_closed_finger(bare));
+    for (int round = 0; round < 20; ++round) {
+      const Configuration from = inner(bare, random);
+      Eigen::Isometry3d pose = tip_pose(bare, from);
+      pose.translation() += random.point(0.02);
+      pose.linear() = pose.linear() * Eigen::AngleAxisd(0.05, random.point(1.0).normalized());
+      const FollowedTip expected = follow_tip(bare, pose, from),
+                        found = follow_tip(robot, pose, with_closed_finger(with_closed_finger(from)));
+      EXPECT_EQ(found.is_reached, expected.is_reached) << name << round << found.reason;
+      EXPECT_LT((found.q.tail(from.size()) - expected.q).norm(), 1e-6) << name << round;
+      EXPECT_EQ(found.q.head(2).norm(), 0.0);
+    }
+  }
+}
+
 TEST(FollowTip, APlaceBeyondReachIsReportedAsThatByEveryArm) {
   Random random(19);
   for (const char* name : {"arm6", "panda", "puma560"}) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "planning/robot/held_joints.hpp"
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/worlds/random_world.hpp"
 #include "tests/worlds/urdf_robots.hpp"
@@ -193,6 +194,48 @@ TEST(GoalPose, WhatLiesBeyondItsTolerancesIsNotReached) {
   EXPECT_FALSE(reaches(goal, tip(0.0, 0.101, Eigen::Vector3d::UnitY())));
   goal.free_axis = 1;
   EXPECT_FALSE(reaches(goal, tip(0.0, 3.0, Eigen::Vector3d::UnitZ())));
+}
+
+/// Joints beyond the tip, or one that is held before it, change nothing of what is found.
+TEST(GoalConfigurations, OfAnArmAreThoseOfItsJointsThatMoveTheTip) {
+  Robot bare = load_robot("puma560");
+  bare.inverse_kinematics = "numeric";
+  bare.source.clear();
+  Robot gripping = bare;
+  gripping.joints.push_back({.name = "grip", .kind = JointKind::prismatic, .upper = 0.04});
+  for (const char* finger : {"left", "right"})
+    gripping.links.push_back({.name = finger, .parent = bare.tip_link, .joint = 6});
+  Robot railed = bare;  // on a rail, which is held
+  railed.joints.push_back({.name = "rail", .kind = JointKind::prismatic, .lower = -1.0, .upper = 1.0});
+  const Robot held = [&] {
+    Robot robot = railed;
+    Link carriage{.name = "carriage", .parent = 0, .joint = 6};
+    carriage.joint_name = "rail";
+    for (Link& link : robot.links)
+      if (link.parent >= 1) ++link.parent;
+    robot.links[1].parent = 1;
+    robot.links.insert(robot.links.begin() + 1, carriage);
+    for (Body& body : robot.bodies) body.link += body.link >= 1;
+    ++robot.tip_link;
+    return with_held_joints(robot, {{"rail", 0.0, HoldSource::asked}}, "r.yaml");
+  }();
+  Random random(9);
+  for (int round = 0; round < 5; ++round) {
+    const Configuration near = random.configuration(bare);
+    const Eigen::Isometry3d pose = tip_pose(bare, random.configuration(bare));
+    const auto expected = goal_configurations(bare, pose, near);
+    EXPECT_GE(expected.size(), 4U);
+    Configuration more(7);
+    more << near, 0.03;
+    const auto with_hand = goal_configurations(gripping, pose, more),
+               behind = goal_configurations(held, pose, near);
+    EXPECT_GE(with_hand.size(), expected.size());
+    EXPECT_EQ(behind.size(), expected.size());
+    for (const Configuration& q : with_hand) EXPECT_EQ(q[6], 0.03) << "the hand stays";
+    for (const Configuration& q : behind) EXPECT_TRUE(tip_pose(held, q).isApprox(pose, 1e-4));
+    const auto far = inverse_kinematics(gripping, pose, more, {.restarts = 64});
+    EXPECT_EQ(far ? (*far)[6] : 0.03, 0.03);
+  }
 }
 
 TEST(GoalConfigurations, AnotherTipIsALinkOfTheRobotThatMoves) {
