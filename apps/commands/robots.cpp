@@ -28,15 +28,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Table = std::vector<std::vector<std::string>>;
 
-const char* kind_name(const Joint& joint) {
-  return joint.kind == JointKind::revolute ? "revolute" : "prismatic";
-}
+const char* kind_name(JointKind kind) { return kind == JointKind::revolute ? "revolute" : "prismatic"; }
 
 Json list_entry(const std::string& name, const std::string& description, const Robot& robot) {
   Json entry{{"name", name}, {"description", description}, {"scale", robot.scale}};
   for (const Joint& joint : robot.joints)
     entry["joints"].push_back({{"name", joint.name},
-                               {"kind", kind_name(joint)},
+                               {"kind", kind_name(joint.kind)},
                                {"lower", number_or_null(joint.lower)},
                                {"upper", number_or_null(joint.upper)}});
   entry["critical_parts"] = robot.critical_parts;
@@ -248,7 +246,7 @@ class Description {
     for (std::size_t j = 0; j < robot_.dof(); ++j) {
       const Joint& joint = robot_.joints[j];
       const auto at = static_cast<Eigen::Index>(j);
-      rows.push_back({shortened(joint.name), kind_name(joint), significant(joint.lower),
+      rows.push_back({shortened(joint.name), kind_name(joint.kind), significant(joint.lower),
                       significant(joint.upper), said(joint.max_velocity, used.velocity[at]),
                       said(joint.max_acceleration, used.acceleration[at]),
                       said(joint.max_jerk, used.jerk[at])});
@@ -284,6 +282,7 @@ class Description {
               {"map_from_link", numbers_from_pose(poses_[i])}};
     if (link.joint >= 0) {
       json["moved_by"] = robot_.joints[static_cast<std::size_t>(link.joint)].name;
+      json["kind"] = kind_name(kind_of(robot_, link));
       json["multiplier"] = link.multiplier;
       json["offset"] = link.offset;
     }

@@ -48,7 +48,7 @@ Listing& operator<<(Listing& listing, const Link& link) {
   return listing << link.name << static_cast<double>(link.parent) << link.parent_from_link
                  << static_cast<double>(link.joint) << link.multiplier << link.offset
                  << static_cast<double>(link.is_held) << link.joint_name << link.mass << link.center_of_mass
-                 << link.own_axis;
+                 << link.own_axis << (link.own_kind ? 1.0 + static_cast<double>(*link.own_kind) : 0.0);
 }
 
 Listing& operator<<(Listing& listing, const Body& body) {

@@ -22,11 +22,13 @@ Json list_of(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 /// JSON knows no infinity: null.
 Json limit_of(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
+std::string type_of(JointKind kind) { return kind == JointKind::revolute ? "revolute" : "prismatic"; }
+
 Json joints_of(const Robot& robot) {
   Json joints = Json::array();
   for (const Joint& joint : robot.joints)
     joints.push_back({{"name", joint.name},
-                      {"type", joint.kind == JointKind::revolute ? "revolute" : "prismatic"},
+                      {"type", type_of(joint.kind)},
                       {"axis", list_of(joint.axis)},
                       {"lower", limit_of(joint.lower)},
                       {"upper", limit_of(joint.upper)},
@@ -41,6 +43,7 @@ Json links_of(const Robot& robot) {
                      {"parent", link.parent},
                      {"parent_from_link", json_of(link.parent_from_link)},
                      {"joint", link.joint},
+                     {"type", link.joint < 0 ? Json(nullptr) : Json(type_of(kind_of(robot, link)))},
                      {"axis", link.joint < 0 ? Json(nullptr) : list_of(axis_of(robot, link))},
                      {"multiplier", link.multiplier},
                      {"offset", link.offset}});

@@ -48,11 +48,11 @@ Eigen::Vector3d axis_before_tip(const Robot& robot) {
   }
   const Link& moved = robot.links[static_cast<std::size_t>(link)];
   if (link <= 0) return Eigen::Vector3d::Zero();
-  const Joint& joint = robot.joints[static_cast<std::size_t>(moved.joint)];
-  const Eigen::Vector3d axis = moved.own_axis.isZero() ? joint.axis : moved.own_axis;
+  const Eigen::Vector3d axis = axis_of(robot, moved);
   const double along = axis.dot(link_from_tip.translation());
   const bool is_beside = (link_from_tip.translation() - along * axis).norm() > 0.5 * std::abs(along);
-  if (joint.kind == JointKind::prismatic || along == 0.0 || is_beside) return Eigen::Vector3d::Zero();
+  if (kind_of(robot, moved) == JointKind::prismatic || along == 0.0 || is_beside)
+    return Eigen::Vector3d::Zero();
   return link_from_tip.linear().transpose() * (along > 0.0 ? axis : Eigen::Vector3d(-axis));
 }
 

@@ -60,12 +60,11 @@ class Maker {
         frame_of_link_.push_back(parent_frame);
         continue;
       }
-      const Joint& joint = robot_.joints[static_cast<std::size_t>(link.joint)];
       const Eigen::Matrix3d turned = turned_to(axis_of(robot_, link));
       SphereRobot::Frame frame;
       frame.parent = parent_frame;
       frame.joint = link.joint;
-      frame.turns = joint.kind == JointKind::revolute;
+      frame.turns = kind_of(robot_, link) == JointKind::revolute;
       frame.multiplier = link.multiplier;
       frame.offset = link.offset;
       out_.steepest = std::max(out_.steepest, std::abs(link.multiplier));

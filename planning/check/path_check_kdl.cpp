@@ -35,7 +35,7 @@ KDL::Segment segment_of(const Robot& robot, const Link& link) {
   const KDL::Frame tip = frame_of(link.parent_from_link);
   if (link.joint < 0) return KDL::Segment(link.name, KDL::Joint(link.name, KDL::Joint::None), tip);
   const Joint& joint = robot.joints[static_cast<std::size_t>(link.joint)];
-  const auto kind = joint.kind == JointKind::revolute ? KDL::Joint::RotAxis : KDL::Joint::TransAxis;
+  const auto kind = kind_of(robot, link) == JointKind::revolute ? KDL::Joint::RotAxis : KDL::Joint::TransAxis;
   return KDL::Segment(link.name, KDL::Joint(joint.name, tip.p, tip.M * vector_of(axis_of(robot, link)), kind),
                       tip);
 }
@@ -272,7 +272,8 @@ std::vector<int> KdlArm::joints_that_hold(const Robot& robot, const Load& load) 
 std::pair<double, double> KdlArm::range(const Joint& joint, std::size_t number) const {
   double turn = joint.kind == JointKind::revolute ? std::numbers::pi : HUGE_VAL;
   for (const KdlLink& link : chains_->model.links)
-    if (link.joint == static_cast<int>(number) && link.multiplier != 0.0)
+    if (link.joint == static_cast<int>(number) && link.multiplier != 0.0 &&
+        link.segment->getJoint().getType() == KDL::Joint::RotAxis)
       turn = std::max(turn, std::numbers::pi / std::abs(link.multiplier));
   return {std::isfinite(joint.lower) ? joint.lower : -turn, std::isfinite(joint.upper) ? joint.upper : turn};
 }

@@ -136,11 +136,16 @@ urdf::ModelInterfaceSharedPtr scaled_model(const Robot& robot) {
   const KeptMessages messages;
   const urdf::ModelInterfaceSharedPtr model = urdf::parseURDF(text);
   if (!model || !model->getRoot()) disagree(robot, "urdfdom refuses it: " + messages.first);
+  const auto unit = [&](const urdf::Joint& joint) {
+    return joint.type == urdf::Joint::PRISMATIC ? robot.scale : 1.0;
+  };
   for (auto& [name, joint] : model->joints_) {
     scale(joint->parent_to_joint_origin_transform.position);
-    if (joint->type != urdf::Joint::PRISMATIC) continue;
-    if (joint->limits) joint->limits->lower *= robot.scale, joint->limits->upper *= robot.scale;
-    if (joint->mimic) joint->mimic->offset *= robot.scale;
+    if (joint->limits) joint->limits->lower *= unit(*joint), joint->limits->upper *= unit(*joint);
+    if (!joint->mimic) continue;
+    const urdf::JointConstSharedPtr master = model->getJoint(joint->mimic->joint_name);
+    joint->mimic->offset *= unit(*joint);
+    joint->mimic->multiplier *= unit(*joint) / (master ? unit(*master) : 1.0);
   }
   for (auto& [name, link] : model->links_) {
     for (auto& collision : link->collision_array) scale(collision->origin.position);
@@ -223,15 +228,15 @@ class FileReader {
       kdl_.links.back().multiplier = end.multiplier;
       kdl_.links.back().offset = end.offset;
     }
-    if (is_held) return hold(joint, *held);
+    if (is_held) return hold(joint, *held, *model_->getJoint(master));
     kdl_.links.back().joint = static_cast<int>(known - robot_.joints.begin());
     require_limits(joint, known->lower);
     require_limits(joint, known->upper);
   }
 
   /// Prismatic values of held joints are of the full-size robot.
-  void hold(const urdf::Joint& joint, const HeldJoint& held) {
-    const double value = held.value * (joint.type == urdf::Joint::PRISMATIC ? robot_.scale : 1.0);
+  void hold(const urdf::Joint& joint, const HeldJoint& held, const urdf::Joint& master) {
+    const double value = held.value * (master.type == urdf::Joint::PRISMATIC ? robot_.scale : 1.0);
     require_limits(joint, value);
     kdl_.links.back().offset += kdl_.links.back().multiplier * value;
     kdl_.links.back().is_held = true;

@@ -100,11 +100,10 @@ void move_bodies(const Robot& robot, const LinkPoses& map_from_link, const Eigen
     for (int i = body.link; i >= 0; i = robot.links[static_cast<std::size_t>(i)].parent) {
       const Link& mover = robot.links[static_cast<std::size_t>(i)];
       if (mover.joint < 0) continue;
-      const Joint& joint = robot.joints[static_cast<std::size_t>(mover.joint)];
       const Eigen::Isometry3d& pose = map_from_link[static_cast<std::size_t>(i)];
       const Eigen::Vector3d rate =
           mover.multiplier * speed[mover.joint] * (pose.linear() * axis_of(robot, mover));
-      if (joint.kind == JointKind::revolute) {
+      if (kind_of(robot, mover) == JointKind::revolute) {
         shape.linear_velocity += rate.cross(shape.pose.translation() - pose.translation());
         shape.angular_velocity += rate;
       } else {

@@ -58,7 +58,7 @@ const JointForces& joint_forces(const Robot& robot, const CostOptions& options, 
     const Eigen::Vector3d z = poses[i].linear() * axis_of(robot, link);
     const Eigen::Vector3d W = distal[i].mass * options.gravity;
     const double along = W.dot(z);
-    if (joint.kind == JointKind::revolute) {
+    if (kind_of(robot, link) == JointKind::revolute) {
       const Eigen::Vector3d from_origin = distal[i].moment / distal[i].mass - poses[i].translation();
       const Eigen::Vector3d rho = from_origin - from_origin.dot(z) * z;
       forces.friction[link.joint] +=

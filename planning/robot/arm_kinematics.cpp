@@ -26,10 +26,9 @@ ArmKinematics::ArmKinematics(const Robot& robot)
     mover.cosine.setZero();
     mover.axis.setZero();
     if (link.joint >= 0) {
-      const Joint& joint = robot.joints[static_cast<std::size_t>(link.joint)];
       const Eigen::Vector3d& axis = axis_of(robot, link);
       mover.axis = link.multiplier * (link.parent_from_link.linear() * axis);
-      mover.turns = joint.kind == JointKind::revolute;
+      mover.turns = kind_of(robot, link) == JointKind::revolute;
       if (!mover.turns) mover.translation += link.offset * (link.parent_from_link.linear() * axis);
       if (mover.turns) {
         Eigen::Matrix3d cross;

@@ -95,6 +95,7 @@ Robot with_held_joints(const Robot& robot, const std::vector<HeldJoint>& held,
     link.joint = -1;
     link.multiplier = 1.0;
     link.offset = 0.0;
+    link.own_kind.reset();
     link.is_held = true;
   }
   if (!held.empty()) result.inverse_kinematics = "numeric";  // geometric ones ask for all joints

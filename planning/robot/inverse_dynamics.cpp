@@ -30,7 +30,7 @@ LinkMotion moved_link(const Robot& robot, const Link& link, const LinkMotion& pa
   const Eigen::Vector3d axis = axis_in_map(robot, link, pose);
   const double rate = link.multiplier * velocity[link.joint];
   const double change = link.multiplier * acceleration[link.joint];
-  if (robot.joints[static_cast<std::size_t>(link.joint)].kind == JointKind::revolute) {
+  if (kind_of(robot, link) == JointKind::revolute) {
     motion.turning += rate * axis;
     motion.turning_rate += change * axis + rate * parent.turning.cross(axis);
   } else {
@@ -54,12 +54,11 @@ bool turns_upright(const Robot& robot, const LinkPoses& poses, std::size_t link,
   int joints = 0;
   bool is_upright = false;
   for (int at = static_cast<int>(link); at >= 0; at = robot.links[static_cast<std::size_t>(at)].parent) {
-    const int index = robot.links[static_cast<std::size_t>(at)].joint;
-    if (index < 0) continue;
-    const Joint& joint = robot.joints[static_cast<std::size_t>(index)];
-    const Eigen::Vector3d axis =
-        axis_in_map(robot, robot.links[static_cast<std::size_t>(at)], poses[static_cast<std::size_t>(at)]);
-    is_upright = joint.kind == JointKind::revolute && axis.cross(gravity).norm() <= 1e-9 * gravity.norm();
+    const Link& moved = robot.links[static_cast<std::size_t>(at)];
+    if (moved.joint < 0) continue;
+    const Eigen::Vector3d axis = axis_in_map(robot, moved, poses[static_cast<std::size_t>(at)]);
+    is_upright =
+        kind_of(robot, moved) == JointKind::revolute && axis.cross(gravity).norm() <= 1e-9 * gravity.norm();
     ++joints;
   }
   return joints == 1 && is_upright;
@@ -110,7 +109,7 @@ Eigen::VectorXd joint_torques(const Robot& robot, const Configuration& q, const 
     const Link& link = robot.links[i];
     const LinkMotion& motion = motions[i];
     if (link.joint >= 0) {
-      const bool turns = robot.joints[static_cast<std::size_t>(link.joint)].kind == JointKind::revolute;
+      const bool turns = kind_of(robot, link) == JointKind::revolute;
       torques[link.joint] +=
           link.multiplier * axis_in_map(robot, link, poses[i]).dot(turns ? motion.moment : motion.force);
     }

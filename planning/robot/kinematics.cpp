@@ -47,10 +47,9 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(const Robot& robot, const Link
   for (int i = link; i >= 0; i = robot.links[static_cast<std::size_t>(i)].parent) {
     const Link& mover = robot.links[static_cast<std::size_t>(i)];
     if (mover.joint < 0) continue;
-    const Joint& joint = robot.joints[static_cast<std::size_t>(mover.joint)];
     const Eigen::Isometry3d& pose = map_from_link[static_cast<std::size_t>(i)];
     const Eigen::Vector3d axis = mover.multiplier * (pose.linear() * axis_of(robot, mover));
-    if (joint.kind == JointKind::revolute) {
+    if (kind_of(robot, mover) == JointKind::revolute) {
       columns.col(mover.joint).head<3>() += axis.cross(point - pose.translation());
       columns.col(mover.joint).tail<3>() += axis;
     } else {
@@ -77,7 +76,8 @@ bool moves_tip(const Robot& robot, std::size_t joint) {
 bool is_same_after_turns(const Robot& robot, std::size_t joint) {
   return robot.joints[joint].kind == JointKind::revolute &&
          std::none_of(robot.links.begin(), robot.links.end(), [&](const Link& link) {
-           return link.joint == static_cast<int>(joint) && link.multiplier != std::round(link.multiplier);
+           return link.joint == static_cast<int>(joint) && (kind_of(robot, link) != JointKind::revolute ||
+                                                            link.multiplier != std::round(link.multiplier));
          });
 }
 
@@ -103,7 +103,7 @@ std::string whose_limit(const Robot& robot, std::size_t joint, bool is_upper) {
     text.imbue(std::locale::classic());
     text << ", as joint " << quote(name) << " follows " << quote(master.name) << " and ends at "
          << link.multiplier * (is_upper ? master.upper : master.lower) + link.offset
-         << (master.kind == JointKind::revolute ? " rad" : " m");
+         << (kind_of(robot, link) == JointKind::revolute ? " rad" : " m");
     return text.str();
   }
   return {};

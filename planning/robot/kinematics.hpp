@@ -39,7 +39,7 @@ std::string whose_limit(const Robot& robot, std::size_t joint, bool is_upper);
 void require_configuration(const Robot& robot, const Eigen::VectorXd& q, const std::string& what);
 
 /// Whether whole turns of a joint leave every link where it is: it turns, and what follows it makes whole
-/// turns, too. Limits are not asked. @pre joint < robot.dof()
+/// turns, too, and does not slide. Limits are not asked. @pre joint < robot.dof()
 bool is_same_after_turns(const Robot& robot, std::size_t joint);
 
 /// Whether the joint moves the tip: it is on the way from the base to it. @pre joint < robot.dof()

@@ -13,11 +13,10 @@ namespace clearway {
 /// multiplier and offset).
 inline Eigen::Isometry3d pose_on_parent(const Robot& robot, const Link& link, double q) {
   if (link.joint < 0) return link.parent_from_link;
-  const Joint& joint = robot.joints[static_cast<std::size_t>(link.joint)];
   const Eigen::Vector3d& axis = axis_of(robot, link);
   const double value = link.multiplier * q + link.offset;
   Eigen::Isometry3d pose = link.parent_from_link;
-  if (joint.kind == JointKind::revolute) {
+  if (kind_of(robot, link) == JointKind::revolute) {
     pose.linear() = link.parent_from_link.linear() * Eigen::AngleAxisd(value, axis).toRotationMatrix();
   } else {
     pose.translation() += link.parent_from_link.linear() * (value * axis);

@@ -50,10 +50,7 @@ std::size_t master_of(const std::filesystem::path& file, const MimicJoint& mimic
       refuse(file, mimic, ", which is fixed: expected a joint that moves");
     refuse(file, mimic, ", which is no joint that moves, " + suggestion(master, names));
   }
-  const auto index = static_cast<std::size_t>(found - names.begin());
-  if (robot.joints[index].kind != mimic.joint.kind)
-    refuse(file, mimic, ", expected a joint of the same kind: one of them turns and the other slides");
-  return index;
+  return static_cast<std::size_t>(found - names.begin());
 }
 
 /// Narrows the master's limits so that multiplier * q + offset keeps the mimic joint's own, and its speed,
@@ -76,8 +73,9 @@ void keep_mimic_limits(const std::filesystem::path& file, const MimicJoint& mimi
 
 /// A mimic joint moves along or about its own axis, in its own link's frame: the values that multiplier and
 /// offset give are those of the file.
-void keep_own_axis(const Eigen::Vector3d& master_axis, const Eigen::Vector3d& own_axis, Link& link) {
-  if (!master_axis.isApprox(own_axis, 1e-12)) link.own_axis = own_axis;
+void keep_own_motion(const Joint& master, const Joint& own, Link& link) {
+  if (!master.axis.isApprox(own.axis, 1e-12)) link.own_axis = own.axis;
+  if (master.kind != own.kind) link.own_kind = own.kind;
 }
 
 }  // namespace
@@ -90,7 +88,7 @@ void resolve_mimics(const std::filesystem::path& file, const std::vector<MimicJo
     const std::size_t master = master_of(file, mimic, moving, robot);
     link.joint = static_cast<int>(master);
     keep_mimic_limits(file, mimic, link, robot.joints[master]);
-    keep_own_axis(robot.joints[master].axis, mimic.joint.axis, link);
+    keep_own_motion(robot.joints[master], mimic.joint, link);
   }
 }
 

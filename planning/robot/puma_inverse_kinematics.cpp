@@ -54,9 +54,8 @@ PumaTable read_table(const Robot& robot) {
   const std::array<double, 6> alpha{0.0, -right, 0.0, -right, right, -right};
   for (std::size_t i = 0; i < 6; ++i) {
     const Link& link = robot.links[static_cast<std::size_t>(chain[i])];
-    const Joint& joint = robot.joints[i];
     const bool plain = link.joint == static_cast<int>(i) && link.multiplier == 1.0 && link.offset == 0.0;
-    if (!plain || joint.kind != JointKind::revolute ||
+    if (!plain || kind_of(robot, link) != JointKind::revolute ||
         (axis_of(robot, link) - Eigen::Vector3d::UnitZ()).norm() > table_tolerance)
       refuse();
     if (i > 0 && !is_turned(link, alpha[i])) refuse();

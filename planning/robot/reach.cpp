@@ -8,24 +8,20 @@ namespace clearway {
 namespace {
 
 const Link& link_at(const Robot& robot, int index) { return robot.links[static_cast<std::size_t>(index)]; }
-const Joint& joint_of(const Robot& robot, const Link& link) {
-  return robot.joints[static_cast<std::size_t>(link.joint)];
-}
-
 bool turns(const Robot& robot, const Link& link) {
-  return link.joint >= 0 && joint_of(robot, link).kind == JointKind::revolute;
+  return link.joint >= 0 && kind_of(robot, link) == JointKind::revolute;
 }
 
 bool slides(const Robot& robot, const Link& link) {
-  return link.joint >= 0 && joint_of(robot, link).kind == JointKind::prismatic;
+  return link.joint >= 0 && kind_of(robot, link) == JointKind::prismatic;
 }
 
 /// m: no map reaches so far from the origin.
 constexpr double beyond_maps = 1e8;
 
-/// The two ends of a prismatic joint's travel, as it moves this link.
+/// The two ends of a sliding joint's travel, as it moves this link.
 std::pair<double, double> travel(const Robot& robot, const Link& link) {
-  const Joint& joint = joint_of(robot, link);
+  const Joint& joint = robot.joints[static_cast<std::size_t>(link.joint)];
   return std::minmax(link.multiplier * joint.lower + link.offset,
                      link.multiplier * joint.upper + link.offset);
 }

@@ -25,9 +25,10 @@ Robot scaled(const Robot& robot, double factor) {
     link.parent_from_link.translation() *= factor;
     link.center_of_mass *= factor;
     link.mass *= factor * factor * factor;
-    const bool slides =
-        link.joint >= 0 && result.joints[static_cast<std::size_t>(link.joint)].kind == JointKind::prismatic;
-    if (slides) link.offset *= factor;
+    if (link.joint < 0) continue;
+    const JointKind master = result.joints[static_cast<std::size_t>(link.joint)].kind;
+    if (master == JointKind::prismatic) link.multiplier /= factor;
+    if (kind_of(result, link) == JointKind::prismatic) link.multiplier *= factor, link.offset *= factor;
   }
   for (Body& body : result.bodies) {
     body.link_from_shape.translation() *= factor;

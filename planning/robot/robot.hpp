@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -57,6 +58,9 @@ struct Link {
   /// Where a mimic joint's axis is another than its master's, each in its own link's frame: that axis, a unit
   /// vector. Else 0, and the joint's axis is that of the link as well.
   Eigen::Vector3d own_axis = Eigen::Vector3d::Zero();
+  /// Where a mimic joint slides and its master turns, or the other way round: its own kind. The multiplier is
+  /// then m per rad, or rad per m.
+  std::optional<JointKind> own_kind{};
 };
 
 /// One convex collision body on a link. `part` is the name by which policies and painted volumes refer to it.
@@ -142,6 +146,11 @@ struct Robot {
 /// The axis about or along which a link's joint moves it, unit vector, link frame. @pre a joint moves it
 inline const Eigen::Vector3d& axis_of(const Robot& robot, const Link& link) {
   return link.own_axis.isZero(0.0) ? robot.joints[static_cast<std::size_t>(link.joint)].axis : link.own_axis;
+}
+
+/// How a link's joint moves it: a mimic joint may be of another kind than its master. @pre a joint moves it
+inline JointKind kind_of(const Robot& robot, const Link& link) {
+  return link.own_kind ? *link.own_kind : robot.joints[static_cast<std::size_t>(link.joint)].kind;
 }
 
 /// The same robot `factor` times as large: lengths, prismatic limits and accuracy by factor, masses by

@@ -16,7 +16,7 @@ bool is_same_joint(const Joint& a, const Joint& b) {
 
 bool is_same_link(const Link& a, const Link& b) {
   return a.parent == b.parent && a.joint == b.joint && a.multiplier == b.multiplier && a.offset == b.offset &&
-         a.own_axis == b.own_axis && a.is_held == b.is_held &&
+         a.own_axis == b.own_axis && a.own_kind == b.own_kind && a.is_held == b.is_held &&
          a.parent_from_link.matrix() == b.parent_from_link.matrix();
 }
 

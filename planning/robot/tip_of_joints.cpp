@@ -235,7 +235,7 @@ class Arms {
   bool is_only_slide(int moved) const {
     constexpr double most_travel = 0.12;  // m
     const Joint& slide = free_.joints[static_cast<std::size_t>(link(moved).joint)];
-    return slide.kind == JointKind::prismatic &&
+    return kind_of(free_, link(moved)) == JointKind::prismatic &&
            (slide.upper - slide.lower) * std::abs(link(moved).multiplier) <= most_travel &&
            joints_above(carrier(moved)).size() >= 5;
   }

@@ -61,7 +61,7 @@ double random_value(const Robot& robot, std::size_t j, std::mt19937_64& random) 
   const Joint& joint = robot.joints[j];
   double turn = std::numbers::pi;
   for (const Link& link : robot.links)
-    if (link.joint == static_cast<int>(j))
+    if (link.joint == static_cast<int>(j) && kind_of(robot, link) == JointKind::revolute)
       turn = std::max(turn, std::numbers::pi / std::abs(link.multiplier));
   const double lower = std::isfinite(joint.lower) ? joint.lower : -turn;
   const double upper = std::isfinite(joint.upper) ? joint.upper : turn;
@@ -91,7 +91,8 @@ bool never_meet(const Robot& robot, const AcrossJoint& pair) {
   const Link& link = robot.links[static_cast<std::size_t>(pair.mover)];
   const Joint& joint = robot.joints[static_cast<std::size_t>(link.joint)];
   const bool is_limited = std::isfinite(joint.lower) && std::isfinite(joint.upper);
-  if (joint.kind == JointKind::prismatic && !is_limited) return false;
+  const bool turns = kind_of(robot, link) == JointKind::revolute;
+  if (!turns && !is_limited) return false;
   const double turn = std::numbers::pi / std::abs(link.multiplier);  // half a turn of the link itself
   const double lower = is_limited ? joint.lower : -turn, upper = is_limited ? joint.upper : turn;
   Configuration q = at_zero(robot);
@@ -108,7 +109,7 @@ bool never_meet(const Robot& robot, const AcrossJoint& pair) {
   const Eigen::Vector3d center =
       first[static_cast<std::size_t>(pair.mover)].inverse() * place(first, b).translation();
   const double lever = center.cross(axis_of(robot, link)).norm() + b.shape.bounding_radius();
-  const double speed = std::abs(link.multiplier) * (joint.kind == JointKind::revolute ? lever : 1.0);
+  const double speed = std::abs(link.multiplier) * (turns ? lever : 1.0);
   std::vector<std::pair<double, double>> open{{lower, upper}};
   for (int looks = 0; !open.empty(); ++looks) {
     if (looks == most_looks) return false;

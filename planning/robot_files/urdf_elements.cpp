@@ -121,15 +121,26 @@ void keep_soft_limits(const Place& place, Element& joint, std::string& type) {
   if (upper < hard_upper) limit->SetAttribute("upper", soft->Attribute(names[1]));
 }
 
+/// Whether of a joint and the one of that name one slides and the other turns.
+bool is_of_other_kind(const Element& joint, const std::string& name) {
+  const Element* other = joint.Parent()->FirstChildElement("joint");
+  while (other && !other->Attribute("name", name.c_str())) other = other->NextSiblingElement("joint");
+  return other && !other->Attribute("type", "prismatic") != !joint.Attribute("type", "prismatic");
+}
+
 void check_mimic(const Place& place, const Element& joint, const UrdfRange& range) {
   const Element* mimic = joint.FirstChildElement("mimic");
   if (!mimic) return;
   if (!mimic->Attribute("joint")) place.refuse("<mimic joint=…> is missing");
   if (mimic->Attribute("offset")) urdf_numbers(place, *mimic, "offset", 1, range);
   if (!mimic->Attribute("multiplier")) return;
-  if (std::abs(urdf_numbers(place, *mimic, "multiplier", 1, {-1e3, 1e3, "factors"})[0]) >= 1e-3) return;
+  const bool is_geared = is_of_other_kind(joint, mimic->Attribute("joint"));  // m per rad, or rad per m
+  const double most = is_geared ? 1e6 : 1e3;
+  if (std::abs(urdf_numbers(place, *mimic, "multiplier", 1, {-most, most, "factors"})[0]) >= 1.0 / most)
+    return;
   place.refuse("<mimic> has multiplier " + quote(mimic->Attribute("multiplier")) +
-               ", expected a factor of at least 0.001, or as far below 0");
+               ", expected a factor of at least " + (is_geared ? "0.000001" : "0.001") +
+               ", or as far below 0");
 }
 
 }  // namespace

@@ -24,9 +24,8 @@ void carry_before_axisymmetric_joints(const Robot& robot, Body& body) {
        link = &robot.links[static_cast<std::size_t>(at)]) {
     const bool turns = link->joint >= 0;
     if (turns) {
-      const Joint& joint = robot.joints[static_cast<std::size_t>(link->joint)];
       const bool is_idle =
-          joint.kind == JointKind::revolute &&
+          kind_of(robot, *link) == JointKind::revolute &&
           is_symmetric(body.shape, link_from_old * body.link_from_shape, axis_of(robot, *link));
       if (!is_idle || !is_moved(robot, link->parent)) return;
     }

@@ -5,10 +5,10 @@
 #include <stdexcept>
 
 #include "mapping/system/plain_text.hpp"
-#include "planning/space/axisymmetric_joints.hpp"
 #include "planning/robot/last_made.hpp"
 #include "planning/robot/reach.hpp"
 #include "planning/robot/same_robot.hpp"
+#include "planning/space/axisymmetric_joints.hpp"
 
 namespace clearway {
 namespace {
@@ -19,7 +19,7 @@ Eigen::VectorXd body_turns(const Robot& robot, const Body& body) {
   for (int i = body.link; i >= 0; i = robot.links[static_cast<std::size_t>(i)].parent) {
     const Link& link = robot.links[static_cast<std::size_t>(i)];
     if (link.joint < 0) continue;
-    const bool slides = robot.joints[static_cast<std::size_t>(link.joint)].kind == JointKind::prismatic;
+    const bool slides = kind_of(robot, link) == JointKind::prismatic;
     if (!slides) turns[link.joint] += std::abs(link.multiplier);
   }
   return turns;
@@ -55,9 +55,10 @@ Robot reduced(const Robot& given) {
 /// no bound times a joint that stands still is no number.
 void refuse_unlimited_reach(const Robot& robot, const std::vector<const Eigen::VectorXd*>& rates) {
   if (std::all_of(rates.begin(), rates.end(), [](const auto* rate) { return rate->allFinite(); })) return;
-  for (const Joint& joint : robot.joints) {
-    if (joint.kind == JointKind::revolute || (std::isfinite(joint.lower) && std::isfinite(joint.upper)))
-      continue;
+  for (const Link& link : robot.links) {
+    if (link.joint < 0 || kind_of(robot, link) == JointKind::revolute) continue;
+    const Joint& joint = robot.joints[static_cast<std::size_t>(link.joint)];
+    if (std::isfinite(joint.lower) && std::isfinite(joint.upper)) continue;
     throw std::invalid_argument("robot " + robot.name + ": joint " + quote(joint.name) +
                                 " slides without limits below joints that turn: expected joint limits");
   }

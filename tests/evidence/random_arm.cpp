@@ -59,6 +59,23 @@ std::string joint(Random& random, int index, const std::string& parent, const st
   return text + "</joint>\n";
 }
 
+/// The joint of a finger that copies the first joint, backwards and shifted; one in two is of another kind: a
+/// rack that a turn moves, or a knuckle that a slide turns.
+std::string copy_of_first(Random& random, bool first_slides, const std::string& parent,
+                          double parent_length) {
+  const bool is_other = random.below(2) == 0, slides = first_slides != is_other;
+  const double factor = !is_other ? random.between(0.2, 1.5)
+                        : slides  ? random.between(0.02, 0.15)
+                                  : random.between(1.0, 6.0);
+  const double most = slides && is_other ? 0.4 : 10.0, shift = slides && is_other ? 0.05 : 0.3;
+  return std::string("<joint name=\"copy\" type=\"") + (slides ? "prismatic" : "revolute") +
+         "\"><parent link=\"" + parent + "\"/><child link=\"finger\"/><origin xyz=\"" +
+         numbers({0.05, 0.0, parent_length + 0.06}) + "\"/><axis xyz=\"0 1 0\"/><limit lower=\"" +
+         number(-most) + "\" upper=\"" + number(most) +
+         "\" effort=\"1\" velocity=\"1\"/><mimic joint=\"joint0\" multiplier=\"" + number(-factor) +
+         "\" offset=\"" + number(random.between(-shift, shift)) + "\"/></joint>\n";
+}
+
 }  // namespace
 
 std::string random_arm_urdf(Random& random, int joints) {
@@ -72,16 +89,10 @@ std::string random_arm_urdf(Random& random, int joints) {
     links += link(random, child, length);
     parent = child;
   }
-  if (random.below(2) == 0) {  // a finger that copies the first joint, backwards and shifted
-    const std::string kind =
-        chain.find("type=\"prismatic\"") < chain.find("</joint>") ? "prismatic" : "revolute";
+  if (random.below(2) == 0) {
+    const bool slides = chain.find("type=\"prismatic\"") < chain.find("</joint>");
     links += link(random, "finger", 0.05);
-    chain += "<joint name=\"copy\" type=\"" + kind + "\"><parent link=\"" + parent +
-             "\"/><child link=\"finger\"/><origin xyz=\"" + numbers({0.05, 0.0, length + 0.06}) +
-             "\"/><axis xyz=\"0 1 0\"/><limit lower=\"-10\" upper=\"10\" effort=\"1\" velocity=\"1\"/>"
-             "<mimic joint=\"joint0\" multiplier=\"" +
-             number(-random.between(0.2, 1.5)) + "\" offset=\"" + number(random.between(-0.3, 0.3)) +
-             "\"/></joint>\n";
+    chain += copy_of_first(random, slides, parent, length);
   }
   return "<robot name=\"drawn\">\n" + links + chain + "</robot>\n";
 }

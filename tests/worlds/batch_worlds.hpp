@@ -40,6 +40,7 @@ inline std::vector<Robot> robots_of_all_kinds() {
   robots.push_back(of_hulls(robots.front()));
   robots.push_back(whip().robot());
   robots.push_back(telescope().robot());
+  robots.push_back(rack_and_pinion().robot());
   robots.push_back(scissors().robot());
   return robots;
 }

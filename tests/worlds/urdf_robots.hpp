@@ -84,6 +84,23 @@ inline UrdfRobot telescope() {
                          urdf_limit(-0.2, 5.0) + "<mimic joint='reach' multiplier='-1.5' offset='0.1'/>")};
 }
 
+/// A boom on which a rack slides out as the boom turns, and on the rack a lift, whose paddle turns as it
+/// slides: mimic joints of another kind than their masters. A post stands where rack and paddle can touch it.
+inline UrdfRobot rack_and_pinion() {
+  const std::string sphere = "<sphere radius='0.06'/>";
+  return {"rack_and_pinion",
+          urdf_link("post", "0.5 0.4 0", "<sphere radius='0.08'/>") +
+              urdf_link("boom", "0 0 0", "<sphere radius='0.05'/>") + urdf_link("rack", "0 0 0", sphere) +
+              "<link name='lift'/>" +
+              urdf_link("paddle", "0.15 0 0", "<capsule radius='0.03' length='0.2'/>") +
+              urdf_joint("turn", "revolute", "post", "boom", "0 0 0", "0 0 1", urdf_limit(-1.5, 1.5)) +
+              urdf_joint("slide", "prismatic", "boom", "rack", "0.1 0 0", "1 0 0",
+                         urdf_limit(0.0, 0.8) + "<mimic joint='turn' multiplier='0.25' offset='0.4'/>") +
+              urdf_joint("rise", "prismatic", "rack", "lift", "0 0 0", "0 0 1", urdf_limit(-0.25, 0.3)) +
+              urdf_joint("swing", "revolute", "lift", "paddle", "0 0 0", "0 0 1",
+                         urdf_limit(-2, 1.5) + "<mimic joint='rise' multiplier='5' offset='0.2'/>")};
+}
+
 /// Two arms beside each other on one base, which meet between them; siblings, each with a joint of its own.
 inline UrdfRobot scissors() {
   const std::string blade = "<capsule radius='0.03' length='0.6'/>";

@@ -100,7 +100,7 @@ class World:
             if link["joint"] >= 0:
                 axis, values = np.array(link["axis"]), link["multiplier"] * qs[:, link["joint"]] + link["offset"]
                 motion = np.tile(np.eye(4), (len(qs), 1, 1))
-                if self.joints[link["joint"]]["type"] == "prismatic":
+                if link["type"] == "prismatic":
                     motion[:, :3, 3] = values[:, None] * axis
                 else:
                     cross, turn = np.cross(np.eye(3), axis), values[:, None, None]  # cross @ v is axis x v

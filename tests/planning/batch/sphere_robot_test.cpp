@@ -44,19 +44,19 @@ TEST(SphereRobot, ABodyThatNothingCoversIsRefused) {
 }
 
 TEST(SphereRobot, KnowsHowSteeplyItsJointsAreFollowed) {
-  const worlds::UrdfRobot whip = worlds::whip();  // with joints that follow others
-  const Robot robot = whip.robot();
-  const ConfigurationSpace space(robot, worlds::voxels_about(robot, 1), {.critical_by_default = false});
-  ASSERT_NE(space.collision_model().spheres, nullptr);
-  double steepest = 0.0, offset = 0.0;
-  for (const Link& link : robot.links) {
-    if (link.joint < 0) continue;
-    steepest = std::max(steepest, std::abs(link.multiplier));
-    offset = std::max(offset, std::abs(link.offset));
+  for (const Robot& robot : {worlds::whip().robot(), worlds::rack_and_pinion().robot()}) {  // of followers
+    const ConfigurationSpace space(robot, worlds::voxels_about(robot, 1), {.critical_by_default = false});
+    ASSERT_NE(space.collision_model().spheres, nullptr);
+    double steepest = 0.0, offset = 0.0;
+    for (const Link& link : robot.links) {
+      if (link.joint < 0) continue;
+      steepest = std::max(steepest, std::abs(link.multiplier));
+      offset = std::max(offset, std::abs(link.offset));
+    }
+    EXPECT_GT(steepest, 0.0);
+    EXPECT_EQ(space.collision_model().spheres->steepest, steepest);
+    EXPECT_EQ(space.collision_model().spheres->farthest_offset, offset);
   }
-  EXPECT_GT(steepest, 0.0);
-  EXPECT_EQ(space.collision_model().spheres->steepest, steepest);
-  EXPECT_EQ(space.collision_model().spheres->farthest_offset, offset);
 }
 
 TEST(SphereRobot, ASecondSpaceOfARobotSharesWhatTheRobotAloneDecides) {
@@ -152,29 +152,31 @@ TEST(SphereRobot, BallsOnAxesThatPointAlmostDownMeetWhereTheyAre) {
   }
 }
 
-/// A boom that turns, a slide on it that reaches back farther than forth, and one that mimics that.
+/// A boom that turns, a slide on it that reaches back farther than forth, and one that mimics that; and
+/// one that mimics the boom.
 TEST(SphereRobot, LeversHoldWhatSlidesAsFarOutAsItGets) {
-  const Robot robot = worlds::telescope().robot();
-  const ConfigurationSpace space(robot, worlds::voxels_about(robot, 1), {.critical_by_default = false});
-  const SphereRobot& spheres = *space.collision_model().spheres;
-  ASSERT_EQ(spheres.frames.size(), robot.links.size());  // each link but the root is moved
-  constexpr std::size_t boom = 1;
-  Random random(4);
-  std::vector<double> farthest(robot.links.size(), 0.0);
-  for (int i = 0; i < 2000; ++i) {
-    const LinkPoses poses = forward_kinematics(robot, random.configuration(robot));
-    for (const Body& body : robot.bodies) {
-      const auto link = static_cast<std::size_t>(body.link);
-      for (const Sphere& sphere : body.cover) {  // in the boom's frame, which turns about its z
-        const Eigen::Vector3d at = poses[boom].inverse() * (poses[link] * sphere.center);
-        farthest[link] = std::max(farthest[link], at.head<2>().norm());
+  for (const Robot& robot : {worlds::telescope().robot(), worlds::rack_and_pinion().robot()}) {
+    const ConfigurationSpace space(robot, worlds::voxels_about(robot, 1), {.critical_by_default = false});
+    const SphereRobot& spheres = *space.collision_model().spheres;
+    ASSERT_EQ(spheres.frames.size(), robot.links.size());  // each link but the root is moved
+    constexpr std::size_t boom = 1;
+    Random random(4);
+    std::vector<double> farthest(robot.links.size(), 0.0);
+    for (int i = 0; i < 2000; ++i) {
+      const LinkPoses poses = forward_kinematics(robot, random.configuration(robot));
+      for (const Body& body : robot.bodies) {
+        const auto link = static_cast<std::size_t>(body.link);
+        for (const Sphere& sphere : body.cover) {  // in the boom's frame, which turns about its z
+          const Eigen::Vector3d at = poses[boom].inverse() * (poses[link] * sphere.center);
+          farthest[link] = std::max(farthest[link], at.head<2>().norm());
+        }
       }
     }
-  }
-  for (std::size_t link = boom; link < robot.links.size(); ++link) {
-    const double lever = spheres.lever_of(link, boom);
-    EXPECT_LE(farthest[link], lever) << robot.links[link].name;
-    EXPECT_LE(lever, 1.6 * farthest[link] + 0.1) << robot.links[link].name;
+    for (std::size_t link = boom; link < robot.links.size(); ++link) {
+      const double lever = spheres.lever_of(link, boom);
+      EXPECT_LE(farthest[link], lever) << robot.links[link].name;
+      EXPECT_LE(lever, 1.6 * farthest[link] + 0.1) << robot.links[link].name;
+    }
   }
 }
 

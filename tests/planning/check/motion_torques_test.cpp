@@ -118,9 +118,9 @@ TEST(GreatestTorques, OfMomentsAreThatOfTheGreatestAndOfNoNumberAreNone) {
 /// those by which motions are planned.
 TEST(GreatestTorques, AreKdlsForEveryKindOfJointWhereverTheBaseStands) {
   const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope(),
-                          scissors = worlds::scissors();
+                          scissors = worlds::scissors(), rack = worlds::rack_and_pinion();
   Random random(8);
-  for (Robot robot : {whip.robot(), telescope.robot(), scissors.robot(), load_robot("panda")}) {
+  for (Robot robot : {whip.robot(), telescope.robot(), scissors.robot(), rack.robot(), load_robot("panda")}) {
     TorqueTerms terms = torque_terms(robot, {.payload = 1.5, .gravity = {3.0, 2.0, -8.0}});
     for (std::size_t i = 0; i < robot.links.size(); ++i) {
       robot.links[i].mass = random.between(0.5, 3.0);

@@ -36,8 +36,9 @@ void exempt_all(Robot& robot) {
 
 TEST(PathCheckExempt, EveryPairThatARobotsFilesExemptHasAReasonOrNeverMeets) {
   Random random(8);
-  const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope();
-  std::vector<Robot> robots{whip.robot(), telescope.robot()};
+  const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope(),
+                          rack = worlds::rack_and_pinion();
+  std::vector<Robot> robots{whip.robot(), telescope.robot(), rack.robot()};
   for (const char* name : {"puma560", "panda", "arm5", "arm6", "planar2", "puma560_miniature"})
     robots.push_back(load_robot(name));
   for (const Robot& robot : robots) {
@@ -60,8 +61,8 @@ TEST(PathCheckExempt, NoPairThatMeetsIsPassedOver) {
   Random random(9);
   int refused = 0;
   const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope(),
-                          scissors = worlds::scissors();
-  std::vector<Robot> robots{whip.robot(), telescope.robot(), scissors.robot()};
+                          scissors = worlds::scissors(), rack = worlds::rack_and_pinion();
+  std::vector<Robot> robots{whip.robot(), telescope.robot(), scissors.robot(), rack.robot()};
   for (const char* name : {"puma560", "arm5", "arm6"}) robots.push_back(load_robot(name));
   for (Robot& robot : robots) {
     const auto honest = robot.exempt;

@@ -40,10 +40,11 @@ double largest_share(const Robot& robot) {
 
 /// Bodies whose places against each other differ from one configuration to another, and no others.
 TEST(PathCheckKdl, OnlyBodiesThatMoveAgainstEachOtherMayTouch) {
-  const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope();
+  const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope(),
+                          rack = worlds::rack_and_pinion();
   int rigid = 0;
-  for (const Robot& robot :
-       {load_robot("puma560"), load_robot("panda"), load_robot("arm6"), whip.robot(), telescope.robot()}) {
+  for (const Robot& robot : {load_robot("puma560"), load_robot("panda"), load_robot("arm6"), whip.robot(),
+                             telescope.robot(), rack.robot()}) {
     const KdlArm arm(robot);
     Random random(8);
     BodyPoses first, other;
@@ -64,8 +65,9 @@ TEST(PathCheckKdl, OnlyBodiesThatMoveAgainstEachOtherMayTouch) {
 TEST(PathCheckKdl, NoPointOfABodyMovesFartherThanItsBound) {
   for (const char* name : {"puma560", "panda", "arm5", "arm6", "planar2", "point"})
     EXPECT_GT(largest_share(load_robot(name)), 0.3) << name;
-  const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope();
-  for (const Robot& robot : {whip.robot(), telescope.robot()}) {
+  const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope(),
+                          rack = worlds::rack_and_pinion();
+  for (const Robot& robot : {whip.robot(), telescope.robot(), rack.robot()}) {
     EXPECT_GT(largest_share(robot), 0.3);
     EXPECT_GT(largest_share(without_file(robot)), 0.3);
   }
@@ -73,9 +75,11 @@ TEST(PathCheckKdl, NoPointOfABodyMovesFartherThanItsBound) {
 
 /// Each link in turn follows each joint in its own way; what a fixed link has of that means nothing.
 TEST(PathCheckKdl, PlacesTheBodiesOfRobotsMadeInMemoryWhereTheirLinksSay) {
-  const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope();
+  const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope(),
+                          rack = worlds::rack_and_pinion();
   Random random(6);
-  for (const Robot& given : {load_robot("arm5"), load_robot("puma560"), whip.robot(), telescope.robot()}) {
+  for (const Robot& given :
+       {load_robot("arm5"), load_robot("puma560"), whip.robot(), telescope.robot(), rack.robot()}) {
     for (std::size_t i = 0; i < given.links.size(); ++i) {
       Robot robot = without_file(given);
       robot.links[i].offset = 0.3;
@@ -100,9 +104,11 @@ TEST(PathCheckKdl, PlacesTheBodiesOfRobotsMadeInMemoryWhereTheirLinksSay) {
 /// Which bodies are proved, and which pairs, is what planners have, whichever joint is held and whatever
 /// stands on the ground.
 TEST(PathCheckKdl, HeldJointsAndStandingLinksCountAsForPlanners) {
-  const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope();
+  const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope(),
+                          rack = worlds::rack_and_pinion();
   int standing = 0, held_apart = 0;
-  for (const Robot& given : {load_robot("arm5"), load_robot("panda"), whip.robot(), telescope.robot()}) {
+  for (const Robot& given :
+       {load_robot("arm5"), load_robot("panda"), whip.robot(), telescope.robot(), rack.robot()}) {
     const std::size_t free_pairs = self_collision_pairs(without_file(given)).size();
     for (std::size_t held = 1; held < given.links.size(); ++held) {
       Robot robot = without_file(given);

@@ -358,8 +358,8 @@ void expect_agreement_with_dense_samples(const Robot& robot, std::uint64_t seed,
 
 TEST(PathCheck, NoEdgeOfMimicJointsSlidesOrTwoArmsIsValidThatTouchesOnItsWay) {
   const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope(),
-                          scissors = worlds::scissors();
-  for (const Robot& robot : {whip.robot(), telescope.robot(), scissors.robot()}) {
+                          scissors = worlds::scissors(), rack = worlds::rack_and_pinion();
+  for (const Robot& robot : {whip.robot(), telescope.robot(), scissors.robot(), rack.robot()}) {
     expect_agreement_with_dense_samples(robot, 21, 0, 150);
     expect_agreement_with_dense_samples(robot, 22, 2, 150);
   }
@@ -367,8 +367,9 @@ TEST(PathCheck, NoEdgeOfMimicJointsSlidesOrTwoArmsIsValidThatTouchesOnItsWay) {
 
 TEST(PathCheck, NoBodyMovesFartherAndNoPairComesNearerThanItsBoundsForEveryKindOfJoint) {
   const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope(),
-                          scissors = worlds::scissors();
-  for (const Robot& robot : {whip.robot(), telescope.robot(), scissors.robot(), load_robot("panda")}) {
+                          scissors = worlds::scissors(), rack = worlds::rack_and_pinion();
+  for (const Robot& robot :
+       {whip.robot(), telescope.robot(), scissors.robot(), rack.robot(), load_robot("panda")}) {
     const check::KdlArm arm(robot);
     const check::FclBodies fcl(robot);
     Random random(6);

@@ -37,10 +37,11 @@ Halves split(const Robot& robot, Random& random) {
 }
 
 TEST(HeldJoints, EveryLinkIsWhereTheWholeRobotHasItWithTheSameValues) {
-  const UrdfRobot whip = worlds::whip(), telescope = worlds::telescope(), scissors = worlds::scissors();
+  const UrdfRobot whip = worlds::whip(), telescope = worlds::telescope(), scissors = worlds::scissors(),
+                  rack = worlds::rack_and_pinion();
   Random random(1);
-  for (const Robot& robot :
-       {telescope.robot(), scissors.robot(), whip.robot(), load_robot("panda"), load_robot("puma560")}) {
+  for (const Robot& robot : {telescope.robot(), rack.robot(), scissors.robot(), whip.robot(),
+                             load_robot("panda"), load_robot("puma560")}) {
     for (int round = 0; round < 20; ++round) {
       const Halves halves = split(robot, random);
       const LinkPoses whole = forward_kinematics(robot, halves.whole);
@@ -52,9 +53,10 @@ TEST(HeldJoints, EveryLinkIsWhereTheWholeRobotHasItWithTheSameValues) {
 }
 
 TEST(HeldJoints, TheCheckReadsThemFromTheFileAtEveryScale) {
-  const UrdfRobot telescope = worlds::telescope(), scissors = worlds::scissors();
+  const UrdfRobot telescope = worlds::telescope(), scissors = worlds::scissors(),
+                  rack = worlds::rack_and_pinion();
   Random random(2);
-  for (const Robot& robot : {telescope.robot(), scissors.robot()}) {
+  for (const Robot& robot : {telescope.robot(), scissors.robot(), rack.robot()}) {
     for (const double scale : {1.0, 0.1, 3.0}) {
       const Halves halves = split(robot, random);
       Robot held = scaled(halves.held, scale);

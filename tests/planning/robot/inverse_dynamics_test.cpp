@@ -34,9 +34,11 @@ TEST(InverseDynamics, AgreesWithKdlForShippedAndOddRobots) {
   std::vector<Robot> robots;
   for (const char* name : {"puma560", "panda", "arm5", "arm6", "planar2", "point"})
     robots.push_back(load_robot(name));
-  const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope();
+  const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope(),
+                          rack = worlds::rack_and_pinion();
   robots.push_back(whip.robot());       // a mimic joint
   robots.push_back(telescope.robot());  // slides
+  robots.push_back(rack.robot());       // mimic joints of another kind
   for (Robot& robot : robots) {
     TorqueTerms terms = torque_terms(robot);
     for (int trial = 0; trial < 20; ++trial) {

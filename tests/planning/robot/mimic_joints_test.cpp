@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "mapping/system/random_unit.hpp"
@@ -42,10 +43,12 @@ TEST(MimicJoints, MastersThatCannotBeFollowedAreNamed) {
             "r.urdf: joint 'finger' mimics 'stiff', which is fixed: expected a joint that moves");
   EXPECT_EQ(with(mimic("finger"), mimic("thumb")),
             "r.urdf: joint 'thumb' mimics 'finger', which in turn follows it: expected one that moves");
+  EXPECT_EQ(with("", mimic("thumb"), "prismatic"), "accepted");
+  EXPECT_EQ(with("", mimic("thumb", "multiplier='2e-6'"), "prismatic"), "accepted");
   EXPECT_EQ(
-      with("", mimic("thumb"), "prismatic"),
-      "r.urdf: joint 'finger' mimics 'thumb', expected a joint of the same kind: one of them turns and the "
-      "other slides");
+      with("", mimic("thumb", "multiplier='2e-7'"), "prismatic"),
+      "r.urdf: joint 'finger': <mimic> has multiplier '2e-7', expected a factor of at least 0.000001, or "
+      "as far below 0");
   EXPECT_EQ(with("", mimic("thumb", "offset='5'")),
             "r.urdf: joint 'finger' mimics 'thumb' and is never within its own limits");
   for (const std::string factor : {"0", "1e-9", "-1e-200"}) {
@@ -126,6 +129,58 @@ TEST(MimicJoints, ALimitThatAFollowerSetsNamesTheFollower) {
   EXPECT_EQ(violation(worlds::urdf_limit(0, 0.015), twice, 0.03), "");
 }
 
+/// A slide that follows a drive at 0.05 m per rad, and a knuckle that follows a slide at 20 rad per m.
+TEST(MimicJoints, LimitsOfAFollowerOfAnotherKindAreInItsOwnUnits) {
+  const std::string ball = "<sphere radius='0.01'/>";
+  const auto master = [&](const std::string& first, const std::string& own, const std::string& second,
+                          const std::string& mimic) {
+    const worlds::UrdfRobot hand(
+        "hand", worlds::urdf_link("palm", "0 0 0", ball) + worlds::urdf_link("a", "0 0 0", ball) +
+                    worlds::urdf_link("b", "0 0 0", ball) +
+                    worlds::urdf_joint("drive", first, "palm", "a", "0 0 0", "0 1 0", own) +
+                    worlds::urdf_joint("slide", second, "palm", "b", "0 0 0", "0 1 0", mimic));
+    return hand.robot();
+  };
+  const Robot turned = master("revolute", worlds::urdf_limit(-2, 2), "prismatic",
+                              "<limit lower='0' upper='0.05' effort='1' velocity='0.02'/>"
+                              "<mimic joint='drive' multiplier='0.05' offset='0.01'/>");
+  EXPECT_NEAR(turned.joints[0].lower, -0.2, 1e-12);
+  EXPECT_NEAR(turned.joints[0].upper, 0.8, 1e-12);
+  EXPECT_NEAR(turned.joints[0].max_velocity, 0.4, 1e-12);
+  EXPECT_EQ(
+      limit_violation(turned, Configuration::Constant(1, 0.9)),
+      "joint drive is 0.9 rad, above its upper limit 0.8 rad, as joint 'slide' follows 'drive' and ends "
+      "at 0.05 m");
+  const Robot slid = master("prismatic", worlds::urdf_limit(0, 0.1), "revolute",
+                            worlds::urdf_limit(-1, 1) + "<mimic joint='drive' multiplier='20'/>");
+  EXPECT_NEAR(slid.joints[0].upper, 0.05, 1e-12);
+  EXPECT_NEAR(slid.joints[0].max_velocity, 0.05, 1e-12);
+  const Robot endless = master("continuous", "", "prismatic",
+                               worlds::urdf_limit(-1, 1) + "<mimic joint='drive' multiplier='1'/>");
+  EXPECT_EQ(endless.joints[0].upper, 1.0);
+  Robot unlimited = endless;  // whole turns of a joint that a slide follows do not lead back
+  unlimited.joints[0].lower = -HUGE_VAL, unlimited.joints[0].upper = HUGE_VAL;
+  EXPECT_FALSE(repeats_after_turns(unlimited, 0));
+  unlimited.links[2].own_kind.reset();
+  EXPECT_TRUE(repeats_after_turns(unlimited, 0));
+}
+
+/// Angles stay, lengths grow by the factor, whichever of a joint and its follower slides.
+TEST(MimicJoints, OfAnotherKindScaleAsLengthsAndAngles) {
+  const worlds::UrdfRobot rack = worlds::rack_and_pinion();
+  const Robot& robot = rack.robot();
+  for (const double factor : {0.5, 3.0}) {
+    const Robot larger = scaled(robot, factor);
+    const Eigen::Vector2d q(0.7, 0.1);
+    const LinkPoses was = forward_kinematics(robot, q),
+                    is = forward_kinematics(larger, Eigen::Vector2d(0.7, factor * 0.1));
+    for (std::size_t i = 0; i < was.size(); ++i) {
+      EXPECT_TRUE(is[i].linear().isApprox(was[i].linear(), 1e-12)) << robot.links[i].name;
+      EXPECT_LT((is[i].translation() - factor * was[i].translation()).norm(), 1e-12) << robot.links[i].name;
+    }
+  }
+}
+
 TEST(MimicJoints, ItsOwnSpeedIsKept) {
   const auto speed = [](const std::string& own, const std::string& mimic) {
     const auto limit = [](const std::string& velocity) {
@@ -153,13 +208,13 @@ worlds::UrdfRobot drawn_followers(std::mt19937_64& random) {
   const auto three = [&](double most) { return number(most) + " " + number(most) + " " + number(most); };
   const std::string ball = "<sphere radius='0.02'/>", wide = worlds::urdf_limit(-2, 2);
   std::string elements = worlds::urdf_link("base", "0 0 0", ball), parent = "base";
-  const std::string kind = random() % 3 == 0 ? "prismatic" : "revolute";
+  const auto any_kind = [&] { return random() % 3 == 0 ? "prismatic" : "revolute"; };
   for (const std::string link : {"a", "b", "c", "d"}) {
     const bool follows = link == "b" || link == "d";
     const std::string mimic =
         follows ? "<mimic joint='a' multiplier='" + number(2) + "' offset='" + number(0.2) + "'/>" : "";
     elements += worlds::urdf_link(link, three(0.2), ball) +
-                worlds::urdf_joint(link, follows || link == "a" ? kind : "revolute", parent, link,
+                worlds::urdf_joint(link, follows || link == "a" ? any_kind() : "revolute", parent, link,
                                    three(0.3) + "' rpy='" + three(3), three(1), wide + mimic);
     parent = link;
   }

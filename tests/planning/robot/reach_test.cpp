@@ -116,26 +116,24 @@ TEST(Reach, ALeverOfABodyOnItsOwnLinkIsTheSmallerOfTwoBounds) {
 }
 
 TEST(Reach, ALeverHoldsForSlidesThatGoFarthestAtTheirLowerLimitAndForJointsThatFollowThem) {
-  const worlds::UrdfRobot telescope = worlds::telescope();
-  const Robot& robot = telescope.robot();
   Random random(8);
-  for (const Body& body : robot.bodies) {
-    for (int mover = body.link; mover >= 0; mover = robot.links[static_cast<std::size_t>(mover)].parent) {
-      const Link& link = robot.links[static_cast<std::size_t>(mover)];
-      if (link.joint < 0 || robot.joints[static_cast<std::size_t>(link.joint)].kind != JointKind::revolute)
-        continue;
-      double farthest = 0.0;  // of the body's points from the joint's axis, which is z of its link
-      for (int i = 0; i < 2'000; ++i) {
-        const LinkPoses poses = forward_kinematics(robot, random.configuration(robot));
-        const Eigen::Vector3d point = poses[static_cast<std::size_t>(mover)].inverse() *
-                                      poses[static_cast<std::size_t>(body.link)] * body.link_from_shape *
-                                      body.shape.support(random.point(1.0));
-        farthest = std::max(farthest, point.head<2>().norm());
+  for (const Robot& robot : {worlds::telescope().robot(), worlds::rack_and_pinion().robot()})
+    for (const Body& body : robot.bodies) {
+      for (int mover = body.link; mover >= 0; mover = robot.links[static_cast<std::size_t>(mover)].parent) {
+        const Link& link = robot.links[static_cast<std::size_t>(mover)];
+        if (link.joint < 0 || kind_of(robot, link) != JointKind::revolute) continue;
+        double farthest = 0.0;  // of the body's points from the joint's axis, which is z of its link
+        for (int i = 0; i < 2'000; ++i) {
+          const LinkPoses poses = forward_kinematics(robot, random.configuration(robot));
+          const Eigen::Vector3d point = poses[static_cast<std::size_t>(mover)].inverse() *
+                                        poses[static_cast<std::size_t>(body.link)] * body.link_from_shape *
+                                        body.shape.support(random.point(1.0));
+          farthest = std::max(farthest, point.head<2>().norm());
+        }
+        EXPECT_GE(lever(robot, mover, body), farthest) << body.part;
+        EXPECT_LT(lever(robot, mover, body), 2.0 * farthest + 0.1) << body.part;
       }
-      EXPECT_GE(lever(robot, mover, body), farthest) << body.part;
-      EXPECT_LT(lever(robot, mover, body), 2.0 * farthest + 0.1) << body.part;
     }
-  }
 }
 
 }  // namespace reach_test

@@ -88,6 +88,16 @@ TEST(EdgeProof, NoEdgeOfASlideIsAcceptedThatTouchesOnItsWay) {
   }
 }
 
+TEST(EdgeProof, NoEdgeOfAMimicJointOfAnotherKindIsAcceptedThatTouchesOnItsWay) {
+  const worlds::UrdfRobot rack = worlds::rack_and_pinion();
+  for (const int obstacles : {0, 2}) {
+    const Count count = try_edges(rack.robot(), obstacles, 4, 300);
+    EXPECT_GT(count.accepted, 30);
+    EXPECT_GT(count.refused, 30);
+    EXPECT_LT(count.wrongly_refused, 10);
+  }
+}
+
 TEST(EdgeProof, NoEdgeOfTwoArmsIsAcceptedOnWhichTheyMeet) {
   const worlds::UrdfRobot scissors = worlds::scissors();
   const Count count = try_edges(scissors.robot(), 0, 3, 400);
@@ -179,8 +189,8 @@ TEST(EdgeProof, BodiesThatStandStillOnTheEdgeKeepTheirPadding) {
 
 TEST(EdgeProof, NoBodyMovesFartherAndNoPairComesNearerThanTheBoundsOfEveryKindOfJoint) {
   const worlds::UrdfRobot whip = worlds::whip(), telescope = worlds::telescope(),
-                          scissors = worlds::scissors();
-  for (const Robot& robot : {whip.robot(), telescope.robot(), scissors.robot()}) {
+                          scissors = worlds::scissors(), rack = worlds::rack_and_pinion();
+  for (const Robot& robot : {whip.robot(), telescope.robot(), scissors.robot(), rack.robot()}) {
     const ConfigurationSpace space(robot, Snapshot(), not_occupied());
     const std::vector<BodyPair> pairs = self_collision_pairs(robot);
     ASSERT_FALSE(pairs.empty()) << robot.name;
