@@ -7,6 +7,7 @@
 #include "apps/suites/suite_hand.hpp"
 #include "apps/suites/suite_reaching.hpp"
 #include "mapping/system/number_text.hpp"
+#include "planning/robot/goal_configurations.hpp"
 
 namespace clearway {
 namespace {
