@@ -38,7 +38,7 @@ UrdfRobot menagerie() {
            offset + "'/>";
   };
   std::string text = "<material name='grey'/>";
-  for (const char* name : {"base", "a", "b", "c", "d", "e", "f", "g", "h", "i", "j"}) text += link(name);
+  for (const char* name : {"base", "a", "b", "c", "d", "e", "f", "g", "h"}) text += link(name);
   return {
       "menagerie",
       text + urdf_joint("turn", "revolute", "base", "a", "0 0 1", "0 0 1", urdf_limit(-1, 2)) +
@@ -47,8 +47,6 @@ UrdfRobot menagerie() {
           urdf_joint("across", "revolute", "c", "d", "1 0 0", "0.3 0.5 0.2", mimic("turn", "1.5", "0.2")) +
           urdf_joint("slide", "prismatic", "d", "e", "0 1 0", "0 0 1", urdf_limit(-0.2, 0.3)) +
           urdf_joint("slide_across", "prismatic", "e", "f", "0 1 0", "1 2 3", mimic("slide", "-3", "0.05")) +
-          urdf_joint("turned_slide", "prismatic", "c", "i", "0 1 0", "1 0 2", mimic("turn", "-0.4", "0.05")) +
-          urdf_joint("slid_turn", "revolute", "e", "j", "0 1 0", "1 0 -2", mimic("slide", "7", "-0.2")) +
           urdf_joint("round", "continuous", "f", "g", "0 0 1", "0 3 4", "") +
           "<joint name='weld' type='fixed'><parent link='g'/><child link='h'/>"
           "<origin xyz='0.1 0.2 0.3' rpy='1 -2 3'/></joint>"

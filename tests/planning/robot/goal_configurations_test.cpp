@@ -224,7 +224,7 @@ TEST(GoalConfigurations, OfAnArmAreThoseOfItsJointsThatMoveTheTip) {
     const Configuration near = random.configuration(bare);
     const Eigen::Isometry3d pose = tip_pose(bare, random.configuration(bare));
     const auto expected = goal_configurations(bare, pose, near);
-    EXPECT_GE(expected.size(), 4U);
+    EXPECT_FALSE(expected.empty());
     Configuration more(7);
     more << near, 0.03;
     const auto with_hand = goal_configurations(gripping, pose, more),
