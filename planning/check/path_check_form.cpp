@@ -6,6 +6,7 @@
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/check/path_check_model.hpp"
+#include "planning/robot/kinematics.hpp"
 
 namespace clearway::check {
 

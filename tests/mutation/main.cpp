@@ -5,7 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <exception>
@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "tests/mutation/accepted.hpp"
+#include "tests/mutation/costs.hpp"
 #include "tests/mutation/draw.hpp"
 #include "tests/mutation/records.hpp"
 #include "tests/mutation/test_program.hpp"
@@ -68,12 +69,11 @@ class Check {
           std::any_of(candidates_.begin(), candidates_.end(),
                       [&](const Candidate& candidate) { return candidate.file.starts_with(floor + "/"); });
       if (is_asked)
-        programs_[floor] = std::make_unique<TestProgram>(options_.repository, options_.build, floor);
+        programs_[floor] = std::make_unique<TestProgram>(options_.repository, options_.build, floor, costs_);
     }
-    std::vector<std::thread> workers;
-    for (unsigned i = 0; i < options_.jobs; ++i) workers.emplace_back([this, i] { work(i); });
-    for (std::thread& worker : workers) worker.join();
-    if (problem_) std::rethrow_exception(problem_);
+    at_once([this](const fs::path& folder) { work(folder); });
+    find_reach();
+    at_once([this](const fs::path& folder) { work_on_open(folder); });
   }
 
   /// 0: enough were noticed, and each of the others is explained.
@@ -102,6 +102,8 @@ class Check {
               << ": " << noticed << " noticed (" << std::floor(10.0 * share) / 10.0 << " %), " << accepted
               << " survivors explained, " << unexplained << " not explained; " << broken
               << " more did not compile\n";
+    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin_;
+    std::cout << std::lround(wall.count()) << " s, " << costs_.told() << "\n";
     return faults > 0 && share >= 95.0 && unexplained == 0 ? 0 : 1;
   }
 
@@ -115,9 +117,29 @@ class Check {
     return true;
   }
 
-  void work(unsigned number) {
-    const fs::path folder =
-        fs::path(options_.build) / "mutation" / (std::to_string(::getpid()) + "_" + std::to_string(number));
+  /// Runs `work` in as many threads as are asked for, each with a folder of its own.
+  template <typename Work>
+  void at_once(const Work& work) {
+    std::vector<std::thread> workers;
+    for (unsigned i = 0; i < options_.jobs; ++i)
+      workers.emplace_back([&, folder = folder_of(std::to_string(i))] {
+        try {
+          work(folder);
+        } catch (...) {
+          const std::lock_guard lock(mutex_);
+          problem_ = std::current_exception();
+        }
+        fs::remove_all(folder);
+      });
+    for (std::thread& worker : workers) worker.join();
+    if (problem_) std::rethrow_exception(problem_);
+  }
+
+  fs::path folder_of(const std::string& name) const {
+    return fs::path(options_.build) / "mutation" / (std::to_string(::getpid()) + "_" + name);
+  }
+
+  void work(const fs::path& folder) {
     std::size_t index = 0;
     // One that does not compile is replaced: who finds nothing to take waits for those under way.
     while (!is_done()) {
@@ -125,21 +147,48 @@ class Check {
         std::this_thread::sleep_for(std::chrono::milliseconds(50));
         continue;
       }
-      try {
-        outcomes_[index] = outcome_of(candidates_[index], folder);
-      } catch (...) {
-        const std::lock_guard lock(mutex_);
-        problem_ = std::current_exception();
-        break;
-      }
+      const Outcome outcome = outcome_nearby(candidates_[index], folder);
       const std::lock_guard lock(mutex_);
       --under_way_;
-      counted_ += outcomes_[index].kind != Outcome::Kind::not_compiled;
-      const Outcome& outcome = outcomes_[index];
-      std::cout << candidates_[index].name() << "\n    " << to_string(outcome.kind)
-                << (outcome.by.empty() ? "" : ": ") << outcome.by << std::endl;
+      counted_ += outcome.kind != Outcome::Kind::not_compiled;
+      if (outcome.kind == Outcome::Kind::open) open_.push_back(index);
+      tell(index, outcome);
     }
-    fs::remove_all(folder);
+  }
+
+  /// What near tests did not notice is tried by the floor's others, of which only those are run that run its
+  /// place.
+  void find_reach() {
+    for (const auto& [floor, program] : programs_) {
+      std::vector<Candidate> of_floor;
+      for (const std::size_t index : open_)
+        if (candidates_[index].file.starts_with(floor + "/")) of_floor.push_back(candidates_[index]);
+      const fs::path folder = folder_of("probes");
+      program->find_reach(of_floor, folder);
+      fs::remove_all(folder);
+    }
+  }
+
+  void work_on_open(const fs::path& folder) {
+    for (;;) {
+      std::size_t index = 0;
+      {
+        const std::lock_guard lock(mutex_);
+        if (problem_ || open_.empty()) return;
+        index = open_.back();
+        open_.pop_back();
+      }
+      const Outcome outcome = program_of(candidates_[index]).tried_by_others(candidates_[index], folder);
+      records_.add(key_of(candidates_[index]), program_of(candidates_[index]).digest(), outcome);
+      const std::lock_guard lock(mutex_);
+      tell(index, outcome);
+    }
+  }
+
+  void tell(std::size_t index, const Outcome& outcome) {
+    outcomes_[index] = outcome;
+    std::cout << candidates_[index].name() << "\n    " << to_string(outcome.kind)
+              << (outcome.by.empty() ? "" : ": ") << outcome.by << std::endl;
   }
 
   bool is_done() {
@@ -147,13 +196,20 @@ class Check {
     return problem_ || (under_way_ == 0 && (counted_ >= options_.count || next_ == candidates_.size()));
   }
 
-  Outcome outcome_of(const Candidate& candidate, const fs::path& folder) {
-    TestProgram& program = *programs_.at(candidate.file.substr(0, candidate.file.find('/')));
+  TestProgram& program_of(const Candidate& candidate) {
+    return *programs_.at(candidate.file.substr(0, candidate.file.find('/')));
+  }
+
+  std::string key_of(const Candidate& candidate) const {
     const std::string source = read_whole(fs::path(options_.repository) / candidate.file);
-    const std::string key =
-        std::to_string(hash_of(candidate.file + "\n" + candidate.fault.applied_to(source)));
+    return std::to_string(hash_of(candidate.file + "\n" + candidate.fault.applied_to(source)));
+  }
+
+  Outcome outcome_nearby(const Candidate& candidate, const fs::path& folder) {
+    TestProgram& program = program_of(candidate);
+    const std::string key = key_of(candidate);
     if (const auto known = records_.find(key, program.digest())) return *known;
-    const Outcome outcome = program.tried(candidate, folder);
+    const Outcome outcome = program.tried_nearby(candidate, folder);
     records_.add(key, program.digest(), outcome);
     return outcome;
   }
@@ -163,9 +219,12 @@ class Check {
   Records records_;
   std::vector<Candidate> candidates_;
   std::vector<Outcome> outcomes_;
+  const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  Costs costs_;
   std::map<std::string, std::unique_ptr<TestProgram>> programs_;
   std::mutex mutex_;
   std::size_t next_ = 0, under_way_ = 0, counted_ = 0;
+  std::vector<std::size_t> open_;  ///< not noticed by the tests near them
   std::exception_ptr problem_;
 };
 

@@ -25,13 +25,14 @@ Records::Records(const std::filesystem::path& file, bool trust_noticed) : trust_
 std::optional<Outcome> Records::find(const std::string& key, const std::string& digest) const {
   const std::lock_guard lock(mutex_);
   const auto [first, last] = known_.equal_range(key);
+  std::optional<Outcome> latest;
   for (auto it = first; it != last; ++it) {
     const Outcome& outcome = it->second.outcome;
     const bool holds_always = outcome.kind == Outcome::Kind::not_compiled ||
                               (trust_noticed_ && outcome.kind == Outcome::Kind::noticed);
-    if (holds_always || it->second.digest == digest) return outcome;
+    if (holds_always || it->second.digest == digest) latest = outcome;
   }
-  return std::nullopt;
+  return latest;
 }
 
 void Records::add(const std::string& key, const std::string& digest, const Outcome& outcome) {

@@ -7,72 +7,77 @@
 #include <vector>
 
 #include "tests/mutation/command.hpp"
+#include "tests/mutation/costs.hpp"
 #include "tests/mutation/draw.hpp"
+#include "tests/mutation/floor_build.hpp"
+#include "tests/mutation/reach.hpp"
+#include "tests/mutation/test_stages.hpp"
 
 namespace clearway::mutation {
 
 /// What became of a fault.
 struct Outcome {
-  enum class Kind { noticed, survived, not_compiled } kind = Kind::survived;
-  std::string by;  ///< the test, or what ended the program; of a fault that does not compile, the first error
+  enum class Kind { noticed, survived, not_compiled, open } kind = Kind::survived;
+  /// The test, or what ended the program; of a fault that does not compile, the first error; of a survivor,
+  /// what may explain it. Open: not noticed by the near tests, the others are still to be run.
+  std::string by;
 };
 std::string to_string(Outcome::Kind kind);
 
-/// The test program of a floor, and how to build it with one source exchanged. Sources and the build folder's
-/// own files are only read. Several threads may use one object.
+/// The tests of a floor, run with one fault. Several threads may use one object.
 class TestProgram {
  public:
-  /// @param build a folder configured with Ninja, in which the program is built and up to date
-  /// @throws std::runtime_error when it is not
+  /// @throws as FloorBuild
   TestProgram(const std::filesystem::path& repository, const std::filesystem::path& build,
-              const std::string& floor);
+              const std::string& floor, Costs& costs);
 
-  /// Compiles and links the candidate's file with the fault, in `folder`, and runs the floor's tests until
-  /// one fails: those of the mirrored file and of files that include its header first, then the others (of
-  /// apps none: they start browsers); all of them with few drawn cases first, then, where CLEARWAY_TRIALS
-  /// asks for them, with many. What fails must fail again. A program that crashes, or takes far more time
-  /// than without the fault, has been noticed.
-  Outcome tried(const Candidate& candidate, const std::filesystem::path& folder);
+  /// Builds the program with the fault, in `folder`, and runs the tests near it (see test_stages.hpp) until
+  /// one fails. What fails must fail again. A program that crashes, or takes far more time than without the
+  /// fault, has been noticed.
+  Outcome tried_nearby(const Candidate& candidate, const std::filesystem::path& folder);
+
+  /// Runs all tests of the floor once, without faults, to know which of them run the places of these.
+  /// @throws std::runtime_error when one fails
+  void find_reach(const std::vector<Candidate>& open, const std::filesystem::path& folder);
+
+  /// The same as tried_nearby with the other tests, of those asked for in find_reach the ones that run the
+  /// place; with many drawn cases where CLEARWAY_TRIALS asks for them.
+  Outcome tried_by_others(const Candidate& candidate, const std::filesystem::path& folder);
 
   /// Of the program as it is: what was found for another one says nothing.
   const std::string& digest() const { return digest_; }
 
  private:
-  void add_batch(const std::filesystem::path& batch, const std::string& command);
-  std::vector<std::string> tests_of(const std::string& filter, const std::filesystem::path& folder) const;
-  /// Runs tests without a fault, to know their times. @throws std::runtime_error when one fails
-  void measure(const std::string& filter, const std::filesystem::path& folder);
-  void add_times(const std::filesystem::path& json, double cpu);
-  void load_times();
-  /// s of CPU time that these tests take without a fault. @throws as measure
-  double usual_time(const std::string& filter, const std::filesystem::path& folder);
-  enum class Trials { few, many };  ///< see tests/worlds/trials.hpp
-  Ended run(const std::string& program, double usual, const std::string& filter,
-            const std::filesystem::path& folder, Trials trials) const;
-
-  /// What is compiled for a source: itself, or the batch that holds it.
-  struct Unit {
-    std::filesystem::path source;
-    std::string command;
+  struct Run {
+    std::filesystem::path program;
+    std::string filter, environment;
+    Trials trials = Trials::few;
+    double usual = 0.0;         ///< s of CPU time
+    bool ends_at_first = true;  ///< at the first test that fails
   };
-  /// What becomes of the library's own object: the new one stands for all of it, or only comes before it.
-  enum class Link { in_its_place, beside_its_batch };
-  /// The source that is compiled for a fault in this file.
-  std::string source_of(const std::string& file) const;
-  /// The candidate's file with the fault, in `folder`; of a header, the source that includes it.
-  std::filesystem::path write_faulty(const Candidate& candidate, const std::filesystem::path& folder) const;
-  /// The program in `folder`, with this source. @throws std::runtime_error when it does not link in place
-  Ended build(const Unit& unit, const std::filesystem::path& source, const std::filesystem::path& folder,
-              Link how) const;
-  /// What its tests say, by filters of gtest that are run one after the other.
-  Outcome tested(const std::vector<std::string>& stages, const std::filesystem::path& folder, Trials trials);
+  Ended run(const Run& what, const std::filesystem::path& folder) const;
+  /// Runs tests that all must pass, as many at a time as there are cores, and returns s of CPU time.
+  /// `environment` is told the number of each. @throws std::runtime_error when one fails
+  template <typename Environment>
+  double run_faultless(const Run& what, const Environment& environment,
+                       const std::filesystem::path& folder) const;
+  /// s of CPU time that the tests of a stage take without a fault. @throws as run_faultless
+  double usual_time(const Stage& stage, const std::filesystem::path& folder);
+  void load_times();
+  /// Of a stage the tests that run the candidate's place, and their usual time; an empty filter where none
+  /// does.
+  std::pair<std::string, double> reaching(const Candidate& candidate, const Stage& stage) const;
+  Outcome tested(Run what, const std::string& stage, const std::filesystem::path& folder) const;
 
-  std::filesystem::path repository_, build_;
-  std::string floor_, link_, digest_;
+  std::filesystem::path repository_, times_;
+  std::string floor_, program_digest_, digest_;
   Trials most_trials_;
-  std::map<std::string, Unit> units_;  ///< by source, relative
+  Costs& costs_;
+  FloorBuild build_;
   std::mutex mutex_;
-  std::map<std::string, double> times_, usual_;  ///< s, by test, by filter
+  std::map<std::string, double> usual_;  ///< s, by trials and filter
+  std::map<std::string, int> probes_;    ///< by candidate's name
+  std::map<Trials, Reach> reach_;
 };
 
 }  // namespace clearway::mutation

@@ -10,6 +10,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Of a file of tests that asks how often it shall draw.
+bool draws_cases(const fs::path& file) {
+  static const std::regex call("[^A-Za-z0-9_]trials\\(");
+  const std::string text = read_whole(file);
+  return text.find("trials(") != std::string::npos && std::regex_search(text, call);
+}
+
 /// The tests of these files, as gtest's filter names them.
 std::string filter_of(const std::set<fs::path>& files) {
   std::set<std::string> suites;
@@ -35,7 +42,8 @@ std::set<fs::path> including(const fs::path& folder, const fs::path& source) {
   const std::string include = "#include \"" + fs::path(source).replace_extension(".hpp").string() + "\"";
   std::set<fs::path> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (entry.path().extension() == ".cpp" && read_whole(entry.path()).find(include) != std::string::npos)
+    if (const std::string kind = entry.path().extension();
+        (kind == ".cpp" || kind == ".hpp") && read_whole(entry.path()).find(include) != std::string::npos)
       files.insert(entry.path());
   return files;
 }
@@ -66,17 +74,27 @@ std::set<fs::path> nearest_tests(const fs::path& repository, const fs::path& sou
 
 }  // namespace
 
-std::vector<std::string> stages_for(const fs::path& repository, const fs::path& source) {
+std::vector<Stage> stages_for(const fs::path& repository, const fs::path& source) {
   const std::set<fs::path> nearest = nearest_tests(repository, source);
-  const std::string near = filter_of(nearest);
-  if (near.empty()) return {"*"};
-  std::set<fs::path> room;  // the others of the mirrored folder
+  const fs::path floor = repository / "tests" / *source.begin();
+  std::set<fs::path> room, drawing;  // the others of the mirrored folder
   for (const auto& entry : fs::directory_iterator(repository / "tests" / source.parent_path()))
     if (is_test_file(entry.path()) && !nearest.contains(entry.path())) room.insert(entry.path());
-  const std::string beside = filter_of(room);
-  std::vector<std::string> stages{near};
-  if (!beside.empty()) stages.push_back(beside + "-" + near);
-  if (*source.begin() != "apps") stages.push_back("-" + near + (beside.empty() ? "" : ":" + beside));
+  const bool is_of_apps = *source.begin() == "apps";
+  for (const auto& entry : fs::recursive_directory_iterator(floor)) {
+    const bool is_run = !is_of_apps || nearest.contains(entry.path()) || room.contains(entry.path());
+    if (is_run && is_test_file(entry.path()) && draws_cases(entry.path())) drawing.insert(entry.path());
+  }
+  const std::string near = filter_of(nearest), beside = filter_of(room), drawn = filter_of(drawing);
+  std::string known = near;
+  std::vector<Stage> stages;
+  if (!near.empty()) stages.push_back({"nearest", near});
+  if (!beside.empty()) {
+    stages.push_back({"folder", near.empty() ? beside : beside + "-" + near});
+    known += (near.empty() ? "" : ":") + beside;
+  }
+  if (!is_of_apps || known.empty()) stages.push_back({"floor", known.empty() ? "*" : "-" + known});
+  if (!drawn.empty()) stages.push_back({"drawn cases", drawn, Trials::many});
   return stages;
 }
 

@@ -33,14 +33,51 @@ class TestStages : public ::testing::Test {
   fs::path folder_;
 };
 
+std::vector<std::string> filters(const std::vector<Stage>& stages, Trials trials) {
+  std::vector<std::string> filters;
+  for (const Stage& stage : stages)
+    if (stage.trials == trials) filters.push_back(stage.filter);
+  return filters;
+}
+
 TEST_F(TestStages, TheMirroredFileAndThoseThatIncludeTheHeaderComeFirstThenItsFolderThenTheOthers) {
   const std::string near = suite("Known") + ":" + suite("User");
-  EXPECT_EQ(stages_for(folder_, "planning/check/known.cpp"),
+  EXPECT_EQ(filters(stages_for(folder_, "planning/check/known.cpp"), Trials::few),
             (std::vector<std::string>{near, suite("Other") + "-" + near, "-" + near + ":" + suite("Other")}));
 }
 
 TEST_F(TestStages, WhatNoTestIncludesIsTriedFirstByTheTestsOfWhatIncludesIt) {
-  EXPECT_EQ(stages_for(folder_, "planning/check/hidden.cpp").front(), suite("User"));
+  EXPECT_EQ(stages_for(folder_, "planning/check/hidden.cpp").front().filter, suite("User"));
+}
+
+TEST_F(TestStages, WhatOnlyAHeaderIncludesIsTriedFirstByTheTestsOfThatHeader) {
+  write("planning/check/inner.cpp", "");
+  write("planning/user.hpp", "#include \"planning/check/inner.hpp\"\n");
+  EXPECT_EQ(stages_for(folder_, "planning/check/inner.cpp").front().filter, suite("User"));
+}
+
+TEST_F(TestStages, WhatNoTestKnowsAtAllIsTriedFirstByTheTestsOfItsFolder) {
+  write("planning/check/alone.cpp", "");
+  EXPECT_EQ(filters(stages_for(folder_, "planning/check/alone.cpp"), Trials::few),
+            (std::vector<std::string>{suite("Known") + ":" + suite("Other"),
+                                      "-" + suite("Known") + ":" + suite("Other")}));
+}
+
+TEST_F(TestStages, OnlyTestsThatDrawCasesAreRunWithMany) {
+  write("tests/planning/far/drawing_test.cpp",
+        "TEST(Drawing, IsRight) { for (int i = 0; i < trials(1, 9);) }\n");
+  write("tests/planning/far/other_test.cpp", "TEST(Other2, IsRight) { make_trials(3); }\n");
+  EXPECT_EQ(filters(stages_for(folder_, "planning/check/known.cpp"), Trials::many),
+            std::vector<std::string>{suite("Drawing")});
+}
+
+TEST_F(TestStages, OfAppsNoOtherFoldersTestsAreRunWithMany) {
+  write("apps/check/known.cpp", "");
+  write("tests/apps/check/known_test.cpp", "TEST(Known, IsRight) { trials(1, 9); }\n");
+  write("tests/apps/check/beside_test.cpp", "TEST(Beside, IsRight) { trials(1, 9); }\n");
+  write("tests/apps/far/drawing_test.cpp", "TEST(Drawing, IsRight) { trials(1, 9); }\n");
+  EXPECT_EQ(filters(stages_for(folder_, "apps/check/known.cpp"), Trials::many),
+            std::vector<std::string>{suite("Beside") + ":" + suite("Known")});
 }
 
 }  // namespace test_stages_test
