@@ -74,6 +74,9 @@ class Check {
     at_once([this](const fs::path& folder) { work(folder); });
     find_reach();
     at_once([this](const fs::path& folder) { work_on_open(folder); });
+    for (const auto& [floor, program] : programs_)
+      program->verify(outcomes_of(floor), folder_of("faultless"));
+    fs::remove_all(folder_of("faultless"));
   }
 
   /// 0: enough were noticed, and each of the others is explained.
@@ -167,6 +170,13 @@ class Check {
       program->find_reach(of_floor, folder);
       fs::remove_all(folder);
     }
+  }
+
+  std::vector<Outcome> outcomes_of(const std::string& floor) const {
+    std::vector<Outcome> outcomes;
+    for (std::size_t i = 0; i < next_; ++i)
+      if (candidates_[i].file.starts_with(floor + "/")) outcomes.push_back(outcomes_[i]);
+    return outcomes;
   }
 
   void work_on_open(const fs::path& folder) {

@@ -36,6 +36,10 @@ std::set<std::string> failed_tests(const std::string& output) {
   return tests;
 }
 
+const std::string with_many = " (with many cases)";
+
+std::string no_more(std::size_t /*shard*/) { return ""; }
+
 std::string word(Trials trials) { return trials == Trials::many ? "many" : "few"; }
 
 bool is_near(const Stage& stage) { return stage.name == "nearest" || stage.name == "folder"; }
@@ -52,20 +56,19 @@ std::string to_string(Outcome::Kind kind) {
 TestProgram::TestProgram(const fs::path& repository, const fs::path& build, const std::string& floor,
                          Costs& costs)
     : repository_(repository),
-      times_(build / "mutation" / ("times_" + floor + ".txt")),
       floor_(floor),
       most_trials_(trials(0, 1) == 0 ? Trials::few : Trials::many),
       costs_(costs),
       build_(repository, build, floor, costs) {
-  program_digest_ = std::to_string(hash_of(read_whole(build_.program())));
-  digest_ = program_digest_ + (most_trials_ == Trials::many ? "many" : "");
-  load_times();
+  digest_ =
+      std::to_string(hash_of(read_whole(build_.program()))) + (most_trials_ == Trials::many ? "many" : "");
 }
 
 Ended TestProgram::run(const Run& what, const fs::path& folder) const {
   const fs::path scratch = folder / "scratch";
   fs::remove_all(scratch);
-  const Limits limits{.cpu = 10.0 + 4.0 * what.usual, .wall = 60.0 + 10.0 * what.usual};
+  const Limits limits{.cpu = 10.0 + 4.0 * what.usual.value_or(0.0),
+                      .wall = 60.0 + 10.0 * what.usual.value_or(10.0)};
   const std::string environment = "CLEARWAY_DATASETS=" + quoted(repository_ / "datasets") +
                                   " CLEARWAY_TRIALS=" + word(what.trials) + " " + what.environment;
   Ended ended = run_command("exec env " + environment + " " + quoted(what.program) +
@@ -104,12 +107,12 @@ double TestProgram::run_faultless(const Run& what, const Environment& environmen
   return time;
 }
 
-/// Those that an earlier run measured of the same program.
-void TestProgram::load_times() {
-  std::ifstream kept(times_);
-  std::string digest, trials, filter;
-  if (!(kept >> digest) || digest != program_digest_) return;
-  for (double time = 0.0; kept >> time >> trials >> filter;) usual_[trials + " " + filter] = time;
+fs::path TestProgram::faultless(const fs::path& folder) const {
+  const fs::path program = folder / "faultless";
+  fs::create_directories(folder);
+  fs::remove(program);
+  fs::create_hard_link(build_.program(), program);
+  return program;
 }
 
 double TestProgram::usual_time(const Stage& stage, const fs::path& folder) {
@@ -118,31 +121,39 @@ double TestProgram::usual_time(const Stage& stage, const fs::path& folder) {
   const std::string filter = stage.filter.starts_with('-') ? "*" : stage.filter;
   const std::string key = word(stage.trials) + " " + filter;
   if (const auto known = usual_.find(key); known != usual_.end()) return known->second;
-  // From where the faulty ones run, too: a place in which all tests fail would notice every fault.
-  const fs::path program = folder / "faultless";
-  fs::remove(program);
-  fs::create_hard_link(build_.program(), program);
-  const double time = usual_[key] = run_faultless(
-      {program, filter, "", stage.trials, 600.0, false}, [](std::size_t) { return ""; }, folder);
-  fs::remove(program);
-  std::ofstream kept(times_);
-  kept << program_digest_ << '\n';
-  for (const auto& [tests, seconds] : usual_) kept << seconds << ' ' << tests << '\n';
-  return time;
+  return usual_[key] =
+             run_faultless({faultless(folder), filter, "", stage.trials, 600.0, false}, no_more, folder);
 }
 
-Outcome TestProgram::tested(Run what, const std::string& stage, const fs::path& folder) const {
+void TestProgram::verify(const std::vector<Outcome>& outcomes, const fs::path& folder) const {
+  std::map<Trials, std::string> filters;
+  for (const Outcome& outcome : outcomes) {
+    if (outcome.kind != Outcome::Kind::noticed || outcome.by.find('.') == std::string::npos) continue;
+    std::string& filter = filters[outcome.by.ends_with(with_many) ? Trials::many : Trials::few];
+    filter += (filter.empty() ? "" : ":") + outcome.by.substr(0, outcome.by.find(' '));
+  }
+  for (const auto& [trials, filter] : filters)
+    run_faultless({faultless(folder), filter, "", trials, 600.0, false}, no_more, folder);
+}
+
+Outcome TestProgram::tested(Run what, const Stage& stage, const fs::path& folder) {
+  const std::string tail = stage.trials == Trials::many ? with_many : "";
   for (int repeat = 0; repeat < 4; ++repeat) {
-    const Ended ended = run(what, folder);
-    costs_.add("tests: " + stage, ended.cpu);
+    Ended ended = run(what, folder);
+    costs_.add("tests: " + stage.name, ended.cpu);
+    if (ended.is_late && !what.usual) {
+      what.usual = usual_time(stage, folder);
+      ended = run(what, folder);
+      costs_.add("tests: " + stage.name, ended.cpu);
+    }
     if (ended.is_good()) break;
     const std::string test = failed_test(ended.output);
-    if (ended.is_late) return {Outcome::Kind::noticed, test + " (takes too long)"};
-    if (ended.signal != 0) return {Outcome::Kind::noticed, test + " (crashes)"};
+    if (ended.is_late) return {Outcome::Kind::noticed, test + " (takes too long)" + tail};
+    if (ended.signal != 0) return {Outcome::Kind::noticed, test + " (crashes)" + tail};
     if (test.empty()) return {Outcome::Kind::noticed, "the program does not start"};
     const Ended again = run({what.program, test, "", what.trials, what.usual}, folder);
     costs_.add("tests: once more", again.cpu);
-    if (!again.is_good()) return {Outcome::Kind::noticed, test};
+    if (!again.is_good()) return {Outcome::Kind::noticed, test + tail};
     what.filter += (what.filter.find('-') == std::string::npos ? "-" : ":") + test;  // the machine's mood
   }
   return {Outcome::Kind::survived, ""};
@@ -159,8 +170,7 @@ Outcome TestProgram::tried_nearby(const Candidate& candidate, const fs::path& fo
   for (const Stage& stage : stages_for(repository_, candidate.file)) {
     are_all_near = are_all_near && is_near(stage);
     if (!is_near(stage)) continue;
-    const Run what{folder / "tests", stage.filter, "", stage.trials, usual_time(stage, folder)};
-    Outcome outcome = tested(what, stage.name, folder);
+    Outcome outcome = tested({folder / "tests", stage.filter, "", stage.trials, {}}, stage, folder);
     if (outcome.kind == Outcome::Kind::noticed) return outcome;
   }
   return {are_all_near ? Outcome::Kind::survived : Outcome::Kind::open, ""};
@@ -185,12 +195,13 @@ void TestProgram::find_reach(const std::vector<Candidate>& open, const fs::path&
   }
 }
 
-std::pair<std::string, double> TestProgram::reaching(const Candidate& candidate, const Stage& stage) const {
+std::pair<std::string, std::optional<double>> TestProgram::reaching(const Candidate& candidate,
+                                                                    const Stage& stage) const {
   const auto reach = reach_.find(stage.trials);
   const auto probe = probes_.find(candidate.name());
   std::string filter;
   double usual = 0.0;
-  if (reach == reach_.end()) return {stage.filter, usual};
+  if (reach == reach_.end()) return {stage.filter, std::nullopt};
   const bool is_probed = probe != probes_.end();
   const auto suites = is_probed ? reach->second.suites.find(probe->second) : reach->second.suites.end();
   if (is_probed && suites == reach->second.suites.end()) return {"", 0.0};
@@ -211,9 +222,7 @@ Outcome TestProgram::tried_by_others(const Candidate& candidate, const fs::path&
     auto [filter, usual] = reaching(candidate, stage);
     if (filter.empty()) continue;
     is_run = true;
-    if (usual == 0.0) usual = usual_time(stage, folder);
-    const Run what{folder / "tests", filter, "", stage.trials, usual};
-    Outcome outcome = tested(what, stage.name, folder);
+    Outcome outcome = tested({folder / "tests", filter, "", stage.trials, usual}, stage, folder);
     if (outcome.kind == Outcome::Kind::noticed) return outcome;
   }
   return {Outcome::Kind::survived, is_run ? "" : "no test of the floor runs the place"};

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,9 @@ class TestProgram {
   /// place; with many drawn cases where CLEARWAY_TRIALS asks for them.
   Outcome tried_by_others(const Candidate& candidate, const std::filesystem::path& folder);
 
+  /// Runs the tests that noticed faults once without any. @throws std::runtime_error when one fails
+  void verify(const std::vector<Outcome>& outcomes, const std::filesystem::path& folder) const;
+
   /// Of the program as it is: what was found for another one says nothing.
   const std::string& digest() const { return digest_; }
 
@@ -52,8 +56,8 @@ class TestProgram {
     std::filesystem::path program;
     std::string filter, environment;
     Trials trials = Trials::few;
-    double usual = 0.0;         ///< s of CPU time
-    bool ends_at_first = true;  ///< at the first test that fails
+    std::optional<double> usual;  ///< s of CPU time; none: not known yet
+    bool ends_at_first = true;    ///< at the first test that fails
   };
   Ended run(const Run& what, const std::filesystem::path& folder) const;
   /// Runs tests that all must pass, as many at a time as there are cores, and returns s of CPU time.
@@ -63,14 +67,18 @@ class TestProgram {
                        const std::filesystem::path& folder) const;
   /// s of CPU time that the tests of a stage take without a fault. @throws as run_faultless
   double usual_time(const Stage& stage, const std::filesystem::path& folder);
-  void load_times();
   /// Of a stage the tests that run the candidate's place, and their usual time; an empty filter where none
   /// does.
-  std::pair<std::string, double> reaching(const Candidate& candidate, const Stage& stage) const;
-  Outcome tested(Run what, const std::string& stage, const std::filesystem::path& folder) const;
+  std::pair<std::string, std::optional<double>> reaching(const Candidate& candidate,
+                                                         const Stage& stage) const;
+  /// @param what of `stage`, or of a part of it
+  Outcome tested(Run what, const Stage& stage, const std::filesystem::path& folder);
+  /// The program as it is, linked to where the faulty ones run: a place in which all tests fail would notice
+  /// every fault.
+  std::filesystem::path faultless(const std::filesystem::path& folder) const;
 
-  std::filesystem::path repository_, times_;
-  std::string floor_, program_digest_, digest_;
+  std::filesystem::path repository_;
+  std::string floor_, digest_;
   Trials most_trials_;
   Costs& costs_;
   FloorBuild build_;

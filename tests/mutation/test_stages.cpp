@@ -1,5 +1,7 @@
 #include "tests/mutation/test_stages.hpp"
 
+#include <map>
+#include <mutex>
 #include <regex>
 #include <set>
 
@@ -10,22 +12,35 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of a file of tests that asks how often it shall draw.
-bool draws_cases(const fs::path& file) {
-  static const std::regex call("[^A-Za-z0-9_]trials\\(");
-  const std::string text = read_whole(file);
-  return text.find("trials(") != std::string::npos && std::regex_search(text, call);
+/// Files are read once.
+struct TestFile {
+  std::string text;
+  std::set<std::string> suites;
+  bool draws_cases = false;  ///< it asks how often it shall draw
+};
+
+const TestFile& read_once(const fs::path& file) {
+  static std::map<fs::path, TestFile> known;
+  static std::mutex mutex;
+  const std::lock_guard lock(mutex);
+  const auto [it, is_new] = known.try_emplace(file);
+  TestFile& read = it->second;
+  if (!is_new) return read;
+  static const std::regex test("(^|\n)(TYPED_)?TEST(_F|_P)?\\(([A-Za-z0-9_]+)"),
+      call("[^A-Za-z0-9_]trials\\(");
+  read.text = read_whole(file);
+  if (!file.filename().string().ends_with("_test.cpp")) return read;
+  for (std::sregex_iterator found(read.text.begin(), read.text.end(), test), end; found != end; ++found)
+    read.suites.insert((*found)[4]);
+  read.draws_cases = std::regex_search(read.text, call);
+  return read;
 }
 
 /// The tests of these files, as gtest's filter names them.
 std::string filter_of(const std::set<fs::path>& files) {
   std::set<std::string> suites;
-  static const std::regex test("(^|\n)(TYPED_)?TEST(_F|_P)?\\(([A-Za-z0-9_]+)");
-  for (const fs::path& file : files) {
-    const std::string text = read_whole(file);
-    for (std::sregex_iterator it(text.begin(), text.end(), test), end; it != end; ++it)
-      suites.insert((*it)[4]);
-  }
+  for (const fs::path& file : files)
+    suites.insert(read_once(file).suites.begin(), read_once(file).suites.end());
   std::string filter;
   for (const std::string& suite : suites)
     filter += (filter.empty() ? "" : ":") + suite + ".*:*/" + suite + ".*:" + suite + "/*";
@@ -43,7 +58,7 @@ std::set<fs::path> including(const fs::path& folder, const fs::path& source) {
   std::set<fs::path> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder))
     if (const std::string kind = entry.path().extension();
-        (kind == ".cpp" || kind == ".hpp") && read_whole(entry.path()).find(include) != std::string::npos)
+        (kind == ".cpp" || kind == ".hpp") && read_once(entry.path()).text.find(include) != std::string::npos)
       files.insert(entry.path());
   return files;
 }
@@ -83,7 +98,8 @@ std::vector<Stage> stages_for(const fs::path& repository, const fs::path& source
   const bool is_of_apps = *source.begin() == "apps";
   for (const auto& entry : fs::recursive_directory_iterator(floor)) {
     const bool is_run = !is_of_apps || nearest.contains(entry.path()) || room.contains(entry.path());
-    if (is_run && is_test_file(entry.path()) && draws_cases(entry.path())) drawing.insert(entry.path());
+    if (is_run && is_test_file(entry.path()) && read_once(entry.path()).draws_cases)
+      drawing.insert(entry.path());
   }
   const std::string near = filter_of(nearest), beside = filter_of(room), drawn = filter_of(drawing);
   std::string known = near;
