@@ -148,7 +148,7 @@ Ended FloorBuild::build(const Candidate& candidate, const fs::path& folder) {
     // Alone it takes a fraction of the time. Position-independent code calls functions of other files by
     // their symbols, those of its own batch too, and the first definition is linked.
     const Ended alone = compiled(unit, faulty, object, folder);
-    if (alone.is_good() && !shows_data(object, folder) &&
+    if (alone.is_good() && unit.command.find(" -fPIC ") != std::string::npos && !shows_data(object, folder) &&
         linked({object}, folder, Link::beside_its_batch).is_good())
       return alone;
     if (!alone.is_good() && compiles_alone(name, folder)) return alone;

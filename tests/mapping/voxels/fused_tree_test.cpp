@@ -247,6 +247,29 @@ TEST(FusedTree, OctoMapsRegistryReadsBackWhatItsWriterWrote) {
   EXPECT_EQ(cells_of(*fused), cells_of(tree));
 }
 
+TEST(FusedNode, IsPrunedOnlyWhenItsChildrenAreEightEqualLeaves) {
+  for (unsigned odd = 0; odd < 8; ++odd) {
+    auto* const node = new FusedNode;
+    node->observe(1.5F);
+    std::size_t nodes = 1;
+    bool created = false;
+    FusedNode& child = node->child_for_writing(odd, false, created, nodes);
+    child.child_for_writing(odd, false, created, nodes).add_paint(1);
+    EXPECT_FALSE(node->prune(nodes)) << "child " << odd << " has children";
+    EXPECT_EQ(nodes, 17U);
+    child.drop_children();
+    nodes -= 8;
+    child.add_paint(1);
+    EXPECT_FALSE(node->prune(nodes)) << "child " << odd << " is painted";
+    child.remove_paint(1);
+    EXPECT_TRUE(node->prune(nodes)) << odd;
+    EXPECT_EQ(nodes, 1U);
+    EXPECT_FALSE(node->has_children());
+    EXPECT_EQ(node->getLogOdds(), 1.5F);
+    FusedNode::release(node);
+  }
+}
+
 TEST(FusedTree, FindsTheSameLeafAsOctoMapsSearch) {
   const FusedTree tree = random_tree(4);
   Dice dice(4);
