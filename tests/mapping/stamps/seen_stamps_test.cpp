@@ -1,14 +1,22 @@
 #include "mapping/stamps/seen_stamps.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <fstream>
 #include <limits>
 #include <map>
+#include <new>
+#include <string>
 #include <tuple>
 
 #include "mapping/files/map_file.hpp"
+#include "mapping/system/child_process.hpp"
 #include "mapping/voxels/fused_tree.hpp"
+#include "mapping/voxels/sanitizers.hpp"
 #include "mapping/voxels/scan_grid.hpp"
 #include "tests/worlds/random_map.hpp"
 
@@ -328,6 +336,54 @@ TEST(SeenStamps, ACropKeepsItsCellsAndACoarserVoxelIsAsOldAsItsOldestPart) {
   EXPECT_GT(coarse.size(), 500U);
   expect_true(seen.halved(), coarse);
   expect_true(seen, truth);
+}
+
+/// Takes all memory that this process, which ends soon, may have, but for so many bytes. The limit before.
+rlimit leave_memory(std::size_t bytes) {
+  rlimit before{};
+  getrlimit(RLIMIT_AS, &before);
+  void* const left = std::malloc(bytes);
+  std::ifstream statm("/proc/self/statm");
+  std::size_t pages = 0;
+  statm >> pages;
+  const rlimit no_more{pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE)), before.rlim_max};
+  setrlimit(RLIMIT_AS, &no_more);
+  for (void* volatile taken = left; taken != nullptr;) taken = std::malloc(512);
+  std::free(left);
+  return before;
+}
+
+/// Of a scan of which not all could be stamped the rest was never seen, also in a crop.
+TEST(SeenStamps, WhatMemoryDidNotLastForWasNotSeen) {
+  if (address_sanitized || thread_sanitized) GTEST_SKIP();
+  const auto work = [&]() -> std::string {
+    SeenStamps seen;
+    ScanGrid grid;
+    constexpr int tiles = 8000;
+    const auto cell = [](int tile) {
+      return Eigen::Vector3i(32 * tile - 32000 * (tile / 1000), 32 * (tile / 1000), 0);
+    };
+    for (int i = 0; i < tiles; ++i) grid.set_free(cell(i));
+    const rlimit before = leave_memory(std::size_t{4} << 20U);
+    bool is_short = false;
+    try {
+      seen.see(grid, 1.0);
+    } catch (const std::bad_alloc&) {
+      is_short = true;
+    }
+    setrlimit(RLIMIT_AS, &before);
+    const SeenStamps all = seen.cropped(cell(0), cell(tiles - 1));
+    int stamped = 0;
+    for (int i = 0; i < tiles; ++i) {
+      stamped += seen.last_seen(cell(i)).has_value() ? 1 : 0;
+      if (seen.last_seen(cell(i)) != all.last_seen(cell(i))) return "the crop says other than the map";
+    }
+    if (!is_short) return "memory lasted";
+    return stamped > 0 && stamped < tiles ? "some" : std::to_string(stamped) + " of them";
+  };
+  const ChildOutcome outcome = run_in_child(work, {std::size_t{4} << 30U, 10000, 60});
+  ASSERT_TRUE(outcome.finished) << outcome.failure;
+  EXPECT_EQ(outcome.parts.at(0), "some");
 }
 
 }  // namespace seen_stamps_test
