@@ -20,7 +20,12 @@ constexpr int width = 4;
 struct Numbers {
   Pair low{}, high{};
   double operator[](int lane) const { return lane < 2 ? low[lane] : high[lane - 2]; }
-  void set(int lane, double value) { (lane < 2 ? low[lane] : high[lane - 2]) = value; }
+  void set(int lane, double value) {
+    if (lane < 2)
+      low[lane] = value;
+    else
+      high[lane - 2] = value;  // one assignment to either is GNU's alone
+  }
 };
 struct Places {
   PlacePair low{}, high{};

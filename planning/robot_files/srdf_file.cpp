@@ -296,7 +296,7 @@ std::vector<std::string> srdf_notes(const Robot& robot) {
                     " is read without its states that name no group: " + listed(srdf.states_of_no_group));
   for (const auto& [state, joint] : srdf.several)
     if (std::any_of(robot.links.begin(), robot.links.end(),
-                    [&](const Link& link) { return link.joint_name == joint; }))
+                    [&name = joint](const Link& link) { return link.joint_name == name; }))
       notes.push_back(called + " is read without what state " + quote(state) + " says of joint " +
                       quote(joint) + ": several values, expected one");
   std::set<std::string> unknown(srdf.disabled_links.begin(), srdf.disabled_links.end());

@@ -41,8 +41,9 @@ class Reader {
   Robot robot() {
     add_link(*model_.getRoot(), -1);
     for (const auto& [link, pieces] : pieces_.of_link)
-      if (std::none_of(meshes_.begin(), meshes_.end(),
-                       [&](const NamedMesh& named) { return robot_.bodies[named.body].part == link; }))
+      if (std::none_of(meshes_.begin(), meshes_.end(), [&, &part = link](const NamedMesh& named) {
+            return robot_.bodies[named.body].part == part;
+          }))
         refuse("has no link " + quote(link) + " with a mesh, which mesh_pieces of its settings name");
     read_meshes();
     resolve_mimics(file_, mimics_, robot_);
