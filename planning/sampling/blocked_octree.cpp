@@ -2,6 +2,7 @@
 
 #include <octomap/OcTree.h>
 
+#include <array>
 #include <cmath>
 
 #include "mapping/stamps/seen_stamps.hpp"
@@ -36,32 +37,38 @@ class LeafTree : public octomap::OcTree {
   }
 };
 
-/// Gives `blocked` the leaves of what `listed` has, or of what it has not.
-class BlockedLeaves {
+/// Gives `blocked` leaves where `listed` has none, as coarse as may be.
+class UnlistedLeaves {
  public:
-  BlockedLeaves(const LeafTree& listed, bool listed_are_blocked, LeafTree& blocked)
-      : listed_(listed), listed_are_blocked_(listed_are_blocked), blocked_(blocked) {}
+  UnlistedLeaves(const LeafTree& listed, LeafTree& blocked) : listed_(listed), blocked_(blocked) {}
 
-  void run() { walk(listed_.getRoot(), Eigen::Vector3d::Zero(), 0); }
+  void run() { walk(listed_.getRoot(), 0); }
 
  private:
-  /// `node`: null where nothing is listed; `center`: of its cube.
-  void walk(const Node* node, const Eigen::Vector3d& center, unsigned depth) {
-    if (node == nullptr || !listed_.nodeHasChildren(node)) {
-      if ((node != nullptr) == listed_are_blocked_) blocked_.add_leaf(center, depth);
-      return;
-    }
-    const double quarter = listed_.getNodeSize(depth) / 4;
+  /// `node`: null where nothing is listed.
+  void walk(const Node* node, unsigned depth) {
+    if (node == nullptr) return add_leaf(depth);
+    if (!listed_.nodeHasChildren(node)) return;
     for (unsigned i = 0; i < 8; ++i) {
-      const auto side = [&](unsigned bit) { return (i & bit) != 0 ? quarter : -quarter; };
-      walk(listed_.nodeChildExists(node, i) ? listed_.getNodeChild(node, i) : nullptr,
-           center + Eigen::Vector3d(side(1), side(2), side(4)), depth + 1);
+      child_[depth] = i;
+      made_[depth + 1] = nullptr;
+      walk(listed_.nodeChildExists(node, i) ? listed_.getNodeChild(node, i) : nullptr, depth + 1);
     }
   }
 
+  /// Where the walk is; made from the last node on the way that is there.
+  void add_leaf(unsigned depth) {
+    made_[0] = blocked_.make_root();
+    for (unsigned level = 0; level < depth; ++level)
+      if (made_[level + 1] == nullptr)
+        made_[level + 1] = blocked_.createNodeChild(made_[level], child_[level]);
+  }
+
+  static constexpr std::size_t levels = 17;  // of every tree of OctoMap, the root's included
   const LeafTree& listed_;
-  bool listed_are_blocked_;
   LeafTree& blocked_;
+  std::array<unsigned, levels> child_{};
+  std::array<Node*, levels> made_{};
 };
 
 /// Calls `visit(centre, edge)` for the cubes of a leaf that were seen lately enough.
@@ -89,10 +96,10 @@ void mark_occupied(octomap::OcTree& tree) {
 
 std::shared_ptr<octomap::OcTree> blocked_octree(const Snapshot& map, const Requirement& requirement) {
   const bool unknown_is_blocked = !allows(requirement, VoxelState::unknown, 0);
-  LeafTree listed(map.resolution());
+  auto listed = std::make_shared<LeafTree>(map.resolution());
   const auto add = [&](const Eigen::Vector3d& center, double size) {
     const auto levels = static_cast<unsigned>(std::lround(std::log2(size / map.resolution())));
-    listed.add_leaf(center, listed.getTreeDepth() - levels);
+    listed->add_leaf(center, listed->getTreeDepth() - levels);
   };
   map.visit_leaves([&](const Voxel& leaf) {
     if (allows(requirement, leaf.state, leaf.volumes) != unknown_is_blocked) return;
@@ -100,8 +107,11 @@ std::shared_ptr<octomap::OcTree> blocked_octree(const Snapshot& map, const Requi
       return add(leaf.center, leaf.size);
     visit_seen_within(map, leaf, requirement.seen_within, add);
   });
-  auto blocked = std::make_shared<LeafTree>(map.resolution());
-  BlockedLeaves(listed, !unknown_is_blocked, *blocked).run();
+  std::shared_ptr<LeafTree> blocked = listed;
+  if (unknown_is_blocked) {
+    blocked = std::make_shared<LeafTree>(map.resolution());
+    UnlistedLeaves(*listed, *blocked).run();
+  }
   mark_occupied(*blocked);
   return blocked;
 }
