@@ -118,7 +118,8 @@ std::optional<ImageSize> picture_size(const std::filesystem::path& file) {
     for (std::size_t i = at; i < at + 4; ++i) value = value << 8U | static_cast<unsigned char>(head[i]);
     return value;
   };
-  if (number(16) > longest_side || number(20) > longest_side) return std::nullopt;
+  const auto is_side = [](std::uint32_t side) { return side >= 1 && side <= longest_side; };
+  if (!is_side(number(16)) || !is_side(number(20))) return std::nullopt;
   return ImageSize{static_cast<int>(number(16)), static_cast<int>(number(20))};
 }
 

@@ -95,6 +95,11 @@ TEST(PictureSize, IsThatOfTheHeadOfAPngJpegOrPgm) {
             (ImageSize{48, 40}))
       << "behind EXIF";
   EXPECT_FALSE(picture_size(folder.write("j", std::string("\xff\xd8\xff\xc0\0\x0b\x08\0\0\0\0\0\0", 13))));
+  for (const std::size_t side : {16, 20}) {  // none is 0
+    std::string png = picture_bytes(cv::Mat(36, 48, CV_8UC1, cv::Scalar(7)), ".png");
+    png.replace(side, 4, 4, '\0');
+    EXPECT_FALSE(picture_size(folder.write("none_wide.png", png))) << side;
+  }
   EXPECT_FALSE(picture_size(folder / "none.png"));
 }
 
