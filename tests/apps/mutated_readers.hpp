@@ -17,6 +17,7 @@
 #include <cstring>
 #include <fstream>
 #include <functional>
+#include <vector>
 
 #include "apps/console/failure.hpp"
 #include "tests/worlds/mutated_bytes.hpp"
@@ -62,6 +63,8 @@ struct MutationProgress {
 class MutatedReaders : public ::testing::Test {
  protected:
   using Read = std::function<void(const std::filesystem::path&)>;
+  using ReadAll = std::function<void(const std::vector<std::filesystem::path>&)>;
+  using Mutate = std::function<std::string(const std::string& whole, std::mt19937& random)>;
 
   MutatedReaders()
       : progress_(static_cast<MutationProgress*>(::mmap(
@@ -69,27 +72,40 @@ class MutatedReaders : public ::testing::Test {
   ~MutatedReaders() override { ::munmap(progress_, sizeof(MutationProgress)); }
 
   /// `read` gets `folder/file`, of which `whole` is the sound content, which it must accept.
-  void expect_read_or_refused(const std::string& file, const std::string& whole, const Read& read) {
+  void expect_read_or_refused(const std::string& file, const std::string& whole, const Read& read,
+                              const Mutate& mutate = mutated) {
     folder_.write(file, whole);
     ASSERT_NO_THROW(read(folder_.path() / file)) << file;
-    const int count = mutations(25);
-    *progress_ = {};
-    while (progress_->at < count) {
-      const int status = run_child(file, whole, count, read);
-      if (progress_->at >= count) break;
-      const std::string kept = ::testing::TempDir() + "mutated-" + std::to_string(progress_->at) + "-" +
-                               std::filesystem::path(file).filename().string();
-      std::filesystem::copy_file(folder_.file(file), kept, std::filesystem::copy_options::overwrite_existing);
-      ADD_FAILURE() << kept << ": "
-                    << (progress_->find[0] != '\0'    ? progress_->find
-                        : !WIFSIGNALED(status)        ? "it ended the program"
-                        : WTERMSIG(status) == SIGALRM ? "not read in time"
-                                                      : ::strsignal(WTERMSIG(status)));
-      progress_->find[0] = '\0';
-      ++progress_->at;
-    }
-    EXPECT_GT(progress_->refused, count / 10) << file << ": hardly one was refused";
+    const auto write = [&](std::mt19937& random) {
+      const std::string bytes = mutate(whole, random);
+      folder_.write(file, bytes);
+      return bytes.size();
+    };
+    expect_ends(file, mutations(25), write, [&] { read(folder_.path() / file); });
     folder_.write(file, whole);
+  }
+
+  /// The same of files that a reader decodes in one child, which takes longer to begin than a file to read:
+  /// `read` gets many at a time, numbered from 1, of which the first is sound, in the time that one may take.
+  /// It throws where one of them is refused.
+  void expect_all_read_or_refused(const std::filesystem::path& place, const std::string& end,
+                                  const std::string& whole, const ReadAll& read) {
+    constexpr int together = 25;
+    std::vector<std::filesystem::path> files;
+    for (int i = 1; i <= 1 + together; ++i)
+      files.emplace_back(folder_.write(place / (std::to_string(i) + end), whole));
+    ASSERT_NO_THROW(read(files)) << end;
+    const auto write = [&](std::mt19937& random) {
+      std::size_t largest = 0;
+      for (auto file = files.begin() + 1; file != files.end(); ++file) {
+        const std::string bytes = mutated(whole, random);
+        write_file(*file, bytes);
+        largest = std::max(largest, bytes.size());
+      }
+      return largest;
+    };
+    expect_ends(place, (mutations(25) + together - 1) / together, write, [&] { read(files); });
+    for (const std::filesystem::path& file : files) std::filesystem::remove(file);
   }
 
   /// A file of the repository.
@@ -100,14 +116,37 @@ class MutatedReaders : public ::testing::Test {
   TemporaryFolder folder_;
 
  private:
-  int run_child(const std::string& file, const std::string& whole, int count, const Read& read) {
+  /// Puts changed bytes into `folder/place` and gives their number.
+  using Write = std::function<std::size_t(std::mt19937& random)>;
+
+  void expect_ends(const std::filesystem::path& place, int count, const Write& write,
+                   const std::function<void()>& read) {
+    *progress_ = {};
+    while (progress_->at < count) {
+      const int status = run_child(count, write, read);
+      if (progress_->at >= count) break;
+      const std::string kept = ::testing::TempDir() + "mutated-" + std::to_string(progress_->at) + "-" +
+                               (place.empty() ? "files" : place.filename().string());
+      std::filesystem::copy(
+          folder_.path() / place, kept,
+          std::filesystem::copy_options::overwrite_existing | std::filesystem::copy_options::recursive);
+      ADD_FAILURE() << kept << ": "
+                    << (progress_->find[0] != '\0'    ? progress_->find
+                        : !WIFSIGNALED(status)        ? "it ended the program"
+                        : WTERMSIG(status) == SIGALRM ? "not read in time"
+                                                      : ::strsignal(WTERMSIG(status)));
+      progress_->find[0] = '\0';
+      ++progress_->at;
+    }
+    EXPECT_GT(progress_->refused, count / 10) << place << ": hardly one was refused";
+  }
+
+  int run_child(int count, const Write& write, const std::function<void()>& read) {
     const pid_t child = ::fork();
     if (child == 0) {
       while (progress_->at < count) {
         std::mt19937 random(static_cast<unsigned>(progress_->at));
-        const std::string bytes = mutated(whole, random);
-        folder_.write(file, bytes);
-        if (!is_read_or_refused(bytes.size(), read, folder_.path() / file)) ::_exit(1);
+        if (!is_read_or_refused(write(random), read)) ::_exit(1);
         ++progress_->at;
       }
       ::_exit(0);
@@ -122,12 +161,12 @@ class MutatedReaders : public ::testing::Test {
     std::snprintf(progress_->find, sizeof(progress_->find), "%s", what.c_str());
   }
 
-  bool is_read_or_refused(std::size_t size, const Read& read, const std::filesystem::path& file) const {
+  bool is_read_or_refused(std::size_t size, const std::function<void()>& read) const {
     std::ofstream("/proc/self/clear_refs") << "5";  // the peak of memory begins anew
     const long before = status_kilobytes("VmRSS:");
     ::alarm(longest_read);
     try {
-      read(file);
+      read();
     } catch (...) {
       ++progress_->refused;
       const Failure failure = failure_of(std::current_exception());

@@ -13,6 +13,7 @@
 #include "datasets/pictures/image_folder.hpp"
 #include "datasets/pictures/picture_poses.hpp"
 #include "datasets/pictures/picture_times.hpp"
+#include "datasets/poses/numbered_poses.hpp"
 #include "datasets/poses/tum_poses.hpp"
 #include "datasets/sources/recording.hpp"
 #include "datasets/sources/scan_graph.hpp"
@@ -32,10 +33,16 @@
 #include "tests/worlds/bag_topics.hpp"
 #include "tests/worlds/bags/sqlite_bag_writer.hpp"
 #include "tests/worlds/bytes/picture_bytes.hpp"
+#include "tests/worlds/bytes/resealed.hpp"
 #include "tests/worlds/small_scene.hpp"
 
 namespace clearway {
 namespace mutated_readers_test {
+
+/// Changed behind its checksum.
+std::string mutated_and_resealed(const std::string& whole, std::mt19937& random) {
+  return resealed(mutated(whole, random));
+}
 
 TEST_F(MutatedReaders, plans_and_records_of_queries) {
   expect_read_or_refused("plan.json", source("tests/fuzz/corpus/plan_file/in_one_go-beam_guided.json"),
@@ -47,8 +54,10 @@ TEST_F(MutatedReaders, plans_and_records_of_queries) {
                             .policies = {{"arm", Policy::known_free}},
                             .start = Eigen::Vector2d(0.0, 0.1),
                             .goals = {Eigen::Vector2d(1.0, 0.5)}});
-  expect_read_or_refused("queries.json", to_json(record),
-                         [](const auto& file) { load_query_record(file.parent_path()); });
+  const auto load = [](const auto& file) { load_query_record(file.parent_path()); };
+  expect_read_or_refused("queries.json", to_json(record), load);
+  expect_read_or_refused("queries.json", to_json(record), load,
+                         [](const auto& whole, auto& random) { return with_sha256(mutated(whole, random)); });
 }
 
 TEST_F(MutatedReaders, suites_scenes_and_setups) {
@@ -104,8 +113,9 @@ TEST_F(MutatedReaders, foreign_problem_sets) {
                          [&](const auto& file) { read_robometrics(text(file), file, panda); });
 }
 
-TEST_F(MutatedReaders, recordings) {
-  RecordingWriter writer(folder_.file("whole.rawlog"));
+/// A recording in memory.
+std::string small_recording(const TemporaryFolder& folder) {
+  RecordingWriter writer(folder.file("whole.rawlog"));
   std::mt19937 random(1);
   for (int i = 0; i < 5; ++i) {
     CloudFrame cloud;
@@ -114,25 +124,34 @@ TEST_F(MutatedReaders, recordings) {
     writer.write(Frame{1000.0 + i, "cloud", cloud});
   }
   writer.finish();
-  expect_read_or_refused("r.rawlog", read_file(folder_.file("whole.rawlog")), [](const auto& file) {
-    RecordingReader reader(file);
-    while (reader.next()) {
-    }
-    if (reader.damage()) throw DamagedFile(*reader.damage());
-  });
+  return read_file(folder.file("whole.rawlog"));
+}
+
+void read_recording(const std::filesystem::path& file) {
+  RecordingReader reader(file);
+  while (reader.next()) {
+  }
+  if (reader.damage()) throw DamagedFile(*reader.damage());
+}
+
+TEST_F(MutatedReaders, recordings) {
+  expect_read_or_refused("r.rawlog", small_recording(folder_), read_recording);
+}
+
+TEST_F(MutatedReaders, what_recordings_seal) {
+  expect_read_or_refused("r.rawlog", small_recording(folder_), read_recording, mutated_recording);
 }
 
 TEST_F(MutatedReaders, pictures_and_their_times) {
   cv::Mat noise(60, 80, CV_8UC1);
   cv::theRNG().state = 1;
   cv::randu(noise, 0, 255);
-  const auto read = [](const auto& file) {
-    const auto source = open_pictures({file}, "eye", {});
-    source->next();
-    if (source->damage()) throw DamagedFile(*source->damage());
-  };
   for (const char* end : {".png", ".jpg"})
-    expect_read_or_refused("1" + std::string(end), picture_bytes(noise, end), read);
+    expect_all_read_or_refused("", end, picture_bytes(noise, end), [](const auto& files) {
+      const auto source = open_pictures(files, "eye", {});
+      while (source->next()) continue;
+      if (source->damage()) throw DamagedFile(*source->damage());
+    });
   expect_read_or_refused("times.csv", source("tests/fuzz/corpus/file_times/tum.csv"),
                          [](const auto& file) { parse_file_times(read_file(file), "times"); });
 }
@@ -158,35 +177,27 @@ TEST_F(MutatedReaders, bags) {
 }
 
 TEST_F(MutatedReaders, depth_pictures_and_matrices_of_poses) {
-  std::filesystem::create_directory(folder_ / "depth");
-  std::filesystem::create_directory(folder_ / "pose");
   setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 1);
-  folder_.write("pose/1.txt", "1 0 0 0.5\n0 1 0 0.25\n0 0 1 -1\n0 0 0 1\n");
-  const std::string depth = picture_bytes(cv::Mat(36, 48, CV_16UC1, cv::Scalar(900)), ".png");
-  folder_.write("depth/1.png", depth);
-  const auto read = [](const auto& file) {
-    SourceOptions options;
-    options.camera = CameraIntrinsics{48, 36, 50, 52, 24, 18, {}};
-    const auto folder = file.parent_path().parent_path();
-    const auto source = open_depth_folder(folder, *depth_layout(folder), options);
-    source->next();
-    if (source->damage()) throw DamagedFile(*source->damage());
-  };
-  expect_read_or_refused("depth/1.png", depth, read);
-  std::filesystem::remove(folder_ / "depth/1.png");
+  for (const char* name : {"depth", "pose"}) std::filesystem::create_directory(folder_ / name);
+  const std::string pose = "1 0 0 0.5\n0 1 0 0.25\n0 0 1 -1\n0 0 0 1\n";
+  for (int i = 1; i <= 26; ++i) folder_.write("pose/" + std::to_string(i) + ".txt", pose);
   const std::string values(36 * 48 * 4, '@');  // 3.0 each
   std::string head = "{'descr': '<f4', 'fortran_order': False, 'shape': (36, 48), }";
   head.resize(117, ' ');
-  const std::vector<std::pair<const char*, std::string>> arrays{
-      {"depth/1.npy", std::string("\x93NUMPY\x01\x00\x76\x00", 10) + head + "\n" + values},
-      {"depth/1.pfm", "Pf\n48 36\n-1.0\n" + values},
-      {"depth/1.exr", picture_bytes(cv::Mat_<float>(36, 48, 2.0F), ".exr")}};
-  for (const auto& [name, bytes] : arrays) {
-    expect_read_or_refused(name, bytes, read);
-    std::filesystem::remove(folder_ / name);
-  }
-  folder_.write("depth/1.png", depth);
-  expect_read_or_refused("pose/1.txt", read_file(folder_.path() / "pose/1.txt"), read);
+  const std::vector<std::pair<const char*, std::string>> kinds{
+      {".png", picture_bytes(cv::Mat(36, 48, CV_16UC1, cv::Scalar(900)), ".png")},
+      {".npy", std::string("\x93NUMPY\x01\x00\x76\x00", 10) + head + "\n" + values},
+      {".pfm", "Pf\n48 36\n-1.0\n" + values},
+      {".exr", picture_bytes(cv::Mat_<float>(36, 48, 2.0F), ".exr")}};
+  for (const auto& [end, bytes] : kinds)
+    expect_all_read_or_refused("depth", end, bytes, [this](const auto&) {
+      SourceOptions options;
+      options.camera = CameraIntrinsics{48, 36, 50, 52, 24, 18, {}};
+      const auto source = open_depth_folder(folder_.path(), *depth_layout(folder_.path()), options);
+      while (source->next()) continue;
+      if (source->damage()) throw DamagedFile(*source->damage());
+    });
+  expect_read_or_refused("1.txt", pose, [](const auto& file) { parse_pose_matrix(read_file(file), "pose"); });
   expect_read_or_refused("depth/trajectory.log", "0 0 1\n1 0 0 0.5\n0 1 0 0.25\n0 0 1 -1\n0 0 0 1\n",
                          [](const auto& file) { PicturePoses(file, "", "depth", {"1.png"}, 0.02); });
   for (
@@ -215,9 +226,12 @@ TEST_F(MutatedReaders, maps) {
   save_provenance(map.provenance(), folder);
   const auto load = [](const auto& file) { load_map(file.parent_path()); };
   const auto load_alone = [](const auto& file) { load_map(file); };
+  const auto history = [](const auto& file) { load_provenance(file.parent_path()); };
   expect_read_or_refused("map/map.ot", read_file(folder / "map.ot"), load);
-  expect_read_or_refused("map/provenance.bin", read_file(folder / "provenance.bin"),
-                         [](const auto& file) { load_provenance(file.parent_path()); });
+  expect_read_or_refused("map/map.ot", read_file(folder / "map.ot"), load, mutated_and_resealed);
+  expect_read_or_refused("map/provenance.bin", read_file(folder / "provenance.bin"), history);
+  expect_read_or_refused("map/provenance.bin", read_file(folder / "provenance.bin"), history,
+                         mutated_and_resealed);
   export_map(map.snapshot(), folder / "map.ot");  // of another program: painted.csv is read
   expect_read_or_refused("map/painted.csv", read_file(folder / "painted.csv"), load);
   expect_read_or_refused("other.ot", read_file(folder / "map.ot"), load_alone);

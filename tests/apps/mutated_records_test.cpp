@@ -111,13 +111,16 @@ TEST_F(MutatedReaders, what_lists_the_parts_of_a_bag) {
                          });
 }
 
-TEST_F(MutatedReaders, poses_beside_clouds_and_pictures) {
+TEST_F(MutatedReaders, poses_beside_clouds) {
   const std::string poses = "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n";
   std::filesystem::create_directory(folder_ / "clouds");
   for (const char* name : {"clouds/0.pcd", "clouds/1.pcd"})
     folder_.write(name, format_pcd({{1.0F, 0.0F, 0.0F}}));
   expect_read_or_refused("clouds/poses.txt", poses,
                          [](const auto& file) { open_frames(file.parent_path(), {}); });
+}
+
+TEST_F(MutatedReaders, poses_beside_pictures) {
   std::filesystem::create_directory(folder_ / "depth");
   const auto read = [](const auto& file) { PicturePoses(file, "", "depth", {"1.png", "2.png"}, 0.02); };
   expect_read_or_refused("depth/traj.txt",
