@@ -2,7 +2,7 @@
 #include "apps/check/trajectory_file.hpp"
 #include "tests/fuzz/fuzzed_input.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int check_trajectory_fuzz(const std::uint8_t* data, std::size_t size) {
   using namespace clearway;
   static const fuzz::InputFile yaml(".yaml"), json(".json");
   const std::string_view text = fuzz::as_text(data, size);

@@ -2,7 +2,7 @@
 #include "apps/results/compare_diff.hpp"
 #include "tests/fuzz/fuzzed_input.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int compare_diff_fuzz(const std::uint8_t* data, std::size_t size) {
   using namespace clearway;
   static const fuzz::InputFile file(".sqlite");
   const std::filesystem::path& results = file.write(fuzz::as_text(data, size));

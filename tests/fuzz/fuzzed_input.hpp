@@ -38,6 +38,29 @@ class InputFile {
   std::filesystem::path path_;
 };
 
+/// A folder for readers that open what lies in one; gone with the process.
+class InputFolder {
+ public:
+  explicit InputFolder(const std::string& name)
+      : path_(std::filesystem::temp_directory_path() /
+              ("clearway_fuzz_" + std::to_string(::getpid()) + "_" + name)) {
+    std::filesystem::create_directories(path_);
+  }
+  ~InputFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  std::filesystem::path write(const std::string& file, std::string_view bytes) const {
+    std::ofstream(path_ / file, std::ios::binary)
+        .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    return path_ / file;
+  }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
 inline void require_sentence(const std::exception& error) {
   const std::string_view text = error.what();
   bool is_sentence = !text.empty() && text.size() <= 600;

@@ -3,7 +3,7 @@
 
 #include "tests/fuzz/fuzzed_input.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int gate_line_fuzz(const std::uint8_t* data, std::size_t size) {
   using namespace clearway;
   return fuzz::read_or_refuse([&] {
     const ChunkLine line = parse_chunk_line(fuzz::as_text(data, size));

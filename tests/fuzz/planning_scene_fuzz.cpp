@@ -2,7 +2,7 @@
 #include "apps/problem_sets/planning_scene.hpp"
 #include "tests/fuzz/fuzzed_input.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int planning_scene_fuzz(const std::uint8_t* data, std::size_t size) {
   using namespace clearway;
   const std::string text(fuzz::as_text(data, size));
   std::vector<std::string> left_out;

@@ -3,7 +3,7 @@
 #include "planning/robot_files/load_robot.hpp"
 #include "tests/fuzz/fuzzed_input.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int robometrics_fuzz(const std::uint8_t* data, std::size_t size) {
   using namespace clearway;
   static const SceneContext context{load_robot("panda")};
   return fuzz::read_or_refuse([&] {

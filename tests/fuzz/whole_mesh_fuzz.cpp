@@ -7,7 +7,7 @@
 
 #include "tests/fuzz/fuzzed_input.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int whole_mesh_fuzz(const std::uint8_t* data, std::size_t size) {
   using namespace clearway;
   static constexpr std::array kinds = {"ply", "stl", "obj", "dae"};
   if (size == 0) return 0;

@@ -3,7 +3,7 @@
 
 #include "tests/fuzz/fuzzed_input.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int camera_file_fuzz(const std::uint8_t* data, std::size_t size) {
   using namespace clearway;
   const std::string text(fuzz::as_text(data, size));
   for (const bool is_rectified : {false, true}) {

@@ -3,7 +3,7 @@
 
 #include "tests/fuzz/fuzzed_input.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int camera_path_fuzz(const std::uint8_t* data, std::size_t size) {
   using namespace clearway;
   return fuzz::read_or_refuse([&] {
     parse_camera_path(std::string(fuzz::as_text(data, size)), "fuzzed.json",

@@ -3,7 +3,7 @@
 
 #include "tests/fuzz/fuzzed_input.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int colmap_images_fuzz(const std::uint8_t* data, std::size_t size) {
   using namespace clearway;
   const std::string text(fuzz::as_text(data, size));
   if (!is_colmap_images(text)) return 0;

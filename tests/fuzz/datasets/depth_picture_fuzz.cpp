@@ -5,7 +5,7 @@
 #include "datasets/depth_files/tiff_numbers.hpp"
 #include "tests/fuzz/fuzzed_input.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int depth_picture_fuzz(const std::uint8_t* data, std::size_t size) {
   using namespace clearway;
   const std::string bytes(fuzz::as_text(data, size));
   if (with_signed_numbers(bytes).size() < bytes.size()) std::abort();

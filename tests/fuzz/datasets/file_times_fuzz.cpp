@@ -1,9 +1,10 @@
-// libFuzzer on tables of pictures' times.
+// libFuzzer on tables of pictures' times, TUM's associations among them.
 #include "datasets/pictures/picture_times.hpp"
 #include "tests/fuzz/fuzzed_input.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int file_times_fuzz(const std::uint8_t* data, std::size_t size) {
   using namespace clearway;
-  return fuzz::read_or_refuse(
-      [&] { parse_file_times(std::string(fuzz::as_text(data, size)), "fuzzed.csv"); });
+  const std::string text(fuzz::as_text(data, size));
+  fuzz::read_or_refuse([&] { parse_associations(text, "associations.txt"); });
+  return fuzz::read_or_refuse([&] { parse_file_times(text, "fuzzed.csv"); });
 }

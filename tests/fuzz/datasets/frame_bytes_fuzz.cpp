@@ -3,7 +3,7 @@
 
 #include "tests/fuzz/fuzzed_input.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int frame_bytes_fuzz(const std::uint8_t* data, std::size_t size) {
   using namespace clearway;
   try {
     const std::string again = frame_to_bytes(frame_from_bytes(fuzz::as_text(data, size)));

@@ -3,7 +3,7 @@
 
 #include "tests/fuzz/fuzzed_input.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int joint_states_fuzz(const std::uint8_t* data, std::size_t size) {
   using namespace clearway;
   return fuzz::read_or_refuse([&] {
     const JointStream stream = parse_joint_states(std::string(fuzz::as_text(data, size)), "fuzzed.csv", 0.5);

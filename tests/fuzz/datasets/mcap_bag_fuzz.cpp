@@ -29,7 +29,7 @@ bool asks_for_much(std::string_view bytes) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int mcap_bag_fuzz(const std::uint8_t* data, std::size_t size) {
   using namespace clearway;
   static const fuzz::InputFile file(".mcap");
   static const SourceOptions options = worlds::all_topics();

@@ -4,7 +4,7 @@
 #include "datasets/poses/ned_poses.hpp"
 #include "tests/fuzz/fuzzed_input.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int numbered_poses_fuzz(const std::uint8_t* data, std::size_t size) {
   using namespace clearway;
   const std::string text(fuzz::as_text(data, size));
   return fuzz::read_or_refuse([&] {

@@ -3,7 +3,7 @@
 #include "datasets/bags/bag_source.hpp"
 #include "tests/fuzz/fuzzed_input.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int ros1_bag_fuzz(const std::uint8_t* data, std::size_t size) {
   using namespace clearway;
   static const fuzz::InputFile file(".bag");
   const std::string magic = "#ROSBAG V2.0\n";  // else it is an MCAP file, or none

@@ -15,7 +15,7 @@ void read(const std::filesystem::path& file) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int scan_graph_fuzz(const std::uint8_t* data, std::size_t size) {
   using namespace clearway;
   static const fuzz::InputFile binary(".graph"), text(".log");
   return fuzz::read_or_refuse([&] {

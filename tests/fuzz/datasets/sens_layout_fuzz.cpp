@@ -3,7 +3,7 @@
 
 #include "tests/fuzz/fuzzed_input.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int sens_layout_fuzz(const std::uint8_t* data, std::size_t size) {
   using namespace clearway;
   const std::string_view bytes = fuzz::as_text(data, size);
   try {

@@ -3,7 +3,7 @@
 #include "datasets/bags/bag_source.hpp"
 #include "tests/fuzz/fuzzed_input.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int sqlite_bag_fuzz(const std::uint8_t* data, std::size_t size) {
   using namespace clearway;
   static const fuzz::InputFile file(".db3");
   const std::filesystem::path& bag = file.write(fuzz::as_text(data, size));

@@ -6,7 +6,7 @@
 #include "datasets/ros/message_bag.hpp"
 #include "tests/fuzz/fuzzed_input.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int sqlite_log_fuzz(const std::uint8_t* data, std::size_t size) {
   using namespace clearway;
   static const fuzz::InputFile database(".db3"), log(".db3-wal");
   std::uint32_t first = 0;
