@@ -19,7 +19,7 @@ struct TimedTrajectory {
   Configuration before{};
   std::string fault{};               ///< why no controller can run it, one sentence; else empty
   std::vector<std::string> notes{};  ///< what is not judged, one sentence each
-  std::string moving_start{};        ///< a sentence where the first point has a velocity too soon after 0 s; else empty
+  std::string moving_start{};        ///< a sentence where the first point has a velocity too soon after 0 s
   std::string moving_end{};          ///< a sentence where the last point has a velocity; else empty
   bool has_start = false;  ///< the first of `points` is where the robot rests before the file's first
   /// With a start whole turns of endless joints nearer to the first point than the file states: as it states
