@@ -321,7 +321,8 @@ void add_goal_poses(CLI::App& command, GoalPoseChoice& choice, const std::string
       .add_option(
           "--tip", choice.tip,
           "link, or end effector of the SRDF and by it the link that it hangs on, whose frame --goal-pose "
-          "and the grasp of --pick place; default: the robot's own tip: of its settings, else of its planning "
+          "and the grasp of --pick place; default: the robot's own tip: of its settings, else of its "
+          "planning "
           "group, else the hand or tool frame of the arm with the most joints (`clearway robots` names it)")
       ->type_name("LINK");
   command
