@@ -10,6 +10,7 @@
 #include "datasets/sources/inflating_stream.hpp"
 #include "datasets/sources/rawlog_decoder.hpp"
 #include "datasets/sources/sealed_records.hpp"
+#include "mapping/system/plain_text.hpp"
 
 namespace clearway {
 namespace {
@@ -27,7 +28,7 @@ std::string first_line(const std::string& message) {
 constexpr const char* no_memory = "the object asks for more memory than the file can justify";
 
 std::string undecoded(const std::exception& error) {
-  return "the object cannot be decoded (" + first_line(error.what()) + ")";
+  return "the object cannot be decoded (" + shortened(first_line(error.what())) + ")";  // it repeats the file
 }
 
 using Send = std::function<void(ChildMessage::Kind, std::string_view)>;

@@ -179,6 +179,20 @@ TEST(RecordingReader, AnUnknownClassIsDamageAndNotTheEnd) {
   EXPECT_NE(reading.damage->find("object 2"), std::string::npos) << *reading.damage;
 }
 
+/// A fuzzer's find: MRPT repeats the name of a class that it does not know.
+TEST(RecordingReader, WhatMrptRepeatsOfAFileCannotCommandATerminal) {
+  const TemporaryFolder folder;
+  const std::string name = "CObservation\x1b[2J" + std::string(100, 'x');
+  const std::string object = static_cast<char>(0x80 + name.size()) + name + std::string(40, '\0');
+  const Reading reading = read_bytes(folder, sealed_record(object, {.index = 0, .time = 1.0}) +
+                                                 sealed_record("", {.index = 1, .is_end = true}));
+  ASSERT_TRUE(reading.damage);
+  EXPECT_TRUE(std::none_of(reading.damage->begin(), reading.damage->end(), [](char c) {
+    return static_cast<unsigned char>(c) < 0x20;
+  })) << *reading.damage;
+  EXPECT_NE(reading.damage->find("x1b[2J"), std::string::npos) << *reading.damage;
+}
+
 TEST(RecordingReader, RefusesWhatIsNoRecordingInOneSentence) {
   const TemporaryFolder folder;
   EXPECT_NE(complaint([&] { RecordingReader(folder / "missing.rawlog"); }).find("missing.rawlog"),
