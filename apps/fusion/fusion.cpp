@@ -128,7 +128,12 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
     fusion.setup.source.bag.robot_base = robot->robot().links.front().name;
   }
   std::unique_ptr<FrameSource> frames = open_frames(recording, fusion.setup.source);
-  if (!frames->is_live()) frames = std::make_unique<OrderedFrames>(std::move(frames), recording.string());
+  OrderedFrames* ordered = nullptr;
+  if (!frames->is_live()) {
+    auto in_order = std::make_unique<OrderedFrames>(std::move(frames), recording.string());
+    ordered = in_order.get();
+    frames = std::move(in_order);
+  }
   if (options.is_paced && !frames->is_live()) frames = std::make_unique<PacedFrames>(std::move(frames));
   RecordedFrames* recorded = nullptr;
   if (!options.frames_file.empty()) {
@@ -203,6 +208,7 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
     cameras.see(*frame, fusion.setup);
     progress(frames->progress());
   }
+  if (ordered != nullptr) ordered->refuse_set_back();
   timeline.finish();
   boards.finish();
   scans.finish();

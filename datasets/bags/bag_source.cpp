@@ -259,7 +259,7 @@ JointStream read_joints(const std::filesystem::path& file, const std::string& to
                       [&](const ChildReport& report, int descriptor) {
                         try {
                           const auto bag = cut_bag(input.open(descriptor), part);
-                          visit_joints(*bag, topic, [&](double time, const RosJointState& state) {
+                          visit_joints(*bag, topic, part, [&](double time, const RosJointState& state) {
                             WireWriter out;
                             out.number(time);
                             out.length(state.names.size());

@@ -12,7 +12,7 @@
 namespace clearway {
 
 inline constexpr std::string_view ros1_magic = "#ROSBAG V2.0\n";
-enum Ros1Record : std::uint8_t { op_message = 2, op_bag = 3, op_chunk = 5, op_connection = 7 };
+enum Ros1Record : std::uint8_t { op_message = 2, op_bag = 3, op_index = 4, op_chunk = 5, op_connection = 7 };
 
 template <class Number>
 Number ros1_number(std::string_view bytes, std::size_t at = 0) {

@@ -183,6 +183,24 @@ std::vector<DepthTopic> read_depth_topics(const YamlFields& fields) {
   return topics;
 }
 
+/// `times` and `clock_offsets`.
+void read_bag_times(const YamlFields& fields, BagTopics& bag) {
+  const std::string times = fields.text("times", "");
+  if (times == "stamps") bag.times = BagTimes::stamps;
+  if (times == "recording") bag.times = BagTimes::recording;
+  if (fields.has("times") && bag.times == BagTimes::agreeing_stamps)
+    fields.fail("times", "expected 'stamps' or 'recording'");
+  for (const YamlFields& entry : fields.list_of_maps("clock_offsets")) {
+    const std::string topic = entry.text("topic");
+    constexpr double most = 1e10;  // s
+    if (!bag.clock_offsets.emplace(topic, entry.number("add", {-most, most})).second)
+      entry.fail("topic", "topic " + quote(topic) + " is given twice");
+    entry.finish();
+  }
+  if (bag.times == BagTimes::recording && !bag.clock_offsets.empty())
+    fields.fail("clock_offsets", "expected no offsets of stamps beside 'times: recording'");
+}
+
 BagTopics read_bag(const YamlFields& fields) {
   BagTopics bag;
   const std::pair<const char*, std::string*> names[] = {{"images", &bag.images},
@@ -202,6 +220,7 @@ BagTopics read_bag(const YamlFields& fields) {
   bag.from = fields.number("from", not_negative, bag.from);
   bag.to = fields.optional_number("to", not_negative);
   if (bag.to && *bag.to <= bag.from) fields.fail("to", "expected a time after 'from'");
+  read_bag_times(fields, bag);
   bag.depth = read_depth_topics(fields);
   bag.clouds = fields.texts("clouds");
   bag.scans = fields.texts("scans");

@@ -62,6 +62,10 @@ void BagFrames::visit(const std::function<void(const Frame&)>& take) {
   });
 }
 
+double BagFrames::time_in(const std::string& topic, const RosHeader& header, double recorded) const {
+  return options_.bag.time_of(topic, time_of(header, recorded), recorded);
+}
+
 /// A scan whose readings from `no_return` on are beyond its range.
 RosLaserScan BagFrames::laser_scan_in(WireReader& in) const {
   RosLaserScan scan = read_laser_scan(in);
@@ -74,11 +78,12 @@ std::vector<Frame> BagFrames::frames_in(const BagMessage& message) {
   const BagTopic& topic = bag_.topics()[message.topic];
   if (topic.type == "sensor_msgs/LaserScan") {
     WireReader in(message.bytes, *topic.wire);
-    const RosLaserScan scan = laser_scan_in(in);
+    RosLaserScan scan = laser_scan_in(in);
+    scan.header.time = time_in(topic.name, scan.header, message.time);
     if (has_opposite_angles(scan)) account_.note_opposite_angles(topic.name);
     const bool is_merged = this->is_merged(scan, topic.name, message.time);
     if (scan.time_increment != 0.0F && !options_.bag.fixed_frame.empty() && !is_merged)
-      return frames_of_sweep(scan, topic.name, time_of(scan.header, message.time), 0.25 * options_.resolution,
+      return frames_of_sweep(scan, topic.name, scan.header.time, 0.25 * options_.resolution,
                              options_.clear_infinite,
                              [&](double time) { return pose_of(scan.header.frame, time, message.time); });
     Frame frame = frame_of(message);
@@ -110,14 +115,14 @@ std::vector<Frame> BagFrames::frames_of_cloud(const BagMessage& message) {
     cloud.is_bigendian = !cloud.is_bigendian;
     account_.note_other_order(topic.name);
   }
-  Frame frame{time_of(cloud.header, message.time), topic.name, points_cloud(cloud)};
+  Frame frame{time_in(topic.name, cloud.header, message.time), topic.name, points_cloud(cloud)};
   auto& points = std::get<CloudFrame>(frame.content);
   const bool keeps_times = options_.bag.point_times && !options_.bag.robot_base.empty();
   std::optional<PointTimes> seen;
   if (keeps_times || !options_.bag.fixed_frame.empty()) seen = point_times(cloud);
   if (seen && keeps_times) points.times.assign(seen->times.begin(), seen->times.end());
   if (options_.bag.fixed_frame.empty()) {
-    note_origin(points, topic.name, cloud.header, message.time);
+    note_origin(points, topic.name, {frame.time, cloud.header.frame}, message.time);
     return {frame};
   }
   points.world_from_sensor = pose_of(cloud.header.frame, frame.time, message.time);
@@ -192,7 +197,7 @@ Frame BagFrames::frame_of(const BagMessage& message) {
     header = scan.header;
     frame.content = laser_cloud(scan, options_.clear_infinite);
   }
-  frame.time = time_of(header, message.time);
+  frame.time = time_in(topic.name, header, message.time);
   if (bag.fixed_frame.empty()) return frame;
   const Eigen::Isometry3d world_from_sensor =
       pose_of(header.frame, frame.time, message.time) * message_from_sensor;

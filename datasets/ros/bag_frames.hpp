@@ -56,6 +56,8 @@ class BagFrames {
   bool is_camera(const BagTopic& topic) const;
   /// Whether a topic states the steps of a depth topic of which nothing did.
   bool tells_step(const BagTopic& topic) const;
+  /// When a message of this topic counts, s.
+  double time_in(const std::string& topic, const RosHeader& header, double recorded) const;
   RosLaserScan laser_scan_in(WireReader& in) const;
   /// What a sensor saw: one frame, or the parts of a sweep.
   std::vector<Frame> frames_in(const BagMessage& message);

@@ -92,10 +92,12 @@ std::vector<RosTransform> BagFrames::transforms_in(const BagMessage& message) co
     if (pose.child.empty()) pose.child = options_.bag.pose_frame;
     if (pose.child.empty() || pose.header.frame.empty())
       throw std::runtime_error("its pose does not say what it is of and in which frame");
-    pose.header.time = time_of(pose.header, message.time);
+    pose.header.time = time_in(topic.name, pose.header, message.time);
     transforms.push_back(std::move(pose));
   } else {
     transforms = read_transforms(in);
+    for (RosTransform& transform : transforms)
+      transform.header.time = options_.bag.time_of(topic.name, transform.header.time, message.time);
   }
   std::erase_if(transforms, [&](const RosTransform& transform) {
     const auto is_its = [&](const StatedFrame& frame) { return frame.child == transform.child; };
@@ -139,8 +141,8 @@ void BagFrames::learn() {
     if (!read_[message.topic]) return true;
     if (sensors_[message.topic]) {
       RosHeader header = header_of(topic, message);
-      account_.note_stamp(topic.name, header.time);
-      header.time = time_of(header, message.time);
+      if (options_.bag.times != BagTimes::recording) account_.note_stamp(topic.name, header.time);
+      header.time = time_in(topic.name, header, message.time);
       stamps_.push_back(header.time);
       delays_.push_back(message.time - header.time);
       sensor_frames_.insert(header.frame);
@@ -176,6 +178,7 @@ void BagFrames::learn() {
     return true;
   });
   clocks.refuse_restarts(bag_.first_time().value_or(0.0));
+  if (options_.bag.times != BagTimes::stamps) clocks.refuse_set_back(bag_.first_time().value_or(0.0));
   add_beyond();
   for (const auto& [topic, path] : paths_)
     for (const RosTransform& pose : path.first) transforms_.add(pose, false, path.second);

@@ -87,7 +87,7 @@ std::vector<TopicContent> contents_of(MessageBag& bag) {
   return contents;
 }
 
-void visit_joints(MessageBag& bag, const std::string& topic,
+void visit_joints(MessageBag& bag, const std::string& topic, const BagTopics& options,
                   const std::function<void(double time, const RosJointState& state)>& take) {
   std::vector<bool> wanted;
   for (const BagTopic& candidate : bag.topics()) wanted.push_back(candidate.name == topic && candidate.wire);
@@ -95,7 +95,7 @@ void visit_joints(MessageBag& bag, const std::string& topic,
     try {
       WireReader in(message.bytes, *bag.topics()[message.topic].wire);
       const RosJointState state = read_joint_state(in);
-      take(time_of(state.header, message.time), state);
+      take(options.time_of(topic, time_of(state.header, message.time), message.time), state);
     } catch (const std::runtime_error&) {
     }
     return true;

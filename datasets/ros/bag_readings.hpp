@@ -7,6 +7,7 @@
 #include "datasets/ros/message_bag.hpp"
 #include "datasets/ros/ros_messages.hpp"
 #include "datasets/ros/transform_tree.hpp"
+#include "datasets/sources/frame_source.hpp"
 
 namespace clearway {
 
@@ -28,9 +29,9 @@ struct TopicContent {
 /// Of each of the bag's topics, in their order; reads the whole bag where it has no index that is whole.
 std::vector<TopicContent> contents_of(MessageBag& bag);
 
-/// Calls `take` with the readings of a JointState topic, their own time where they have one; leaves out
-/// damaged ones.
-void visit_joints(MessageBag& bag, const std::string& topic,
+/// Calls `take` with the readings of a JointState topic, their own time where they have one, and as the
+/// options say it counts; leaves out damaged ones.
+void visit_joints(MessageBag& bag, const std::string& topic, const BagTopics& options,
                   const std::function<void(double time, const RosJointState& state)>& take);
 
 }  // namespace clearway

@@ -39,7 +39,7 @@ struct TopicSpan {
   }
 };
 
-/// Where a message lies: of one topic, later ones are greater. All equal where that is not known (ROS 1).
+/// Where a message lies: of one topic, later ones are greater. All equal where that is not known.
 struct BagPlace {
   std::uint64_t part = 0, chunk = 0, message = 0;
   auto operator<=>(const BagPlace&) const = default;

@@ -1,6 +1,8 @@
 #include "datasets/sources/clock_restart.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <vector>
 
 #include "mapping/system/number_text.hpp"
@@ -35,7 +37,66 @@ bool is_without_order(std::span<const double> times, std::size_t runs) {
          back > (*last - *first) * std::max(3.0, messages / 10.0);
 }
 
+/// Whether a run that no message is much behind goes on, and not back or to and fro within that.
+bool is_increasing(std::span<const double> run) {
+  const auto [first, last] = std::minmax_element(run.begin(), run.end());
+  if (*last - *first > 2.0 * least_jump) return true;
+  double forth = 0.0, back = 0.0;
+  for (std::size_t i = 1; i < run.size(); ++i)
+    (run[i] < run[i - 1] ? back : forth) += std::abs(run[i] - run[i - 1]);
+  return forth >= 2.0 * back;
+}
+
+/// Whether the messages from `step` on are those that lack before it, as late ones do: each lies in a gap of
+/// more than one and a half of the usual spacing.
+bool fill_gaps(std::span<const double> times, std::size_t step) {
+  constexpr double latest = 10.0, of_usual = 1.5;  // s, 1
+  std::vector<double> before(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(step)), spacings;
+  std::sort(before.begin(), before.end());
+  for (std::size_t i = 1; i < before.size(); ++i) spacings.push_back(before[i] - before[i - 1]);
+  if (spacings.size() < 3) return false;
+  const auto middle = spacings.begin() + static_cast<std::ptrdiff_t>(spacings.size() / 2);
+  std::nth_element(spacings.begin(), middle, spacings.end());
+  return std::all_of(times.begin() + static_cast<std::ptrdiff_t>(step), times.end(), [&](double time) {
+    const auto after = std::lower_bound(before.begin(), before.end(), time);
+    return after != before.begin() && after != before.end() && before.back() - time <= latest &&
+           *after - *std::prev(after) > of_usual * *middle;
+  });
+}
+
+/// "the stamps of NAME jump back by 3 s at message 62 of 122"
+std::string jump_text(const std::string& name, std::span<const double> times, const char* what,
+                      std::size_t jump) {
+  const auto at = times.begin() + static_cast<std::ptrdiff_t>(jump);
+  return std::string(what) + " of " + name + " jump back by " +
+         short_text(*std::max_element(times.begin(), at) - *at) + " s at message " +
+         std::to_string(jump + 1) + " of " + std::to_string(times.size());
+}
+
 }  // namespace
+
+bool is_one_run(std::span<const double> times) { return begins_of_runs(times).size() <= 1; }
+
+std::optional<std::size_t> find_set_back(std::span<const double> times) {
+  std::vector<std::size_t> begins = begins_of_runs(times);
+  if (begins.size() < 2 || begins.size() - 1 > std::max<std::size_t>(1, times.size() / 8))
+    return std::nullopt;
+  begins.push_back(times.size());
+  std::optional<std::size_t> step;
+  double reached = -HUGE_VAL;
+  for (std::size_t run = 0; run + 1 < begins.size(); ++run) {
+    const auto of_run = times.subspan(begins[run], begins[run + 1] - begins[run]);
+    if (!is_increasing(of_run)) return std::nullopt;
+    const double last = *std::max_element(of_run.begin(), of_run.end());
+    if (last >= reached)
+      step.reset();
+    else if (!step)
+      step = begins[run];
+    reached = std::max(reached, last);
+  }
+  if (step && fill_gaps(times, *step)) return std::nullopt;
+  return step;
+}
 
 std::optional<std::size_t> find_restart(std::span<const double> times) {
   const std::vector<std::size_t> begins = begins_of_runs(times);
@@ -55,19 +116,22 @@ std::optional<std::size_t> find_restart(std::span<const double> times) {
 
 std::string restart_clause(const std::string& name, std::span<const double> times, const char* what,
                            std::size_t restart, std::optional<double> cut) {
-  const auto at = times.begin() + static_cast<std::ptrdiff_t>(restart);
   const std::string seconds = cut ? short_text(*cut, 12) : "";
   const std::string way_out =
       cut ? "`to: " + seconds +
                 "` in `source: {bag: …}` of the setup takes what was before, `from: " + seconds +
                 "` what came after"
           : "`ros2 bag convert` or `rosbag filter` cuts it to one";
-  return "holds more than one run of its clock: " + std::string(what) + " of " + name + " jump back by " +
-         short_text(*std::max_element(times.begin(), at) - *at) + " s at message " +
-         std::to_string(restart + 1) + " of " + std::to_string(times.size()) +
+  return "holds more than one run of its clock: " + jump_text(name, times, what, restart) +
          ", and pass the same times again, so that nothing says which poses belong to which scans; expected "
          "one run: " +
          way_out;
+}
+
+std::string set_back_clause(const std::string& name, std::span<const double> times, const char* what,
+                            std::size_t step) {
+  return jump_text(name, times, what, step) +
+         ", as of a clock that was set back: what was seen last would count as seen first";
 }
 
 }  // namespace clearway

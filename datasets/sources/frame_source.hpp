@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -46,6 +47,10 @@ struct DepthTopic {
   std::string name, camera_info;  ///< Image with depths; its CameraInfo, else the setup's camera
 };
 
+/// When what a bag's messages say holds: by their stamps, if clocks agree; by their stamps, whatever clocks
+/// seem to say; or when they were recorded.
+enum class BagTimes { agreeing_stamps, stamps, recording };
+
 /// Which topics of a bag of ROS messages become frames. All may be empty, but not at once.
 struct BagTopics {
   std::string images, camera_info;  ///< Image or CompressedImage; its CameraInfo, else the setup's camera
@@ -55,6 +60,9 @@ struct BagTopics {
   std::vector<std::string> parts;  ///< files that the bag's folder should hold; none: not known
   double from = 0.0;               ///< s after its first message was recorded: what was before is not read
   std::optional<double> to = {};   ///< the same: what was recorded then and later; empty: to the end
+  BagTimes times = BagTimes::agreeing_stamps;
+  std::map<std::string, double> clock_offsets = {};  ///< s, of topics: added to the stamps of their messages
+  std::string joint_topic = {};  ///< of the robot's joints, which others read: its clock is to agree, too
   std::string sensor_frame;  ///< where rays of clouds in other frames begin; empty: at the origin of theirs
   bool point_times = true;   ///< points of clouds are where they were seen at their own times
   std::string fixed_frame;   ///< poses of sensors are in it, by tf; empty: sensors do not move
@@ -65,6 +73,12 @@ struct BagTopics {
   std::string pose_frame;           ///< of which these are that name no frame of their own
   std::vector<StatedFrame> frames;  ///< that the bag lacks; its own poses of these children do not count
 
+  /// A stamp as it counts. @param recorded when the message was, s since 1970
+  double time_of(const std::string& topic, double stamp, double recorded) const {
+    if (times == BagTimes::recording) return recorded;
+    const auto offset = clock_offsets.find(topic);
+    return offset == clock_offsets.end() ? stamp : stamp + offset->second;
+  }
   bool empty() const { return images.empty() && depth.empty() && clouds.empty() && scans.empty(); }
 };
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
+#include "datasets/sources/clock_restart.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -27,6 +29,7 @@ void OrderedFrames::read_ahead() {
     if (!frame) return;
     const double time = frame->time;
     waiting_bytes_ += bytes_of(*frame);
+    if (std::holds_alternative<CloudFrame>(frame->content)) times_[frame->sensor].push_back(time);
     waiting_.emplace(time, std::move(*frame));
     const bool begins_with_comment = !newest_ && waiting_.size() == 1 &&
                                      std::holds_alternative<CommentFrame>(waiting_.begin()->second.content);
@@ -49,6 +52,15 @@ std::optional<Frame> OrderedFrames::next() {
     ++late_;
     latest_ = std::max(latest_, *newest_ - frame.time);
   }
+}
+
+void OrderedFrames::refuse_set_back() const {
+  for (const auto& [sensor, times] : times_)
+    if (const auto step = find_set_back(times))
+      throw std::invalid_argument(
+          "recording " + quote_path(name_) + " holds more than one run of its clock: " +
+          set_back_clause("sensor " + quote(sensor), times, "the times", *step) +
+          "; expected a recording for each run, whose maps `clearway inspect --merge` joins");
 }
 
 std::optional<std::string> OrderedFrames::damage() const {

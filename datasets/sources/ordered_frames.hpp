@@ -28,13 +28,17 @@ class OrderedFrames final : public FrameSource {
   std::vector<TakenCamera> cameras() const override { return frames_->cameras(); }
   double progress() const override { return frames_->progress(); }
   bool is_live() const override { return frames_->is_live(); }
+  /// At the end: where a sensor's scans come as of a clock that was set back (find_set_back), so that its
+  /// newest ones were given as its oldest, or left out. @throws std::invalid_argument one sentence
+  void refuse_set_back() const;
 
  private:
   void read_ahead();
 
   std::unique_ptr<FrameSource> frames_;
   std::string name_;
-  std::multimap<double, Frame> waiting_;  ///< by time
+  std::multimap<double, Frame> waiting_;              ///< by time
+  std::map<std::string, std::vector<double>> times_;  ///< s, of each sensor's scans, as they came
   std::size_t waiting_bytes_ = 0, clouds_ = 0, late_ = 0;
   bool is_at_end_ = false;
   std::optional<double> newest_;  ///< s, of the scans given

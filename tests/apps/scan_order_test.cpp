@@ -38,8 +38,9 @@ class ScanOrder : public ::testing::Test {
 
   /// The map of a recording, and what it says at a point of the box.
   Json replay(const std::string& recording) {
-    folder_.write("setup.yaml",
-                  "map: {resolution: 0.05}\nsource: {bag: {clouds: [/points], fixed_frame: map}}\n");
+    folder_.write(
+        "setup.yaml",
+        "map: {resolution: 0.05}\nsource: {bag: {clouds: [/points], fixed_frame: map" + times_ + "}}\n");
     const CommandRun run =
         run_command({"replay", folder_.file(recording), "--setup", folder_.file("setup.yaml"), "--out",
                      folder_.file(recording + ".map"), "--no-plan"});
@@ -61,7 +62,16 @@ class ScanOrder : public ::testing::Test {
     EXPECT_EQ(map_of(recording), map_of("in_order.mcap")) << "byte for byte";
   }
 
+  /// Scans that come late, and then it goes on.
+  static std::vector<double> late_times() {
+    std::vector<double> times{box, box + 1};
+    for (double time = first; time < box; ++time) times.push_back(time);
+    times.push_back(end - 1);
+    return times;
+  }
+
   TemporaryFolder folder_;
+  std::string times_;  ///< the setup's key of them
 };
 
 TEST_F(ScanOrder, parts_of_a_bag_are_taken_in_the_order_of_their_times) {
@@ -106,10 +116,30 @@ TEST_F(ScanOrder, stamps_count_where_a_bag_was_recorded_in_another_order) {
   for (const char* name : {"stamps.mcap", "stamps.bag"}) {
     ScanBag bag(folder_ / name);
     double recorded = 9;
+    for (const double time : late_times()) add(bag, {recorded++, time});
+    bag.write();
+    expect_as_in_order(name);
+  }
+}
+
+TEST_F(ScanOrder, scans_recorded_last_with_older_stamps_are_refused_until_the_setup_says_what_counts) {
+  for (const char* name : {"set_back.mcap", "set_back.bag"}) {
+    ScanBag bag(folder_ / name);
+    double recorded = 9;
     for (double time = box; time < end; ++time) add(bag, {recorded++, time});
     for (double time = first; time < box; ++time) add(bag, {recorded++, time});
     bag.write();
+    folder_.write("plain.yaml",
+                  "map: {resolution: 0.05}\nsource: {bag: {clouds: [/points], fixed_frame: map}}\n");
+    const CommandRun run = run_command({"replay", folder_.file(name), "--setup", folder_.file("plain.yaml"),
+                                        "--out", folder_.file("refused"), "--no-plan"});
+    EXPECT_NE(run.status, exit_done);
+    EXPECT_NE(run.log.find("the stamps of '/points' jump back by 14 s at message 4 of 15"), std::string::npos)
+        << run.log;
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "refused"));
+    times_ = ", times: stamps";
     expect_as_in_order(name);
+    times_.clear();
   }
 }
 
@@ -133,9 +163,7 @@ void write_rawlog(const std::filesystem::path& file, const std::vector<double>& 
 }
 
 TEST_F(ScanOrder, rawlogs_whose_scans_are_late_give_the_same_map) {
-  std::vector<double> times;
-  for (double time = box; time < end; ++time) times.push_back(time);
-  for (double time = first; time < box; ++time) times.push_back(time);
+  std::vector<double> times = late_times();
   write_rawlog(folder_ / "late.rawlog", times);
   replay("late.rawlog");
   std::sort(times.begin(), times.end());
@@ -148,6 +176,7 @@ TEST_F(ScanOrder, rawlogs_whose_scans_are_too_late_are_read_without_them_and_say
   std::vector<double> times;
   for (int i = 0; i < 100; ++i) times.push_back(22 + 0.1 * i);
   for (double time = first; time < box; ++time) times.push_back(time);
+  times.push_back(33);
   write_rawlog(folder_ / "late.rawlog", times);
   const CommandRun run = run_command({"replay", folder_.file("late.rawlog"), "--out", folder_.file("map"),
                                       "--no-plan", "--resolution", "0.05"});
@@ -156,6 +185,19 @@ TEST_F(ScanOrder, rawlogs_whose_scans_are_too_late_are_read_without_them_and_say
   EXPECT_EQ(Json::parse(run_command({"inspect", folder_.file("map"), "--at", "1.01,0.01,0.01", "--json"})
                             .out)["at"][0]["state"],
             "occupied");
+}
+
+TEST_F(ScanOrder, rawlogs_whose_clock_was_set_back_are_refused) {
+  std::vector<double> times;
+  for (double time = first; time < end; time += 0.5) times.push_back(time < box ? time : time - 3600);
+  write_rawlog(folder_ / "set_back.rawlog", times);
+  const CommandRun run = run_command({"replay", folder_.file("set_back.rawlog"), "--out", folder_.file("map"),
+                                      "--no-plan", "--resolution", "0.05"});
+  EXPECT_EQ(run.status, exit_bad_input);
+  EXPECT_NE(run.log.find("the times of sensor 'points' jump back by 3599.5 s at message 25 of 30"),
+            std::string::npos)
+      << run.log;
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "map"));
 }
 
 }  // namespace scan_order_test

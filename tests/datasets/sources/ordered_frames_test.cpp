@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <random>
 
+#include "tests/datasets/complaint.hpp"
 #include "tests/worlds/memory_frames.hpp"
 
 namespace clearway {
@@ -66,6 +67,24 @@ TEST(OrderedFrames, RunsThatPassTheSameTimesAreNamedAsSuch) {
   ASSERT_TRUE(frames.damage());
   EXPECT_TRUE(frames.damage()->ends_with("as of several runs in one recording: expected one for each run."))
       << *frames.damage();
+}
+
+TEST(OrderedFrames, ScansOfAClockThatWasSetBackAreRefusedAndLateOnesAreNot) {
+  for (const double back : {5.0, 37.0, 3600.0}) {
+    std::vector<Frame> frames;
+    for (int i = 0; i < 40; ++i) frames.push_back(scan(1000 + 0.1 * i - (i < 37 ? 0 : back)));
+    OrderedFrames set_back = ordered(frames);
+    times_of(set_back);
+    EXPECT_NE(complaint([&] { set_back.refuse_set_back(); })
+                  .find("recording 'r.rawlog' holds more than one run of its clock: the times of sensor 's' "
+                        "jump back by "),
+              std::string::npos)
+        << back;
+    frames.push_back(scan(1005));
+    OrderedFrames late = ordered(frames);
+    times_of(late);
+    EXPECT_EQ(complaint([&] { late.refuse_set_back(); }), "");
+  }
 }
 
 TEST(OrderedFrames, ACommentAtTheBeginningIsGivenBeforeAnythingElseIsRead) {
