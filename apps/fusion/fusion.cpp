@@ -125,6 +125,8 @@ Fusion fuse(const std::filesystem::path& recording, const FusionOptions& options
   std::optional<MovingRobot> robot;
   if (auto joints = recorded_joints(fusion.setup, recording)) {
     robot.emplace(*fusion.setup.robot, std::move(*joints));
+    if (fusion.setup.robot->joint_file.empty())
+      fusion.setup.source.bag.joint_topic = fusion.setup.robot->joint_topic;
     fusion.setup.source.bag.robot_base = robot->robot().links.front().name;
   }
   std::unique_ptr<FrameSource> frames = open_frames(recording, fusion.setup.source);

@@ -47,9 +47,27 @@ std::string kind_of(const Frame& frame) {
   return std::holds_alternative<OdometryFrame>(frame.content) ? "odometry" : "comment";
 }
 
+/// The topics whose clocks are farthest apart, by their first messages; empty: none are by more than a
+/// second.
+std::string clocks_remark(const BagListing& bag) {
+  std::optional<std::pair<double, std::string>> least, most;
+  for (const auto& [name, content] : bag.contents) {
+    if (!content.clock_offset) continue;
+    const std::pair<double, std::string> offset{*content.clock_offset, name};
+    if (!least || offset.first < least->first) least = offset;
+    if (!most || offset.first > most->first) most = offset;
+  }
+  if (!least || most->first - least->first <= 1.0) return "";
+  return "the first stamps of topics " + quote(least->second) + " and " + quote(most->second) +
+         " are of clocks that differ by " + short_text(most->first - least->first, 5) +
+         " s, by the times of recording";
+}
+
 Json topics_of(const BagListing& bag, std::vector<std::vector<std::string>>& rows) {
   Json topics = Json::array();
   rows = {{"topic", "type", "messages", "frame", "encoding", "from s", "to s"}};
+  const bool are_clocks_shown = !clocks_remark(bag).empty();
+  if (are_clocks_shown) rows.front().push_back("stamp - recording s");
   double begin = HUGE_VAL;
   for (const auto& [name, content] : bag.contents) begin = std::min(begin, content.recorded.first);
   const auto shown = [](const std::string& text) { return text.empty() ? "-" : plain(text); };
@@ -57,13 +75,15 @@ Json topics_of(const BagListing& bag, std::vector<std::vector<std::string>>& row
     Json json{{"name", topic.name}, {"type", topic.type}, {"messages", topic.count}};
     std::vector<std::string> row{plain(topic.name), plain(topic.type), std::to_string(topic.count)};
     if (const auto found = bag.contents.find(topic.name); found != bag.contents.end()) {
-      const auto& [frame, encoding, recorded] = found->second;
+      const auto& [frame, encoding, recorded, offset] = found->second;
       if (!frame.empty()) json["frame"] = frame;
       if (!encoding.empty()) json["encoding"] = encoding;
       json["first_s"] = recorded.first;
       json["last_s"] = recorded.last;
+      if (offset) json["clock_offset_s"] = *offset;
       row.insert(row.end(), {shown(frame), shown(encoding), short_text(recorded.first - begin, 6),
                              short_text(recorded.last - begin, 6)});
+      if (are_clocks_shown && offset) row.push_back(short_text(*offset, 6));
     }
     row.resize(rows.front().size(), "-");
     topics.push_back(std::move(json));
@@ -178,6 +198,7 @@ int inspect_recording(const InspectOptions& options, Console& console) {
     const BagListing bag = list_contents(options.map);
     json["topics"] = topics_of(bag, rows);
     json["frames"] = frames_of(bag, frame_rows);
+    if (const std::string remark = clocks_remark(bag); !remark.empty()) console.warn(remark);
     damage = bag.damage;
     if (!damage && is_bag_folder(options.map)) damage = missing_parts(options.map, listed_parts(options.map));
   } else if (const auto layout = depth_in(options.map)) {

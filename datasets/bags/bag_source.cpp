@@ -176,13 +176,14 @@ std::vector<BagTopic> topics_of(const std::vector<Line>& lines) {
   return topics;
 }
 
-/// Of each topic its frame and encoding, then when it began and ended, and then its name.
+/// Of each topic its frame and encoding, its clock's offset, when it began and ended, and then its name.
 void tell_contents(MessageBag& bag, const Tell& tell) {
   const std::vector<TopicContent> contents = contents_of(bag);
   for (std::size_t i = 0; i < contents.size(); ++i) {
-    const auto& [frame, encoding, recorded] = contents[i];
+    const auto& [frame, encoding, recorded, offset] = contents[i];
     if (recorded.last < recorded.first) continue;
     tell(i, "f" + frame + '\n' + encoding);
+    if (offset) tell(i, "o" + short_text(*offset, 17) + '\n');
     tell(i, "t" + short_text(recorded.first, 17) + '\n' + short_text(recorded.last, 17));
     tell(i, "n\n" + bag.topics()[i].name);
   }
@@ -192,7 +193,8 @@ std::map<std::string, TopicContent> contents_from(const std::vector<Line>& lines
   std::map<std::string, TopicContent> contents;
   TopicContent next;
   for (const Line& line : lines) {
-    if (line.mark == 'f') next = {line.first, line.second, {}};
+    if (line.mark == 'f') next = {line.first, line.second, {}, {}};
+    if (line.mark == 'o') next.clock_offset = finite_number(line.first);
     if (line.mark == 't') {
       next.recorded.first = finite_number(line.first).value_or(0.0);
       next.recorded.last = finite_number(line.second).value_or(0.0);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <span>
 
@@ -21,6 +22,36 @@ std::string ways_out(std::optional<double> cut, bool came_first, const char* rec
                                : "";
   return "; in `source: {bag: …}` of the setup " + cuts + recording +
          "`times: stamps` takes all in the order of the stamps, where they are right";
+}
+
+constexpr double most_apart = 1.0;     ///< s, that recorders may hold messages back
+constexpr double longest_work = 10.0;  ///< s, that programs may need for a pose
+constexpr std::size_t fewest = 3;      ///< messages that say what a stream is like
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Of the middle half of the values.
+double spread(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() * 3 / 4] - values[values.size() / 4];
+}
+
+std::string offset_text(const BagClocks::Offset& offset) {
+  return "by their times of recording, the stamps of " + offset.name + " are " +
+         short_text(std::abs(offset.ahead), 5) + " s " + (offset.ahead > 0.0 ? "ahead of" : "behind") +
+         " those of " + offset.other;
+}
+
+[[noreturn]] void refuse(const BagClocks::Offset& offset, const char* what) {
+  throw ContradictoryBag(
+      "is stamped by clocks that differ: " + offset_text(offset) + ", so that " + what +
+      "; in `source: {bag: …}` of the setup `clock_offsets: [{topic: …, add: …}]` moves the stamps "
+      "of a topic, `times: recording` takes all at the times of recording, `times: stamps` "
+      "takes them as they are");
 }
 
 }  // namespace
@@ -45,6 +76,70 @@ BagClocks::Stream BagClocks::by_place(Stream stream) {
   std::stable_sort(stream.begin(), stream.end(),
                    [](const Message& a, const Message& b) { return a.place < b.place; });
   return stream;
+}
+
+std::vector<std::string> BagClocks::names() const {
+  std::vector<std::string> names;
+  for (const auto& [name, stream] : streams_) names.push_back(name);
+  return names;
+}
+
+std::optional<BagClocks::Offset> BagClocks::offset_between(const std::string& name,
+                                                           const std::string& other) const {
+  const auto a = streams_.find(name), b = streams_.find(other);
+  if (a == streams_.end() || b == streams_.end() || a->second.size() < fewest || b->second.size() < fewest)
+    return std::nullopt;
+  Stream one = a->second, two = b->second;
+  const auto by_recording = [](const Message& x, const Message& y) { return x.recorded < y.recorded; };
+  for (Stream* stream : {&one, &two}) std::stable_sort(stream->begin(), stream->end(), by_recording);
+  std::vector<double> aheads, leads, others;
+  for (const Message& message : two) others.push_back(message.lead());
+  for (const Message& message : one) {
+    leads.push_back(message.lead());
+    const auto after = std::lower_bound(two.begin(), two.end(), message, by_recording);
+    if (after == two.end() || (after == two.begin() && after->recorded > message.recorded)) continue;
+    const Message& before = after == two.begin() ? *after : *std::prev(after);
+    const double span = after->recorded - before.recorded,
+                 part = span > 0.0 ? (message.recorded - before.recorded) / span : 0.0;
+    aheads.push_back(message.lead() - before.lead() - part * (after->lead() - before.lead()));
+  }
+  constexpr double steady = 0.5;  // s
+  if (aheads.size() < fewest) {   // one was recorded after the other
+    if (spread(leads) > steady || spread(others) > steady) return std::nullopt;
+    aheads = {median(leads) - median(others)};
+  }
+  const double ahead = median(aheads);
+  if (std::abs(ahead) <= most_apart) return std::nullopt;
+  const auto [first, last] = std::minmax_element(
+      two.begin(), two.end(), [](const Message& x, const Message& y) { return x.stamp < y.stamp; });
+  const bool do_overlap = std::any_of(one.begin(), one.end(), [&](const Message& message) {
+    return message.stamp >= first->stamp && message.stamp <= last->stamp;
+  });
+  return Offset{name, other, ahead, do_overlap};
+}
+
+void BagClocks::refuse_offsets(const std::vector<std::string>& sensors) const {
+  for (std::size_t i = 0; i < sensors.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (const auto offset = offset_between(sensors[i], sensors[j]))
+        refuse(*offset, "what one saw last may count as seen before what the other did");
+}
+
+std::vector<std::string> BagClocks::refuse_pose_offsets(const std::vector<std::string>& sensors,
+                                                        const std::vector<std::string>& poses) const {
+  std::vector<std::string> told;
+  for (const std::string& pose : poses)
+    for (const std::string& sensor : sensors) {
+      const auto offset = offset_between(pose, sensor);
+      if (!offset || !offset->do_overlap) continue;
+      if (offset->ahead > 0.0 || offset->ahead < -longest_work)
+        refuse(*offset, "it may be placed by poses of another moment");
+      told.push_back(
+          "is stamped by clocks that may differ: " + offset_text(*offset) +
+          ", as where poses take long to compute; if it is their clock, `clock_offsets` in `source: "
+          "{bag: …}` of the setup moves them");
+    }
+  return told;
 }
 
 void BagClocks::refuse_restarts(double first_time) const {

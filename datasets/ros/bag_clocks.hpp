@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,13 @@ namespace clearway {
 /// The times of a bag's streams: of the messages of each sensor, and of each frame's transforms.
 class BagClocks {
  public:
+  /// Where the stamps of two streams differ from when they were recorded by more than a second, in the
+  /// middle.
+  struct Offset {
+    std::string name, other;
+    double ahead = 0.0;       ///< s, of the first one's stamps
+    bool do_overlap = false;  ///< what the first one says lies at times of the other, too
+  };
   /// @param name of the stream, for sentences @param stamp s
   void note(const std::string& name, double stamp, const BagMessage& message);
 
@@ -21,10 +29,24 @@ class BagClocks {
   /// in the order of a file that is in order elsewhere.
   void refuse_set_back(double first_time) const;
 
+  /// Of two streams of at least three messages each; nothing: they agree, or it cannot be told, as where both
+  /// were recorded one after the other at a changing pace.
+  std::optional<Offset> offset_between(const std::string& name, const std::string& other) const;
+  /// @param sensors names of streams: of these no two may differ
+  /// @throws ContradictoryBag a clause that names two streams
+  void refuse_offsets(const std::vector<std::string>& sensors) const;
+  /// As that, of poses against what they place, where some lie at its times: those that come up to ten
+  /// seconds after what they belong to, as of programs that compute them, are told instead. @returns clauses
+  std::vector<std::string> refuse_pose_offsets(const std::vector<std::string>& sensors,
+                                               const std::vector<std::string>& poses) const;
+  std::vector<std::string> names() const;
+
  private:
   struct Message {
     double stamp = 0.0, recorded = 0.0;  ///< s
     BagPlace place;
+
+    double lead() const { return stamp - recorded; }
   };
   using Stream = std::vector<Message>;  ///< in the order of recording
 

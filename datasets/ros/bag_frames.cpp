@@ -319,6 +319,7 @@ std::string BagFrames::why_unknown(const std::string& frame, double time) const 
 
 std::vector<std::string> BagFrames::left_out() const {
   std::vector<std::string> clauses = account_.clauses(transforms_.frames(), options_.bag.point_times);
+  clauses.insert(clauses.end(), clock_notes_.begin(), clock_notes_.end());
   for (const auto& [topic, sensor] : depth_)
     if (!sensor.units.empty())
       clauses.push_back("has depth in steps of " + short_text(sensor.step.value()) + " m, by its topic " +

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "datasets/ros/bag_clocks.hpp"
 #include "datasets/ros/left_out.hpp"
 #include "datasets/ros/message_bag.hpp"
 #include "datasets/ros/ros_camera.hpp"
@@ -51,6 +52,9 @@ class BagFrames {
   /// A path's poses. @throws std::runtime_error a clause, where they do not say when they are
   std::vector<RosTransform> path_in(const BagMessage& message) const;
   void learn();
+  /// @throws ContradictoryBag where clocks of what is read differ. @param poses of the streams of `clocks`,
+  /// those of poses and the frames that they are of
+  void refuse_offsets(const BagClocks& clocks, const std::map<std::string, std::string>& poses);
   void learn_camera(const std::string& topic, const RosCameraInfo& info);
   void learn_step(const BagTopic& topic, double step);
   bool is_camera(const BagTopic& topic) const;
@@ -108,6 +112,7 @@ class BagFrames {
   std::map<std::string, bool> no_sensors_;        ///< of a cloud's frame: is_no_sensors
   std::map<std::string, MountedFrames> mounted_;  ///< of a cloud's frame: mounted_on
   std::set<std::string> odometry_frames_;         ///< in which odometry says where something is
+  std::vector<std::string> clock_notes_;          ///< clauses about clocks that may differ
   LeftOut account_;
 };
 

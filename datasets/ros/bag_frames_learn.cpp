@@ -4,9 +4,9 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "datasets/ros/bag_clocks.hpp"
 #include "datasets/ros/bag_frames.hpp"
 #include "datasets/ros/bag_readings.hpp"
+#include "datasets/ros/cut_bag.hpp"
 #include "datasets/ros/depth_units.hpp"
 #include "datasets/ros/transform_faults.hpp"
 #include "datasets/sources/lens.hpp"
@@ -132,12 +132,19 @@ void BagFrames::learn() {
                                    (is_transforms(topic) && are_frames_read) || is_pose(topic)));
   }
   BagClocks clocks;
+  std::map<std::string, std::string> poses;  // streams of them, and their frames
   std::vector<bool> learned = read_;
-  for (std::size_t i = 0; i < learned.size(); ++i) learned[i] = learned[i] || is_odometry(bag_.topics()[i]);
+  const auto has_joints = [&](const BagTopic& topic) {
+    return topic.wire && topic.type == "sensor_msgs/JointState" && topic.name == options_.bag.joint_topic;
+  };
+  for (std::size_t i = 0; i < learned.size(); ++i)
+    learned[i] = learned[i] || is_odometry(bag_.topics()[i]) || has_joints(bag_.topics()[i]);
   bag_.visit(learned, [&](const BagMessage& message) {
     const BagTopic& topic = bag_.topics()[message.topic];
     if (const std::string frame = is_odometry(topic) ? header_of(topic, message).frame : ""; !frame.empty())
       odometry_frames_.insert(frame);
+    if (has_joints(topic))
+      clocks.note(quote(topic.name), time_in(topic.name, header_of(topic, message), message.time), message);
     if (!read_[message.topic]) return true;
     if (sensors_[message.topic]) {
       RosHeader header = header_of(topic, message);
@@ -168,9 +175,10 @@ void BagFrames::learn() {
           continue;
         }
         transforms_.add(transform, is_fixed(topic), message.time);
-        if (!is_fixed(topic) && std::isfinite(transform.header.time))
-          clocks.note(quote(topic.name) + ", frame " + quote(transform.child) + ",", transform.header.time,
-                      message);
+        if (is_fixed(topic) || !std::isfinite(transform.header.time)) continue;
+        const std::string stream = quote(topic.name) + ", frame " + quote(transform.child) + ",";
+        clocks.note(stream, transform.header.time, message);
+        poses[stream] = transform.child;
       }
     } catch (const std::runtime_error& error) {
       account_.leave_out(topic.name, error);
@@ -182,10 +190,24 @@ void BagFrames::learn() {
   add_beyond();
   for (const auto& [topic, path] : paths_)
     for (const RosTransform& pose : path.first) transforms_.add(pose, false, path.second);
+  if (!options_.bag.fixed_frame.empty()) transforms_.prefer_ways_to(options_.bag.fixed_frame);
+  refuse_offsets(clocks, poses);
   if (options_.bag.fixed_frame.empty()) return;
   if (!options_.bag.sensor_frame.empty()) sensor_frames_.insert(options_.bag.sensor_frame);
-  transforms_.prefer_ways_to(options_.bag.fixed_frame);
   refuse_contradictions(transforms_, options_.bag.fixed_frame, sensor_frames_);
+}
+
+void BagFrames::refuse_offsets(const BagClocks& clocks, const std::map<std::string, std::string>& poses) {
+  if (options_.bag.times != BagTimes::agreeing_stamps) return;
+  std::vector<std::string> sensors, used;
+  for (const std::string& name : clocks.names())
+    if (!poses.contains(name)) sensors.push_back(name);
+  clocks.refuse_offsets(sensors);
+  if (options_.bag.fixed_frame.empty()) return;
+  const std::set<std::string> frames = used_frames(transforms_, options_.bag.fixed_frame, sensor_frames_);
+  for (const auto& [name, frame] : poses)
+    if (frames.contains(frame)) used.push_back(name);
+  clock_notes_ = clocks.refuse_pose_offsets(sensors, used);
 }
 
 void BagFrames::add_beyond() {

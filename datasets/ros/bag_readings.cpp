@@ -24,10 +24,11 @@ bool has_header(const std::string& type) {
 bool read_head(const BagTopic& topic, const BagMessage& message, TopicContent& content) {
   try {
     WireReader in(message.bytes, *topic.wire), again(message.bytes, *topic.wire);
-    const std::string frame = read_header(in).frame;
+    const RosHeader header = read_header(in);
     if (topic.type == "sensor_msgs/Image") content.encoding = read_image(again).encoding;
     if (topic.type == "sensor_msgs/CompressedImage") content.encoding = read_compressed_image(again).format;
-    content.frame = frame;
+    content.frame = header.frame;
+    if (std::isfinite(header.time) && header.time > 0.0) content.clock_offset = header.time - message.time;
     return true;
   } catch (const std::runtime_error&) {
     return false;

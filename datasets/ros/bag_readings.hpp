@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,7 @@ struct TopicContent {
   std::string frame;     ///< of the first message that could be read; empty: there is none
   std::string encoding;  ///< of that image, or the format of a compressed one
   TopicSpan recorded;
+  std::optional<double> clock_offset = {};  ///< s, the stamp of that message less when it was recorded
 };
 /// Of each of the bag's topics, in their order; reads the whole bag where it has no index that is whole.
 std::vector<TopicContent> contents_of(MessageBag& bag);

@@ -8,6 +8,7 @@
 #include "datasets/bags/mcap_writer.hpp"
 #include "datasets/sources/recording.hpp"
 #include "tests/apps/run_command.hpp"
+#include "tests/worlds/bags/scan_bag.hpp"
 #include "tests/worlds/bytes/picture_bytes.hpp"
 #include "tests/worlds/bytes/sens_bytes.hpp"
 
@@ -108,6 +109,24 @@ TEST(InspectRecording, ListsFramesAndEncodingsOfABagsTopics) {
   EXPECT_TRUE(encodings.contains("16UC1")) << run.out;
   const CommandRun text = run_command({"inspect", bag});
   EXPECT_NE(text.out.find("encoding"), std::string::npos) << text.out;
+}
+
+TEST(InspectRecording, TopicsByClocksThatDifferAreShown) {
+  const TemporaryFolder folder;
+  for (const double ahead : {0.0, -0.9, -37.0}) {
+    worlds::ScanBag bag(folder / "b.mcap");
+    bag.cloud("/a", 100.0, "a", {{1, 2, 3}});
+    bag.cloud("/b", {100.0, 100.0 + ahead}, "b", {{1, 2, 3}});
+    bag.write();
+    const CommandRun run = run_command({"inspect", folder.file("b.mcap")});
+    const bool is_far = ahead == -37.0;
+    EXPECT_EQ(run.out.find("stamp - recording s") != std::string::npos, is_far) << run.out;
+    EXPECT_EQ(run.log.find("topics '/b' and '/a' are of clocks that differ by 37 s") != std::string::npos,
+              is_far)
+        << run.log;
+    const Json json = Json::parse(run_command({"inspect", folder.file("b.mcap"), "--json"}).out);
+    EXPECT_NEAR(json.at("topics")[1].at("clock_offset_s").get<double>(), ahead, 1e-6);
+  }
 }
 
 TEST(InspectRecording, AFolderOfDepthPicturesIsListedWithoutItsCamera) {

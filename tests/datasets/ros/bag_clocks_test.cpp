@@ -124,5 +124,90 @@ TEST_F(BagClocksTest, ShuffledReversedBufferedAndLateBagsAreReadAsBefore) {
     }
 }
 
+/// Two sensors, of which the second is stamped `ahead` s later. @param latency
+/// of its recording, s
+void add_two(ScanBag& bag, double ahead, double latency = 0.0, double jitter = 0.0) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> part(0.0, 1.0);
+  for (int i = 0; i < 40; ++i) {
+    const double time = start + 0.1 * i;
+    bag.cloud("/a", time, "a", {{1, 2, 3}});
+    bag.cloud("/b", {time + 0.05 + latency + jitter * part(random), time + 0.05 + ahead}, "b", {{1, 2, 3}});
+  }
+}
+
+TEST_F(BagClocksTest, TwoSensorsByClocksThatDifferAreRefusedUntilTheSetupSaysHow) {
+  for (const char* name : {"a.mcap", "a.bag", "a.db3"})
+    for (const double ahead : {-start + 100, -37.0, -5.0, -1.5, 1.5, 37.0}) {
+      ScanBag bag(folder_ / name);
+      add_two(bag, ahead);
+      BagTopics options;
+      options.clouds = {"/a", "/b"};
+      const std::string damage = read_standing(bag, name, options).damage;
+      EXPECT_NE(damage.find("is stamped by clocks that differ: by their times "
+                            "of recording, the stamps of "
+                            "'/b' are "),
+                std::string::npos)
+          << name << ahead << damage;
+      EXPECT_NE(damage.find(ahead < 0 ? " s behind those of '/a'" : " s ahead of those of '/a'"),
+                std::string::npos)
+          << damage;
+      options.clock_offsets["/b"] = -ahead;
+      const Reading moved = read_standing(bag, name, options);
+      EXPECT_EQ(moved.damage, "");
+      ASSERT_EQ(moved.frames.size(), 80U);
+      EXPECT_EQ(moved.frames.back().sensor, "/b");
+      EXPECT_NEAR(moved.frames.back().time, start + 3.95, 1e-5);
+      options.clock_offsets.clear();
+      options.times = BagTimes::recording;
+      EXPECT_EQ(read_standing(bag, name, options).frames.size(), 80U);
+      options.times = BagTimes::stamps;
+      EXPECT_EQ(read_standing(bag, name, options).frames.size(), 80U);
+    }
+}
+
+TEST_F(BagClocksTest, SensorsThatAreRecordedLateOrAtAnotherPaceAreReadAsBefore) {
+  BagTopics options;
+  options.clouds = {"/a", "/b"};
+  for (const double jitter : {0.0, 0.4}) {
+    ScanBag bag(folder_ / "a.mcap");
+    add_two(bag, 0, 0.55, jitter);
+    EXPECT_EQ(read_standing(bag, "a.mcap", options).damage, "");
+  }
+  ScanBag paced(folder_ / "a.mcap"), by_topic(folder_ / "b.mcap");
+  for (int i = 0; i < 40; ++i) {  // played at half the speed, and written topic by topic
+    paced.cloud("/a", {start + 500 + i, start + 0.5 * i}, "a", {{1, 2, 3}});
+    paced.cloud("/b", {start + 500.1 + i, start + 0.5 * i + 0.05}, "b", {{1, 2, 3}});
+    by_topic.cloud("/a", {start + 500 + 0.001 * i, start + 0.5 * i}, "a", {{1, 2, 3}});
+    by_topic.cloud("/b", {start + 600 + 0.001 * i, start + 0.5 * i + 90}, "b", {{1, 2, 3}});
+  }
+  EXPECT_EQ(read_standing(paced, "a.mcap", options).damage, "");
+  EXPECT_EQ(read_standing(by_topic, "b.mcap", options).damage, "");
+}
+
+TEST_F(BagClocksTest, PosesByAnotherClockAreRefusedAndThoseThatComeLateAreTold) {
+  const auto read_with = [&](double ahead) {
+    ScanBag bag(folder_ / "a.mcap");
+    bag.transform(start, "base", "sensor", mount(), true);
+    for (int i = 0; i < 1000; ++i) {
+      const double time = start + 0.05 * i;
+      bag.transform({time, time + ahead}, "map", "base", base_at(0.05 * i));
+      if (i % 10 == 5) bag.cloud("/points", {time + 0.01, time}, "sensor", {{1, 2, 3}});
+    }
+    return read(bag, "a.mcap");
+  };
+  EXPECT_EQ(read_with(0).warnings, "");
+  EXPECT_EQ(read_with(0.9).damage, "");
+  for (const double ahead : {-37.0, 1.5, 37.0})
+    EXPECT_NE(read_with(ahead).damage.find("the stamps of '/tf', frame 'base', are "), std::string::npos)
+        << ahead;
+  const Reading late = read_with(-3);
+  EXPECT_EQ(late.damage, "");
+  EXPECT_NE(late.warnings.find("the stamps of '/tf', frame 'base', are 2.99 s "
+                               "behind those of '/points'"),
+            std::string::npos)
+      << late.warnings;
+}
+
 }  // namespace bag_clocks_test
 }  // namespace clearway
