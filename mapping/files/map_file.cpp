@@ -175,7 +175,7 @@ MapLeaves MapLeaves::in_file(const fs::path& path, std::optional<double> cloud_r
   const auto stream = std::make_shared<const OctreeStream>(file);
   if (!stream->is_ours() && !volumes_beside(file, file != path).empty()) {  // its leaves are to be painted
     MapLeaves map(load_map(path));
-    map.sha256_ = stream->sha256();
+    map.sha256_ = map_sha256(path);
     return map;
   }
   const Snapshot about(stream->shared_bare_tree(), stream->volumes(), stream->seen());
@@ -276,6 +276,13 @@ void export_map(const Snapshot& map, const fs::path& file) {
                               "': expected a .ot, .bt, .pcd or .ply file");
 }
 
-std::string map_sha256(const fs::path& path) { return sha256(read_bytes(map_file_of(path))); }
+std::string map_sha256(const fs::path& path) {
+  const fs::path file = map_file_of(path);
+  std::string bytes = read_bytes(file);
+  const bool is_octree = extension_of(file) == ".ot";
+  if (is_octree && !is_own_map(file) && !volumes_beside(file, file != path).empty())
+    bytes += read_bytes(file.parent_path() / painted_name);
+  return sha256(bytes);
+}
 
 }  // namespace clearway

@@ -48,7 +48,8 @@ void save_map(const Snapshot& map, const std::filesystem::path& directory);
 /// std::runtime_error when it cannot be written.
 void export_map(const Snapshot& map, const std::filesystem::path& file);
 
-/// SHA-256 of a file's bytes as 64 hexadecimal digits; for a map directory, of its map.ot.
+/// SHA-256 of a file's bytes as 64 hexadecimal digits; for a map directory, of its map.ot, followed by those
+/// of painted.csv where the painted volumes are from there (painted_csv_remark).
 std::string map_sha256(const std::filesystem::path& path);
 
 }  // namespace clearway

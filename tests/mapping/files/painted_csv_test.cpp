@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "mapping/files/map_digest.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/files/map_leaves.hpp"
 #include "mapping/free_space_map.hpp"
@@ -190,6 +191,32 @@ TEST(PaintedCsv, its_balls_paint_a_map_of_another_program) {
   EXPECT_GT(read.painted, 100U);
   EXPECT_EQ(read.seen_free, expected.seen_free);
   EXPECT_EQ(MapLeaves::in_file(folder.path()).sha256().size(), 64U);
+}
+
+TEST(PaintedCsv, belongs_to_the_digest_of_a_map_whose_paint_it_is_and_to_no_other) {
+  const TemporaryFolder folder;
+  FreeSpaceMap map({.resolution = 0.05});
+  const int volume = map.add_volume("tool", {"hand"});
+  map.paint(volume, {{0.1, 0.2, 0.3}, 0.2});
+  save_map(map.snapshot(), folder.path());
+  const std::string one = read_file(folder / "painted.csv");
+  map.paint(volume, {{0.6, 0.2, 0.3}, 0.2});
+  const std::string two = format_painted(map.snapshot().volumes());
+  const auto digest_with = [&](const std::string& text) {
+    write_file(folder / "painted.csv", text);
+    const std::string digest = map_sha256(folder.path());
+    EXPECT_EQ(MapLeaves::in_file(folder.path()).sha256(), digest);
+    return digest;
+  };
+  const std::string own = file_sha256(folder / "map.ot");
+  EXPECT_EQ(digest_with(one), own);
+  EXPECT_EQ(digest_with(two), own) << "a map of ours holds its paint";
+  export_map(map.snapshot(), folder / "map.ot");  // a tree of another program
+  const std::string bare = file_sha256(folder / "map.ot");
+  EXPECT_EQ(digest_with(format_painted({})), bare);
+  EXPECT_EQ(digest_with(one), sha256(read_file(folder / "map.ot") + one));
+  EXPECT_NE(digest_with(two), digest_with(one));
+  EXPECT_EQ(map_sha256(folder / "map.ot"), bare) << "the file alone has no paint";
 }
 
 }  // namespace painted_csv_test
