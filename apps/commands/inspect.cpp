@@ -19,6 +19,7 @@
 #include "datasets/bags/unread_recordings.hpp"
 #include "datasets/sources/scan_graph.hpp"
 #include "mapping/files/map_file.hpp"
+#include "mapping/maps/map_damage.hpp"
 #include "mapping/system/atomic_file.hpp"
 #include "mapping/system/plain_text.hpp"
 
@@ -247,7 +248,11 @@ std::string draw(const InspectOptions& options, const Questions& asked, const In
   }
   std::string text;
   for (const SlicePlane& plane : asked.terms) text += '\n' + draw_in_terminal(drawn, plane, is_difference);
-  for (const auto& file : options.exports) export_map(maps.map(), file);
+  for (const auto& file : options.exports) {
+    export_map(maps.map(), file);
+    if (const std::string unsaid = unsaid_in_export(maps.map(), file); !unsaid.empty())
+      console.note(quote_path(file.string()) + " does not say what the map does: " + unsaid);
+  }
   const auto place = is_edited(options) ? std::nullopt : std::optional(options.map.string());
   if (!options.view.empty())
     save_file(options.view, is_difference ? difference_page(drawn, name)

@@ -43,8 +43,8 @@ std::string clock_remark(const Snapshot& map, const Snapshot& other) {
   const std::string why = dated || other_dated ? "only one of the maps has times since 1970"
                                                : "the times of both maps count from a start of their own";
   return why +
-         ": unless both are of one clock, when a voxel was last seen, and so --seen-within, means "
-         "nothing in the merged map";
+         ": the merged map does not say when voxels were last seen, as nothing says that both are of one "
+         "clock, and --seen-within refuses it";
 }
 
 }  // namespace
@@ -59,6 +59,7 @@ Snapshot edited(const InspectOptions& options, const Snapshot& map, EditReport& 
     const Snapshot other = load_map(options.merge, options.cloud_resolution);
     report.clock_remark = clock_remark(map, other);
     result = merge(result, other);
+    if (!report.clock_remark.empty()) result = without_times(result);
   }
   if (!options.paint.empty()) result = with_painted(result, painted_volumes(options.paint, map.resolution()));
   if (!options.clear.empty())

@@ -64,7 +64,7 @@ bool is_edited(const InspectOptions& options);
 struct EditReport {
   HandEditTally tally;  ///< of --clear and --occupy
   std::string clock_remark =
-      {};  ///< doubts whether the times of MAP and --merge are of one clock; may be empty
+      {};  ///< why times of MAP and --merge are not compared, and dropped; may be empty
 };
 
 /// The map after these, in this order; as it is without them. @param[out] report of what was done

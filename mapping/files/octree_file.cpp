@@ -147,6 +147,46 @@ void restore_agreement(FusedTree& tree, std::string_view header, const std::file
   tree.add_agreement(agreement);
 }
 
+/// What a map says of itself in a file of ours and in those for other programs: comment lines, none where
+/// there is nothing to say.
+std::string marks_of(const FusedTree& tree) {
+  std::string marks;
+  if (const auto records = tree.records_before_damage())
+    marks += std::string(damage_comment) + std::to_string(*records) + "\n";
+  const HandEdits& edits = tree.hand_edits();
+  if (edits.occupied > 0 || edits.freed > 0)
+    marks += std::string(hand_edits_comment) + std::to_string(edits.occupied) + " and " +
+             std::to_string(edits.freed) + "\n";
+  if (edits.cut > 0) marks += std::string(cut_comment) + std::to_string(edits.cut) + "\n";
+  return marks;
+}
+
+void restore_marks(FusedTree& tree, std::string_view header, const std::filesystem::path& file) {
+  restore_damage(tree, header, file);
+  restore_hand_edits(tree, header, file);
+  restore_cut(tree, header, file);
+}
+
+/// Of marks in files for other programs, which no seal of ours covers: else they would be read as ours.
+constexpr std::string_view own_prefix = "# clearway ", exported_prefix = "# exported by clearway: ";
+
+/// The header of a file for other programs, with the marks behind its first line.
+std::string header_with_marks(const FusedTree& tree, std::string header) {
+  std::istringstream marks(marks_of(tree));
+  std::string exported;
+  for (std::string line; std::getline(marks, line);)
+    exported += std::string(exported_prefix) + line.substr(own_prefix.size()) + "\n";
+  return header.insert(header.find('\n') + 1, exported);
+}
+
+/// The marks of such a header, as they are in files of ours.
+std::string exported_marks(std::string_view header) {
+  std::istringstream lines(comments(header, exported_prefix));
+  std::string marks;
+  for (std::string line; std::getline(lines, line);) marks += std::string(own_prefix) + line + "\n";
+  return marks;
+}
+
 /// The shortest text that reads back to the same number.
 std::string digits_of(float value) {
   std::array<char, 32> digits{};
@@ -178,10 +218,7 @@ std::string format_fused_tree(const FusedTree& tree, const std::vector<PaintedVo
     rest << agreement_comment << agreement.called_free << " of " << agreement.looked_up << "\n";
   if (const ScanAgreement& agreement = tree.agreement(); agreement.compared > 0)
     rest << amid_free_comment << agreement.amid_free << " of " << agreement.compared << "\n";
-  if (const auto records = tree.records_before_damage()) rest << damage_comment << *records << "\n";
-  if (const HandEdits& edits = tree.hand_edits(); edits.occupied > 0 || edits.freed > 0)
-    rest << hand_edits_comment << edits.occupied << " and " << edits.freed << "\n";
-  if (const std::uint64_t cut = tree.hand_edits().cut; cut > 0) rest << cut_comment << cut << "\n";
+  rest << marks_of(tree);
   std::istringstream painted(format_painted(volumes));
   for (std::string line; std::getline(painted, line);) rest << painted_comment << line << "\n";
   const std::string looks = seen == nullptr ? std::string() : format_seen(*seen);
@@ -208,13 +245,11 @@ std::size_t seen_bytes(const CheckedOctree& checked, std::size_t data, const std
 std::vector<PaintedVolume> restore_header(FusedTree& tree, const CheckedOctree& checked,
                                           const std::filesystem::path& file) {
   tree.set_integration(MapIntegration::unknown);
+  restore_marks(tree, checked.fused ? std::string(checked.header) : exported_marks(checked.header), file);
   if (!checked.fused) return {};
   restore_threshold(tree, checked.header, file);
   restore_clamping(tree, checked.header, file);
   restore_integration(tree, checked.header, file);
-  restore_damage(tree, checked.header, file);
-  restore_hand_edits(tree, checked.header, file);
-  restore_cut(tree, checked.header, file);
   restore_agreement(tree, checked.header, file);
   return parse_painted(comments(checked.header, painted_comment), file);
 }
@@ -257,7 +292,8 @@ std::string format_color_tree(const FusedTree& tree) {
   });
   if (colored.getRoot() != nullptr) colored.updateInnerOccupancy();
   std::ostringstream stream;
-  stream << octree_header(false, colored.getTreeType(), colored.size(), colored.getResolution());
+  stream << header_with_marks(
+      tree, octree_header(false, colored.getTreeType(), colored.size(), colored.getResolution()));
   colored.writeData(stream);
   return std::move(stream).str();
 }
@@ -271,7 +307,8 @@ std::string format_binary_tree(const FusedTree& tree) {
   });
   binary.prune();
   std::ostringstream stream;
-  stream << octree_header(true, binary.getTreeType(), binary.size(), binary.getResolution());
+  stream << header_with_marks(
+      tree, octree_header(true, binary.getTreeType(), binary.size(), binary.getResolution()));
   if (binary.getRoot() != nullptr) binary.writeBinaryNode(stream, binary.getRoot());
   return std::move(stream).str();
 }

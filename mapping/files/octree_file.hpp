@@ -48,9 +48,10 @@ std::size_t seen_bytes(const CheckedOctree& checked, std::size_t data, const std
 std::vector<PaintedVolume> restore_header(FusedTree& tree, const CheckedOctree& checked,
                                           const std::filesystem::path& file);
 
-/// .ot of an octomap::ColorOcTree for other programs. Log-odds are those of the sensors less the occupancy
-/// threshold (so that stock programs, which compare with 0, agree); painted voxels that no sensor saw are
-/// free. Colours: painted green, seen free blue, occupied grey, conflict red.
+/// .ot of an octomap::ColorOcTree for other programs. What the map says of itself (damage of its recording,
+/// changes by hand, a crop) goes with it, and with a .bt, in comments, which they skip. Log-odds are those of
+/// the sensors less the occupancy threshold (so that stock programs, which compare with 0, agree); painted
+/// voxels that no sensor saw are free. Colours: painted green, seen free blue, occupied grey, conflict red.
 std::string format_color_tree(const FusedTree& tree);
 
 /// .bt: occupied and conflict against free (painted or seen free).

@@ -1,9 +1,11 @@
 #include "mapping/maps/map_damage.hpp"
 
 #include <cmath>
+#include <initializer_list>
 
 #include "mapping/maps/hand_edit.hpp"
 #include "mapping/maps/map_integration.hpp"
+#include "mapping/system/input_file.hpp"
 #include "mapping/system/number_text.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 
@@ -53,12 +55,26 @@ std::string contradiction_caveat(const Snapshot& map) {
   return {};
 }
 
-std::string map_caveat(const Snapshot& map) {
+namespace {
+
+std::string joined(std::initializer_list<std::string> parts) {
   std::string all;
-  for (const std::string& part :
-       {integration_caveat(map), damage_caveat(map), contradiction_caveat(map), hand_edit_caveat(map)})
-    all += (all.empty() || part.empty() ? "" : "; ") + part;
+  for (const std::string& part : parts) all += (all.empty() || part.empty() ? "" : "; ") + part;
   return all;
+}
+
+}  // namespace
+
+std::string unsaid_in_export(const Snapshot& map, const std::filesystem::path& file) {
+  const std::string kind = extension_of(file);
+  if (kind != ".ot" && kind != ".bt") return map_caveat(map);
+  const bool is_compatible = integration_of(map) == MapIntegration::compatible;
+  return joined({is_compatible ? integration_caveat(map) : "", contradiction_caveat(map)});
+}
+
+std::string map_caveat(const Snapshot& map) {
+  return joined(
+      {integration_caveat(map), damage_caveat(map), contradiction_caveat(map), hand_edit_caveat(map)});
 }
 
 }  // namespace clearway

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "mapping/snapshot.hpp"
@@ -17,6 +18,10 @@ std::string damage_caveat(const Snapshot& map);
 /// scans come to 3 % and 13 %, those with wrong axes or units to 30 % and more, while few of their hits are
 /// in stable places.
 std::string contradiction_caveat(const Snapshot& map);
+
+/// Of what a verdict must say of this map, what a file that export_map writes does not tell whoever reads it:
+/// a cloud nothing; an OctoMap tree not how the map was integrated, nor contradictions.
+std::string unsaid_in_export(const Snapshot& map, const std::filesystem::path& file);
 
 /// What a verdict that rests on this map must say of it, a sentence each: how it was integrated
 /// (integration_caveat), damage, contradictions, and changes by hand (hand_edit_caveat). Empty when there is

@@ -141,6 +141,10 @@ Snapshot merge(const Snapshot& map, const Snapshot& other) {
   return {tree, std::move(volumes), later_looks(map, other)};
 }
 
+Snapshot without_times(const Snapshot& map) {
+  return {std::make_shared<const FusedTree>(map.tree()), map.volumes()};
+}
+
 Snapshot with_painted(const Snapshot& map, const std::vector<PaintedVolume>& added) {
   for (const PaintedVolume& volume : added) {
     require_storable(volume.label, volume.critical_parts);

@@ -23,6 +23,9 @@ namespace clearway {
 ///         differ, or there would be more than 15 volumes.
 Snapshot merge(const Snapshot& map, const Snapshot& other);
 
+/// The same map, which does not know when its voxels were last seen: so policies that ask for it refuse it.
+Snapshot without_times(const Snapshot& map);
+
 /// The map with these volumes painted, as FreeSpaceMap::paint paints each sphere: what lies wholly inside of
 /// one is painted, and a conflict where it is occupied. Volumes become one with those of their label, as
 /// merge does it.

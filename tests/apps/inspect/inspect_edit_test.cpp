@@ -209,10 +209,29 @@ TEST_F(Inspect, merging_maps_of_two_clocks_says_so) {
         .log;
   };
   EXPECT_NE(log_of(40.0, 1764500000.0).find("only one of the maps has times since 1970"), std::string::npos);
-  EXPECT_NE(log_of(1764500000.0, 40.0).find("--seen-within, means nothing"), std::string::npos);
+  EXPECT_NE(log_of(1764500000.0, 40.0).find("--seen-within refuses it"), std::string::npos);
   EXPECT_NE(log_of(40.0, 50.0).find("count from a start of their own"), std::string::npos);
   EXPECT_NE(log_of(40.0, 40.0).find("count from a start of their own"), std::string::npos);
+  EXPECT_EQ(load_map(folder_.file("m")).seen(), nullptr);
   EXPECT_EQ(log_of(1764500000.0, 1764600000.0), "");
+  EXPECT_NE(load_map(folder_.file("m")).seen(), nullptr);
+}
+
+TEST_F(Inspect, exports_tell_what_verdicts_must_say_or_that_they_do_not) {
+  const std::string cleared = folder_.file("cleared");
+  run_command({"inspect", map_, "--clear", "box:0,0,0,0.6,0.6,0.6", "--save", cleared});
+  const auto log_of = [&](const std::string& name) {
+    const CommandRun run = run_command({"inspect", cleared, "--export", folder_.file(name)});
+    EXPECT_EQ(run.status, exit_done) << run.log;
+    return run.log;
+  };
+  for (const char* name : {"x.ot", "x.bt"}) {
+    EXPECT_EQ(log_of(name).find("edited by hand"), std::string::npos) << name;
+    EXPECT_NE(run_command({"inspect", folder_.file(name)}).out.find("edited by hand"), std::string::npos)
+        << name;
+  }
+  EXPECT_NE(log_of("x.ply").find("does not say what the map does: the map was edited by hand"),
+            std::string::npos);
 }
 
 TEST_F(Inspect, makes_new_maps_of_maps) {

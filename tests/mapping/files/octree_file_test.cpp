@@ -380,5 +380,33 @@ TEST(OctreeFile, ABinaryTreeShowsStockProgramsWhatIsOccupied) {
   });
 }
 
+TEST(OctreeFile, FilesForOtherProgramsKeepWhatTheMapSaysOfItself) {
+  const Snapshot map = worlds::random_map(9).snapshot();
+  FusedTree tree = map.tree();
+  EXPECT_EQ(format_color_tree(tree).find("clearway"), std::string::npos) << "nothing to say";
+  tree.set_records_before_damage(37);
+  tree.add_hand_edits({.occupied = 3, .freed = 7296, .cut = 5});
+  for (const std::string& bytes : {format_color_tree(tree), format_binary_tree(tree)}) {
+    const OctreeContent read = parse_octree(bytes, "x.ot");
+    EXPECT_EQ(read.tree->records_before_damage(), 37U);
+    EXPECT_EQ(read.tree->hand_edits().occupied, 3U);
+    EXPECT_EQ(read.tree->hand_edits().freed, 7296U);
+    EXPECT_EQ(read.tree->hand_edits().cut, 5U);
+    EXPECT_FALSE(read.has_volumes);
+    std::string broken = bytes;
+    broken.replace(broken.find("7296"), 4, "many");
+    EXPECT_THROW(parse_octree(broken, "x.ot"), DamagedFile);
+  }
+  std::istringstream color(format_color_tree(tree)), binary(format_binary_tree(tree));
+  const std::unique_ptr<octomap::AbstractOcTree> stock(octomap::AbstractOcTree::read(color));
+  ASSERT_NE(stock, nullptr);
+  EXPECT_EQ(stock->size(), map.tree().size());
+  octomap::OcTree bits(0.1);
+  ::testing::internal::CaptureStderr();
+  EXPECT_TRUE(bits.readBinary(binary));
+  ::testing::internal::GetCapturedStderr();
+  EXPECT_GT(bits.size(), 100U);
+}
+
 }  // namespace octree_file_test
 }  // namespace clearway
