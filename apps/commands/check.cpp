@@ -298,14 +298,15 @@ void judge_path(const Candidate& read, const std::vector<TimedTrajectory>& timed
 int run_check(const CheckOptions& options, Console& console) {
   Candidate read = read_candidate(options);
   if (read.is_trajectory()) console.note(degrees_note(read.plan, read.robot));
-  const Snapshot map = load_map(options.map, options.cloud_resolution);
+  const RecordedMap recorded = load_recorded_map(options.map, options.cloud_resolution);
+  const Snapshot& map = recorded.map;
   report_inputs(options, read, map, console);
   const std::vector<TimedTrajectory> timed = timed_trajectories(read.entries, read.robot, options.plan);
 
   CheckReport report;
   Contract& contract = report.contract;
-  contract = state_contract(options, read.plan, read.robot, map, map_sha256(options.map),
-                            load_query_record(options.map), read.plan.motion || !timed.empty());
+  contract = state_contract(options, read.plan, read.robot, map, recorded.sha256, recorded.record,
+                            read.plan.motion || !timed.empty());
   if (read.is_trajectory()) complete_trajectory(options, !timed.empty(), read, contract);
   if (const std::string hint = hint_of_degrees(options, contract, read.robot); !hint.empty())
     console.warn(hint);

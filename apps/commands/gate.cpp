@@ -177,10 +177,11 @@ int run_gate(const GateCommandOptions& options, Console& console) {
   const GateOptions gate_terms = gate_options(options, robot);
   joint_limits(robot, gate_terms.limits);  // throws before the map is read
   Gate gate(gate_terms);
-  const Snapshot map = load_map(options.map, options.cloud_resolution);
+  const LoadedMap loaded = load_map_with(options.map, {}, options.cloud_resolution);
+  const Snapshot& map = loaded.map;
   report_inputs(options, robot, map, console);
   std::shared_ptr<const Provenance> history;
-  if (auto found = load_provenance(options.map))
+  if (auto found = load_provenance(options.map); found && found->map_sha256 == loaded.sha256)
     history = std::make_shared<const Provenance>(std::move(*found));
   const double padding = choose_padding(options.robot, robot);
   const double seen_within = options.robot.seen_within.value_or(0.0);

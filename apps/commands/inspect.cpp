@@ -84,13 +84,14 @@ void require_outputs(const InspectOptions& options) {
 }
 
 /// What replay wrote beside the map; none for a map that was edited since, with a word about it.
-std::optional<Provenance> provenance_of(const InspectOptions& options, Console& console) {
+std::optional<Provenance> provenance_of(const InspectOptions& options, const std::string& sha256,
+                                        Console& console) {
   if (!options.save.empty() || (options.at.empty() && !options.conflicts)) return std::nullopt;
   std::optional<Provenance> found = load_provenance(options.map);
   if (!found && options.conflicts)
     throw std::invalid_argument("--conflicts: " + options.map.string() +
                                 " holds no provenance.bin, expected a folder written by replay");
-  if (found && found->map_sha256 != map_sha256(options.map)) {
+  if (found && found->map_sha256 != sha256) {
     console.warn("warning: provenance.bin belongs to another map and is not used");
     return std::nullopt;
   }
@@ -182,28 +183,35 @@ Questions read_questions(const InspectOptions& options, bool is_json) {
 struct InspectedMaps {
   explicit InspectedMaps(const InspectOptions& options);
 
-  std::optional<Snapshot> loaded;  ///< as it was, where places in it are asked for
+  std::optional<LoadedMap> loaded;  ///< as it was, where places in it are asked for
   EditReport edits;
   MapLeaves leaves;  ///< as it is now
   KeptRecord kept;
   std::optional<Snapshot> other;
 
   const Snapshot& map() const { return leaves.about(); }
+  const std::string& sha256() const { return loaded ? loaded->sha256 : leaves.sha256(); }
 };
 
+/// Its record of queries is for the map that --save makes of it.
+LoadedMap load_with_record(const InspectOptions& options) {
+  std::vector<FileBeside> beside;
+  if (!options.save.empty()) beside.push_back(record_beside());
+  return load_map_with(options.map, beside, options.cloud_resolution);
+}
+
 InspectedMaps::InspectedMaps(const InspectOptions& options)
-    : loaded(needs_memory(options) ? std::optional<Snapshot>(load_map(options.map, options.cloud_resolution))
-                                   : std::nullopt),
-      leaves(loaded ? MapLeaves(edited(options, *loaded, edits))
+    : loaded(needs_memory(options) ? std::optional(load_with_record(options)) : std::nullopt),
+      leaves(loaded ? MapLeaves(edited(options, loaded->map, edits))
                     : MapLeaves::in_file(options.map, options.cloud_resolution)),
-      kept(record_to_keep(options)) {
+      kept(loaded ? record_to_keep(options, *loaded, edits.merged) : KeptRecord()) {
   if (!options.diff.empty()) other = load_map(options.diff, options.cloud_resolution);
 }
 
 /// What file and flags leave in doubt.
 void report_maps(const InspectOptions& options, const InspectedMaps& maps, Console& console) {
   const MapLeaves& leaves = maps.leaves;
-  const Snapshot& as_read = maps.loaded ? *maps.loaded : maps.map();
+  const Snapshot& as_read = maps.loaded ? maps.loaded->map : maps.map();
   console.note(maps.kept.remark);
   console.note(painted_csv_remark(options.map, as_read));
   console.note(cloud_remark(options.map, as_read, options.cloud_resolution.has_value()));
@@ -219,7 +227,7 @@ void report_maps(const InspectOptions& options, const InspectedMaps& maps, Conso
 Json answers(const InspectOptions& options, const Questions& asked, const InspectedMaps& maps,
              const Provenance* provenance) {
   const Snapshot& map = maps.map();
-  Json json = describe_map(options, maps.leaves);
+  Json json = describe_map(options, maps.leaves, maps.sha256());
   if (!options.occupy.empty() || !options.clear.empty())
     json["edited"] = describe_hand_edit(maps.edits.tally);
   for (const Eigen::Vector3d& point : asked.points)
@@ -270,7 +278,7 @@ int run_inspect(const InspectOptions& options, Console& console) {
   const InspectedMaps maps(options);
   report_maps(options, maps, console);
   require_in_reach(asked.points, maps.map());
-  const std::optional<Provenance> provenance = provenance_of(options, console);
+  const std::optional<Provenance> provenance = provenance_of(options, maps.sha256(), console);
 
   Json json = answers(options, asked, maps, provenance ? &*provenance : nullptr);
   const std::string text = draw(options, asked, maps, console);

@@ -262,14 +262,16 @@ void print_plan(const PlanOptions& options, const Plan& plan, std::ostream& out)
 int run_plan(const PlanOptions& options, Console& console) {
   if (options.print_options) return print_planner_options(options, console);
   const AskedPlan asked = read_query(options);
-  const Snapshot map = load_map(
-      options.map, options.cloud_resolution);  // what is said before may be said again by the whole program
+  const LoadedMap loaded =
+      load_map_with(options.map, {},
+                    options.cloud_resolution);  // what is said before may be said again by the whole program
+  const Snapshot& map = loaded.map;
   report_query(options, asked, map, console);
   const ConfigurationSpace space =
       padded_space(asked.robot, map, asked.policies, choose_padding(options.robot, asked.robot),
                    options.robot.seen_within.value_or(0.0));
   if (asked.pick || !asked.goal_poses.empty()) report_tip(options, asked.robot, console);
-  Plan plan = make_plan(query_of(options, asked, space), asked, options.goal_poses.tip);
+  Plan plan = make_plan(query_of(options, asked, space, loaded.sha256), asked, options.goal_poses.tip);
   add_caveats(options, asked, space, plan);
   add_motion(options, space, plan, console);
   report_remedies(options, asked, space, plan, console);

@@ -12,6 +12,7 @@
 #include "mapping/system/plain_text.hpp"
 #include "planning/check/check_pick.hpp"
 #include "planning/files/trajectory_file.hpp"
+#include "planning/plan_pick.hpp"
 #include "planning/planner_table.hpp"
 
 namespace clearway {
@@ -97,7 +98,8 @@ AskedPlan read_query(const PlanOptions& options) {
   return asked;
 }
 
-PlanQuery query_of(const PlanOptions& options, const AskedPlan& asked, const ConfigurationSpace& space) {
+PlanQuery query_of(const PlanOptions& options, const AskedPlan& asked, const ConfigurationSpace& space,
+                   const std::string& map_digest) {
   PlanQuery query{.space = space,
                   .start = asked.stops.start,
                   .goals = asked.stops.goals,
@@ -110,7 +112,7 @@ PlanQuery query_of(const PlanOptions& options, const AskedPlan& asked, const Con
                   .survey = options.survey,
                   .robot_name = options.robot.robot,
                   .map_file = options.map,
-                  .map_digest = map_sha256(options.map)};
+                  .map_digest = map_digest};
   if (!options.dynamics.gravity.empty()) query.gravity = Eigen::Vector3d(options.dynamics.gravity.data());
   return query;
 }

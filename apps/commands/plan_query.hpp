@@ -32,7 +32,8 @@ struct AskedPlan {
 /// @throws std::invalid_argument naming the flag; std::runtime_error for a file that cannot be written
 AskedPlan read_query(const PlanOptions& options);
 
-/// The same in a space, which has to live on.
-PlanQuery query_of(const PlanOptions& options, const AskedPlan& asked, const ConfigurationSpace& space);
+/// The same in a space, which has to live on. @param map_digest of the bytes that its map was read from
+PlanQuery query_of(const PlanOptions& options, const AskedPlan& asked, const ConfigurationSpace& space,
+                   const std::string& map_digest);
 
 }  // namespace clearway

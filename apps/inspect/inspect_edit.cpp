@@ -56,10 +56,12 @@ Snapshot edited(const InspectOptions& options, const Snapshot& map, EditReport& 
         "to");
   Snapshot result = map;
   if (!options.merge.empty()) {
-    const Snapshot other = load_map(options.merge, options.cloud_resolution);
-    report.clock_remark = clock_remark(map, other);
-    result = merge(result, other);
+    LoadedMap& other = report.merged;
+    other = load_map_with(options.merge, {record_beside()}, options.cloud_resolution);
+    report.clock_remark = clock_remark(map, other.map);
+    result = merge(result, other.map);
     if (!report.clock_remark.empty()) result = without_times(result);
+    other.map = {};
   }
   if (!options.paint.empty()) result = with_painted(result, painted_volumes(options.paint, map.resolution()));
   if (!options.clear.empty())
@@ -97,26 +99,14 @@ void print_hand_edit(const nlohmann::ordered_json& json, std::ostream& out) {
                                           count("painted") + " to painted"}});
 }
 
-namespace {
-
-/// None: there is none, or it is of another map.
-std::optional<QueryRecord> record_of(const std::filesystem::path& map) {
-  std::optional<QueryRecord> record = load_query_record(map);
-  if (!record || record->map_sha256 != map_sha256(map)) return {};
-  record->made_for = record->map_sha256;
-  return record;
-}
-
-}  // namespace
-
-KeptRecord record_to_keep(const InspectOptions& options) {
+KeptRecord record_to_keep(const InspectOptions& options, const LoadedMap& map, const LoadedMap& merged) {
   if (options.save.empty()) return {};
-  KeptRecord kept{record_of(options.map)};
+  KeptRecord kept{record_to_hand_on(map, options.map)};
   if (options.merge.empty()) return kept;
-  if (!kept.record) return {record_of(options.merge)};
+  if (!kept.record) return {record_to_hand_on(merged, options.merge)};
   const std::string is_not = " is kept, that of " + quote_path(options.merge.string()) + " is not";
   try {
-    std::optional<QueryRecord> other = record_of(options.merge);
+    std::optional<QueryRecord> other = record_to_hand_on(merged, options.merge);
     if (!other) return kept;
     other->map_sha256 = kept.record->map_sha256;
     other->made_for = kept.record->made_for;

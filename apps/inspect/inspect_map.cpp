@@ -43,13 +43,13 @@ std::string name_of_map(const std::filesystem::path& map) {
   return name.empty() ? "map" : name;
 }
 
-Json describe_map(const InspectOptions& options, const MapLeaves& leaves) {
+Json describe_map(const InspectOptions& options, const MapLeaves& leaves, const std::string& sha256) {
   const Snapshot& map = leaves.about();
   const VoxelCounts counts = leaves.counts();
   const double voxel_volume = std::pow(map.resolution(), 3);
   Json json;
   json["map"] = options.map.string();
-  json["sha256"] = leaves.sha256().empty() ? map_sha256(options.map) : leaves.sha256();
+  json["sha256"] = sha256;
   json["resolution"] = map.resolution();
   json["integration"] = to_string(integration_of(map));
   json["voxels"] = {{"painted", counts.painted},

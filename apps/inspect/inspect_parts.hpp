@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "apps/console/commands.hpp"
+#include "mapping/files/map_file.hpp"
 #include "mapping/files/map_leaves.hpp"
 #include "mapping/history/provenance.hpp"
 #include "mapping/maps/hand_edit.hpp"
@@ -21,8 +22,9 @@ namespace clearway {
 // What `inspect` says, one file a question: `describe_…` finds it out as JSON, `print_…` says it as text.
 // Lengths are metres in the map frame.
 
-/// The map as a whole: where it is from, voxels by state, bounds, painted volumes.
-nlohmann::ordered_json describe_map(const InspectOptions& options, const MapLeaves& leaves);
+/// The map as a whole: where it is from, voxels by state, bounds, painted volumes. @param sha256 of its file
+nlohmann::ordered_json describe_map(const InspectOptions& options, const MapLeaves& leaves,
+                                    const std::string& sha256);
 void print_map(const nlohmann::ordered_json& json, std::ostream& out);
 
 /// What people call the map: the name of its folder, or of its file.
@@ -64,7 +66,8 @@ bool is_edited(const InspectOptions& options);
 struct EditReport {
   HandEditTally tally;  ///< of --clear and --occupy
   std::string clock_remark =
-      {};  ///< why times of MAP and --merge are not compared, and dropped; may be empty
+      {};                 ///< why times of MAP and --merge are not compared, and dropped; may be empty
+  LoadedMap merged = {};  ///< that of --merge without its voxels
 };
 
 /// The map after these, in this order; as it is without them. @param[out] report of what was done
@@ -85,8 +88,9 @@ struct KeptRecord {
 
 /// The queries that MAP has a record of, else those of the map of --merge, for the map that --save makes of
 /// them; none of them without --save.
+/// @param map, merged as they were read with record_beside()
 /// @throws as load_query_record, of the record that would be kept
-KeptRecord record_to_keep(const InspectOptions& options);
+KeptRecord record_to_keep(const InspectOptions& options, const LoadedMap& map, const LoadedMap& merged);
 
 /// Writes the map to --save, with these queries. @throws std::invalid_argument when that would replace a map
 /// that was read.

@@ -22,9 +22,8 @@ NamedMap load_snapshot(const std::filesystem::path& path, std::optional<double> 
   const bool is_folder = std::filesystem::is_directory(path, error);
   return without_lock([&] {
     return read_named(is_folder ? path / "map.ot" : path, [&] {
-      NamedMap loaded{load_map(path, cloud_resolution), path, {}};
-      loaded.digest = map_sha256(path);
-      return loaded;
+      LoadedMap loaded = load_map_with(path, {}, cloud_resolution);
+      return NamedMap{std::move(loaded.map), path, std::move(loaded.sha256)};
     });
   });
 }

@@ -157,8 +157,10 @@ StageProblem stage_problem(const SuiteProblem& problem, const Robot& robot) {
 
 /// A world of the suite without problems.
 SuiteStage stage_of(const SuiteWorld& world, const Robot& robot) {
-  if (!world.map.empty())
-    return {world.name, load_map(world.map), world.map.string(), map_sha256(world.map), {}};
+  if (!world.map.empty()) {
+    LoadedMap loaded = load_map_with(world.map, {});
+    return {world.name, std::move(loaded.map), world.map.string(), std::move(loaded.sha256), {}};
+  }
   const Snapshot map = make_map(world, robot.critical_parts);
   return {world.name, map, "", map_sha256(map), {}};
 }

@@ -46,7 +46,7 @@ std::string statement_of(double edge) { return std::string(statement) + to_text(
 }  // namespace
 
 std::optional<double> stated_edge(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
+  std::ifstream stream(input_place(file), std::ios::binary);
   std::string line;
   for (int i = 0; i < 4 && std::getline(stream, line); ++i) {
     std::string_view rest = line;
@@ -60,7 +60,7 @@ std::optional<double> stated_edge(const std::filesystem::path& file) {
 }
 
 bool has_turned_viewpoint(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
+  std::ifstream stream(input_place(file), std::ios::binary);
   std::string line;
   for (int i = 0; i < 20 && std::getline(stream, line) && !line.starts_with("DATA"); ++i) {
     std::string_view rest = line;

@@ -5,10 +5,6 @@
 #include <pcl/io/pcd_io.h>
 #include <pcl/io/ply_io.h>
 
-#include <fcntl.h>
-#include <sys/mman.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -83,31 +79,8 @@ Coordinate coordinate(const pcl::PCLPointCloud2& cloud, const std::string& name)
 constexpr std::size_t viewpoint_bytes = 7 * sizeof(float);
 constexpr std::size_t points_at = viewpoint_bytes + 2 * sizeof(std::uint64_t);
 
-/// A file of these bytes that has no name but this, as long as it lives.
-class NamelessFile {
- public:
-  explicit NamelessFile(const std::string& bytes) {
-    const int made = memfd_create("cloud", MFD_CLOEXEC);
-    descriptor_ = fcntl(made, F_DUPFD_CLOEXEC, 3);
-    close(made);
-    for (std::size_t at = 0; at < bytes.size();) {
-      const ssize_t written = write(descriptor_, bytes.data() + at, bytes.size() - at);
-      if (written <= 0) throw std::runtime_error("there is no memory for it");
-      at += static_cast<std::size_t>(written);
-    }
-  }
-  ~NamelessFile() { close(descriptor_); }
-  NamelessFile(const NamelessFile&) = delete;
-  NamelessFile& operator=(const NamelessFile&) = delete;
-  int descriptor() const { return descriptor_; }
-  std::string name() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
-
- private:
-  int descriptor_ = -1;
-};
-
 /// Whether a .ply file has faces, or strips of triangles.
-bool has_faces(const std::filesystem::path& file) {
+bool has_faces(const std::filesystem::path& file) try {
   std::string content;
   const InputFile input(file, "cloud");
   input.read_at(0, std::min(input.size(), megabyte), content);
@@ -115,6 +88,8 @@ bool has_faces(const std::filesystem::path& file) {
   return std::any_of(elements.begin(), elements.end(), [](const PlyElement& element) {
     return (element.name == "face" || element.name == "tristrips") && element.count > 0;
   });
+} catch (const std::runtime_error&) {
+  return false;  // the child says what is wrong
 }
 
 std::size_t vertices_in(const std::filesystem::path& file) {
@@ -217,14 +192,13 @@ std::vector<TriangleIndices> fans(const std::vector<pcl::Vertices>& faces, std::
 
 /// Runs in the child: the viewpoint (x y z, qw qx qy qz), how many points, whether faces are lost, the points
 /// as raw floats, triangles.
-std::string read_with_pcl(const std::filesystem::path& file, const std::string& readable, bool is_pcd) {
+std::string read_with_pcl(const std::string& readable, bool is_pcd, bool has_any_faces) {
   check_data_of_cloud(readable, is_pcd);
   pcl::PCLPointCloud2 cloud;
   Eigen::Vector4f origin = Eigen::Vector4f::Zero();
   Eigen::Quaternionf turn = Eigen::Quaternionf::Identity();
   int version = 0, status = 0;
   if (!is_pcd) require_plain_vertices(readable);
-  const bool has_any_faces = !is_pcd && has_faces(file);
   pcl::PolygonMesh mesh;
   if (is_pcd) {
     status = pcl::PCDReader().read(readable, cloud, origin, turn, version);
@@ -268,19 +242,20 @@ std::string read_with_pcl(const std::filesystem::path& file, const std::string& 
 
 /// What read_with_pcl gives, if it ends well in a process of its own.
 std::string read_in_child(const std::filesystem::path& file) {
-  require_input(file, "cloud");
-  const std::size_t size = std::filesystem::file_size(file);
+  const std::size_t size = InputFile(file, "cloud").size();
   if (size == 0) refuse(file, "it is empty");
   const std::size_t budget = 128 * megabyte + 20 * size;
   const int seconds = 4 + static_cast<int>(size / (2 * megabyte));
   const bool is_pcd = extension_of(file) == ".pcd";
   const auto other = is_pcd ? readable_pcd(file) : readable_ply(file);
-  const std::string readable = other ? other->name() : file.string();
-  ChildOutcome read = run_in_child([&] { return read_with_pcl(file, readable, is_pcd); },
+  const NamelessFile* nameless = other ? other.get() : HeldInput::of(file);
+  const std::string readable = nameless != nullptr ? nameless->name() : file.string();
+  const bool has_any_faces = !is_pcd && has_faces(file);
+  ChildOutcome read = run_in_child([&] { return read_with_pcl(readable, is_pcd, has_any_faces); },
                                    {.memory = budget,
                                     .output = budget,
                                     .seconds = seconds,
-                                    .kept = other ? other->descriptor() : -1,
+                                    .kept = nameless != nullptr ? nameless->descriptor() : -1,
                                     .patience = 8});
   if (!read.finished) refuse(file, read.failure);
   return std::move(read.parts.at(0));

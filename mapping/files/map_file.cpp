@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <set>
 #include <utility>
 
@@ -44,10 +45,9 @@ fs::path map_file_of(const fs::path& path) {
                               "scans or pictures is a recording, which `replay` reads");
 }
 
-std::string read_bytes(const fs::path& file) {
-  constexpr std::size_t largest = std::size_t{8} << 30U;
-  return read_input(file, "map file", largest);
-}
+constexpr std::size_t largest_map = std::size_t{8} << 30U;
+
+std::string read_bytes(const fs::path& file) { return read_input(file, "map file", largest_map); }
 
 /// A voxel may only be painted by a volume that is known. @param seen masks of all voxels, united
 void check_masks(unsigned seen, std::size_t volumes, const fs::path& file) {
@@ -71,10 +71,13 @@ std::shared_ptr<const FusedTree> painted(const FusedTree& tree, const std::vecto
   return result;
 }
 
-Snapshot load_octree(const fs::path& file, bool in_directory) {
-  OctreeContent content = parse_octree(read_bytes(file), file);
+/// @param painted_csv the bytes of the one beside it in a map's folder; none: there is none
+Snapshot parse_map(std::string_view bytes, const fs::path& file,
+                   const std::function<std::optional<std::string>()>& painted_csv) {
+  OctreeContent content = parse_octree(bytes, file);
   if (!content.has_volumes) {
-    content.volumes = volumes_beside(file, in_directory);
+    if (const auto text = painted_csv())
+      content.volumes = parse_painted(*text, file.parent_path() / painted_name);
     require_paintable(content.volumes, content.tree->getResolution(), file.parent_path() / painted_name);
     if (!content.volumes.empty()) content.tree = painted(*content.tree, content.volumes);
   }
@@ -146,18 +149,22 @@ std::vector<Eigen::Vector3f> centers_to_export(const Snapshot& map, const fs::pa
 
 }  // namespace
 
-Snapshot load_map(const fs::path& path, std::optional<double> cloud_resolution) {
-  const fs::path file = map_file_of(path);
+namespace {
+
+Snapshot map_of_cloud(const fs::path& file, std::optional<double> cloud_resolution) {
+  require_input(file, "map file");
+  const double edge = cloud_resolution.value_or(stated_edge(file).value_or(usual_cloud_resolution));
+  const auto [points, faces] = read_surface(file, edge);
+  if (points.empty())
+    throw std::invalid_argument("'" + file.string() + "' holds no finite point, expected some");
+  return {tree_of_cloud(points, voxels_of_cloud(file, points, cloud_resolution), file, faces), {}};
+}
+
+bool is_octree(const fs::path& file) { return extension_of(file) == ".ot" || extension_of(file) == ".bt"; }
+
+void require_known_kind(const fs::path& path, const fs::path& file) {
+  if (is_octree(file) || is_cloud_file(file)) return;
   const std::string kind = extension_of(file);
-  if (kind == ".ot" || kind == ".bt") return load_octree(file, file != path);
-  if (is_cloud_file(file)) {
-    require_input(file, "map file");
-    const double edge = cloud_resolution.value_or(stated_edge(file).value_or(usual_cloud_resolution));
-    const auto [points, faces] = read_surface(file, edge);
-    if (points.empty())
-      throw std::invalid_argument("'" + file.string() + "' holds no finite point, expected some");
-    return {tree_of_cloud(points, voxels_of_cloud(file, points, cloud_resolution), file, faces), {}};
-  }
   static const std::set<std::string> converted = {".las", ".laz", ".e57", ".ptx", ".obj", ".stl", ".npy"};
   static const std::set<std::string> recorded = {".rawlog", ".log", ".clf", ".gz", ".mp4", ".avi", ".mkv"};
   throw std::invalid_argument("map '" + path.string() +
@@ -168,14 +175,77 @@ Snapshot load_map(const fs::path& path, std::optional<double> cloud_resolution) 
                                                          : ""));
 }
 
+/// What load_map_with reads, of a folder that may be another one in the end. @param takes_digest else none
+LoadedMap read_map(InputFolder& folder, const fs::path& file, bool in_directory,
+                   const std::vector<FileBeside>& beside, bool takes_digest) {
+  const std::optional<std::string> bytes = folder.read(file.filename(), "map file", largest_map);
+  if (!bytes) throw std::invalid_argument("map '" + file.string() + "' does not exist");
+  std::optional<std::string> painted_csv;  // read where it counts
+  LoadedMap loaded{parse_map(*bytes, file,
+                             [&] {
+                               if (in_directory)
+                                 painted_csv = folder.read(painted_name, "map file", largest_map);
+                               return painted_csv;
+                             }),
+                   ""};
+  if (takes_digest)
+    loaded.sha256 = sha256(painted_csv && !loaded.map.volumes().empty() ? *bytes + *painted_csv : *bytes);
+  for (const FileBeside& asked : beside) {
+    if (file.filename() != map_name) continue;
+    if (auto found = folder.read(asked.name, asked.what, asked.largest))
+      loaded.beside[asked.name] = *std::move(found);
+  }
+  return loaded;
+}
+
+LoadedMap load(const fs::path& path, const std::vector<FileBeside>& beside, bool takes_digest) {
+  constexpr int most = 5;
+  for (int i = 0; i < most; ++i) {
+    const fs::path file = map_file_of(path);
+    InputFolder folder(file.parent_path());
+    try {
+      LoadedMap loaded = read_map(folder, file, file != path, beside, takes_digest);
+      if (folder.is_unchanged()) return loaded;
+    } catch (const std::exception&) {
+      if (folder.is_unchanged()) throw;
+    }
+  }
+  throw std::runtime_error("map '" + path.string() + "' was replaced each of the " + std::to_string(most) +
+                           " times that it was read: expected one that stays for as long as that takes");
+}
+
+}  // namespace
+
+Snapshot load_map(const fs::path& path, std::optional<double> cloud_resolution) {
+  const fs::path file = map_file_of(path);
+  require_known_kind(path, file);
+  return is_octree(file) ? load(path, {}, false).map : map_of_cloud(file, cloud_resolution);
+}
+
+LoadedMap load_map_with(const fs::path& path, const std::vector<FileBeside>& beside,
+                        std::optional<double> cloud_resolution) {
+  const fs::path file = map_file_of(path);
+  require_known_kind(path, file);
+  if (is_octree(file)) return load(path, beside, true);
+  const std::string bytes = read_bytes(file);
+  const HeldInput held(file, bytes);  // its readers open it several times
+  return {map_of_cloud(file, cloud_resolution), sha256(bytes)};
+}
+
 MapLeaves MapLeaves::in_file(const fs::path& path, std::optional<double> cloud_resolution) {
   const fs::path file = map_file_of(path);
   const std::string kind = extension_of(file);
-  if (kind != ".ot" && kind != ".bt") return MapLeaves(load_map(path, cloud_resolution));
+  if (kind != ".ot" && kind != ".bt") {
+    LoadedMap loaded = load_map_with(path, {}, cloud_resolution);
+    MapLeaves map(std::move(loaded.map));
+    map.sha256_ = std::move(loaded.sha256);
+    return map;
+  }
   const auto stream = std::make_shared<const OctreeStream>(file);
   if (!stream->is_ours() && !volumes_beside(file, file != path).empty()) {  // its leaves are to be painted
-    MapLeaves map(load_map(path));
-    map.sha256_ = map_sha256(path);
+    LoadedMap loaded = load_map_with(path, {});
+    MapLeaves map(std::move(loaded.map));
+    map.sha256_ = std::move(loaded.sha256);
     return map;
   }
   const Snapshot about(stream->shared_bare_tree(), stream->volumes(), stream->seen());

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "mapping/snapshot.hpp"
 #include "mapping/system/damaged_file.hpp"
@@ -17,6 +18,28 @@ namespace clearway {
 /// @throws std::invalid_argument when the file is missing, unreadable or of an unknown kind.
 /// @throws DamagedFile when it is truncated or corrupt; nothing half-read is ever returned.
 Snapshot load_map(const std::filesystem::path& path, std::optional<double> cloud_resolution = {});
+
+/// A map, and what else was read of it at the same moment.
+struct LoadedMap {
+  Snapshot map;
+  std::string sha256;  ///< map_sha256 of the very bytes that `map` was read from
+  /// By name, the bytes of those files beside a map.ot that were asked for and are there.
+  std::map<std::string, std::string> beside = {};
+};
+
+/// A file to read beside a map.ot.
+struct FileBeside {
+  std::string name;
+  std::string what;         ///< as errors call it
+  std::size_t largest = 0;  ///< bytes
+};
+
+/// As load_map; the map, its digest and the files beside it are of one moment, whoever replaces the map or
+/// its folder meanwhile: where that happens, all is read again, and in the end refused.
+/// @param beside to be read when `path` is a map folder, or the map.ot in one
+/// @throws also std::runtime_error when the map was replaced each time that it was read
+LoadedMap load_map_with(const std::filesystem::path& path, const std::vector<FileBeside>& beside,
+                        std::optional<double> cloud_resolution = {});
 
 /// One sentence about the painted.csv beside a map in a folder, for whoever loaded `map` from `path`. A
 /// map.ot of ours holds the painted volumes under its own seal, and painted.csv is a copy for spreadsheets:

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <pthread.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -12,6 +13,7 @@
 #include <iterator>
 #include <mutex>
 #include <stdexcept>
+#include <utility>
 
 #include "mapping/system/plain_text.hpp"
 
@@ -95,7 +97,37 @@ std::map<std::string, std::string> InputKeeper::kept() const {
   return store_->kept;
 }
 
+NamelessFile::NamelessFile(std::string_view bytes) {
+  const FileDescriptor made(::memfd_create("input", MFD_CLOEXEC));
+  descriptor_ = FileDescriptor(::fcntl(made.number(), F_DUPFD_CLOEXEC, 3));
+  for (std::size_t at = 0; at < bytes.size();) {
+    const ssize_t written = ::write(descriptor(), bytes.data() + at, bytes.size() - at);
+    if (written <= 0) throw std::runtime_error("there is no memory for it");
+    at += static_cast<std::size_t>(written);
+  }
+}
+
+std::string NamelessFile::name() const { return "/proc/self/fd/" + std::to_string(descriptor()); }
+
+namespace {
+
+thread_local const HeldInput* innermost_held = nullptr;
+
+}  // namespace
+
+HeldInput::HeldInput(fs::path file, std::string_view bytes)
+    : file_(std::move(file)), bytes_(bytes), outer_(std::exchange(innermost_held, this)) {}
+
+HeldInput::~HeldInput() { innermost_held = outer_; }
+
+const NamelessFile* HeldInput::of(const fs::path& file) {
+  for (const HeldInput* held = innermost_held; held != nullptr; held = held->outer_)
+    if (held->file_ == file) return &held->bytes_;
+  return nullptr;
+}
+
 fs::path input_place(const fs::path& file) {
+  if (const NamelessFile* held = HeldInput::of(file)) return held->name();
   const std::lock_guard lock(InputKeeper::Store::mutex);
   InputKeeper::Store* store = InputKeeper::Store::current;
   if (store == nullptr) return file;
@@ -140,11 +172,30 @@ std::string kept_answer(const std::string& asked, const std::function<std::strin
   return store->kept[question] = answer;
 }
 
+namespace {
+
+// A pipe without a writer would keep a plain open() waiting; which file it is, is only certain once open.
+constexpr int to_read = O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC;
+
+FileDescriptor open_in(const FileDescriptor& folder, const fs::path& file) {
+  const fs::path place = input_place(file);
+  return FileDescriptor(place == file ? ::openat(folder.number(), file.filename().c_str(), to_read)
+                                      : ::open(place.c_str(), to_read));  // held or given
+}
+
+}  // namespace
+
 InputFile::InputFile(const std::filesystem::path& file, const std::string& what)
-    : name_(what + " " + quote_path(file.string())),
-      // A pipe without a writer would keep a plain open() waiting; which file it is, is only certain once
-      // open.
-      descriptor_(::open(input_place(file).c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC)) {
+    : name_(what + " " + quote_path(file.string())), descriptor_(::open(input_place(file).c_str(), to_read)) {
+  require_regular();
+}
+
+InputFile::InputFile(const FileDescriptor& folder, const std::filesystem::path& file, const std::string& what)
+    : name_(what + " " + quote_path(file.string())), descriptor_(open_in(folder, file)) {
+  require_regular();
+}
+
+void InputFile::require_regular() {
   if (!descriptor_.is_open()) refuse(errno == ENXIO ? "it is not a regular file" : std::strerror(errno));
   struct stat status {};
   if (::fstat(descriptor(), &status) != 0) refuse(std::strerror(errno));
@@ -192,6 +243,49 @@ void InputFile::refuse_size(std::size_t largest) const {
   const bool megabytes = largest >= 1U << 20U;
   refuse("it has more than " + std::to_string(largest >> (megabytes ? 20U : 10U)) +
          (megabytes ? " MB" : " kB") + ", the most that is read");
+}
+
+InputFolder::InputFolder(fs::path folder)
+    : folder_(std::move(folder)),
+      descriptor_(::open(folder_.empty() ? "." : folder_.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC)) {
+  if (!descriptor_.is_open())
+    throw std::invalid_argument("folder " + quote_path(folder_.string()) +
+                                " cannot be read: " + std::strerror(errno));
+}
+
+std::optional<std::string> InputFolder::read(const std::string& name, const std::string& what,
+                                             std::size_t largest) {
+  const fs::path file = folder_ / name;
+  struct stat status {};
+  const bool is_missing = input_place(file) == file &&
+                          ::fstatat(descriptor_.number(), name.c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0 &&
+                          errno == ENOENT;
+  asked_[name] = stamp_of(file);  // before it is read: what changes while it is read is seen in the end
+  if (is_missing) return std::nullopt;
+  return InputFile(descriptor_, file, what).read(largest);
+}
+
+std::optional<InputFolder::Stamp> InputFolder::stamp_of(const fs::path& file) {
+  struct stat status {};
+  if (::stat(file.c_str(), &status) != 0) return std::nullopt;
+  return Stamp{static_cast<std::int64_t>(status.st_dev),
+               static_cast<std::int64_t>(status.st_ino),
+               static_cast<std::int64_t>(status.st_size),
+               status.st_mtim.tv_sec,
+               status.st_mtim.tv_nsec,
+               status.st_ctim.tv_sec,
+               status.st_ctim.tv_nsec};
+}
+
+bool InputFolder::is_unchanged() const {
+  struct stat opened {
+  }, named{};
+  if (::fstat(descriptor_.number(), &opened) != 0 ||
+      ::stat(folder_.empty() ? "." : folder_.c_str(), &named) != 0)
+    return false;
+  if (opened.st_dev != named.st_dev || opened.st_ino != named.st_ino) return false;
+  return std::all_of(asked_.begin(), asked_.end(),
+                     [&](const auto& file) { return stamp_of(folder_ / file.first) == file.second; });
 }
 
 std::string read_input(const std::filesystem::path& file, const std::string& what, std::size_t largest) {

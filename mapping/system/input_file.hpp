@@ -1,11 +1,15 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "mapping/system/file_descriptor.hpp"
@@ -41,8 +45,39 @@ class InputKeeper {
   std::unique_ptr<Store> store_;
 };
 
-/// Where a file is to be opened by who does not read it through InputFile: there, or where the InputKeeper
-/// was given it.
+/// A file of these bytes that has no name but this, as long as it lives.
+class NamelessFile {
+ public:
+  /// @throws std::runtime_error when there is no memory for it
+  explicit NamelessFile(std::string_view bytes);
+
+  int descriptor() const { return descriptor_.number(); }  ///< from 3 on
+  std::string name() const;
+
+ private:
+  FileDescriptor descriptor_;
+};
+
+/// While one exists, what this thread reads of a file through InputFile and input_place has these bytes,
+/// whatever the file has become meanwhile: for readers that open it several times. The innermost counts.
+class HeldInput {
+ public:
+  HeldInput(std::filesystem::path file, std::string_view bytes);
+  ~HeldInput();
+  HeldInput(const HeldInput&) = delete;
+  HeldInput& operator=(const HeldInput&) = delete;
+
+  /// What `file` is read from; null: from the disk.
+  static const NamelessFile* of(const std::filesystem::path& file);
+
+ private:
+  std::filesystem::path file_;
+  NamelessFile bytes_;
+  const HeldInput* outer_;
+};
+
+/// Where a file is to be opened by who does not read it through InputFile: there, or where a HeldInput has
+/// its bytes, or where the InputKeeper was given it.
 std::filesystem::path input_place(const std::filesystem::path& file);
 
 /// The whole path of one that is relative to the current folder, or to the InputKeeper's. For questions.
@@ -62,6 +97,8 @@ class InputFile {
   /// @param what it should be, as errors call it: "map file".
   /// @throws std::invalid_argument "<what> '<file>' cannot be read: <why>", as does `read`.
   InputFile(const std::filesystem::path& file, const std::string& what);
+  /// The same in a folder that is open: a link in it may lead out of it.
+  InputFile(const FileDescriptor& folder, const std::filesystem::path& file, const std::string& what);
 
   /// All of it, unless it has more than `largest` bytes. To be called once.
   std::string read(std::size_t largest) const;
@@ -73,12 +110,40 @@ class InputFile {
   std::size_t size() const { return size_; }
 
  private:
+  /// Straight after it was opened: errno says why not.
+  void require_regular();
   [[noreturn]] void refuse(const std::string& why) const;
   [[noreturn]] void refuse_size(std::size_t largest) const;
 
   std::string name_;
   FileDescriptor descriptor_;
   std::size_t size_ = 0;
+};
+
+/// A folder that stays the one that was opened, whichever takes its name meanwhile: its files are read as of
+/// one moment, as long as it is unchanged in the end.
+class InputFolder {
+ public:
+  /// @throws std::invalid_argument "folder '<folder>' cannot be read: <why>"
+  explicit InputFolder(std::filesystem::path folder);
+
+  /// All bytes of its file of that name, as read_input has them; none where there is no such file.
+  /// @throws as read_input, also for a link that leads nowhere
+  std::optional<std::string> read(const std::string& name, const std::string& what, std::size_t largest);
+
+  /// Whether the folder's name still leads to it, and each file that was asked for is, or is missing, as it
+  /// was then: by inode, size and times. What replaces a folder removes the files of the older one only after
+  /// that has lost its name.
+  bool is_unchanged() const;
+
+ private:
+  /// Device, inode, size, seconds and nanoseconds of mtime and ctime.
+  using Stamp = std::array<std::int64_t, 7>;
+  static std::optional<Stamp> stamp_of(const std::filesystem::path& file);
+
+  std::filesystem::path folder_;
+  FileDescriptor descriptor_;
+  std::map<std::string, std::optional<Stamp>> asked_;
 };
 
 /// All bytes of a regular file of at most `largest` bytes. @throws std::invalid_argument as InputFile does.

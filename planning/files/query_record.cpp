@@ -6,6 +6,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <utility>
 
 #include "mapping/files/map_digest.hpp"
 #include "mapping/files/map_file.hpp"
@@ -169,13 +170,11 @@ std::string to_json(const QueryRecord& record) {
   return text.replace(text.rfind(no_checksum), checksum.size(), checksum);
 }
 
-std::optional<QueryRecord> load_query_record(const std::filesystem::path& map) {
-  std::error_code error;
-  const bool is_folder = std::filesystem::is_directory(map, error);
-  if (!is_folder && map.filename() != "map.ot") return {};
-  const std::filesystem::path file = (is_folder ? map : map.parent_path()) / "queries.json";
-  if (!std::filesystem::exists(file, error)) return {};
-  const std::string text = read_input(file, "queries", most_bytes);
+namespace {
+
+constexpr const char* record_name = "queries.json";
+
+QueryRecord parse_record(const std::string& text, const std::filesystem::path& file) {
   require_whole(text, file.string());
   const Json json = Json::parse(text);
   const JsonField root(json, file.string());
@@ -185,6 +184,43 @@ std::optional<QueryRecord> load_query_record(const std::filesystem::path& map) {
   if (root.has("made_for_sha256")) record.made_for = root.at("made_for_sha256").text();
   for (const JsonField& query : root.at("queries").items()) record.queries.push_back(terms_of(query));
   return record;
+}
+
+/// Where a map's record would be.
+std::filesystem::path file_of_record(const std::filesystem::path& map) {
+  std::error_code error;
+  return (std::filesystem::is_directory(map, error) ? map : map.parent_path()) / record_name;
+}
+
+}  // namespace
+
+FileBeside record_beside() { return {record_name, "queries", most_bytes}; }
+
+std::optional<QueryRecord> record_of(const LoadedMap& loaded, const std::filesystem::path& map) {
+  const auto found = loaded.beside.find(record_name);
+  if (found == loaded.beside.end()) return {};
+  return parse_record(found->second, file_of_record(map));
+}
+
+std::optional<QueryRecord> record_to_hand_on(const LoadedMap& loaded, const std::filesystem::path& map) {
+  std::optional<QueryRecord> record = record_of(loaded, map);
+  if (!record || record->map_sha256 != loaded.sha256) return {};
+  record->made_for = record->map_sha256;
+  return record;
+}
+
+RecordedMap load_recorded_map(const std::filesystem::path& map, std::optional<double> cloud_resolution) {
+  LoadedMap loaded = load_map_with(map, {record_beside()}, cloud_resolution);
+  std::optional<QueryRecord> record = record_of(loaded, map);
+  return {std::move(loaded.map), std::move(loaded.sha256), std::move(record)};
+}
+
+std::optional<QueryRecord> load_query_record(const std::filesystem::path& map) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(map, error) && map.filename() != "map.ot") return {};
+  const std::filesystem::path file = file_of_record(map);
+  if (!std::filesystem::exists(file, error)) return {};
+  return parse_record(read_input(file, "queries", most_bytes), file);
 }
 
 }  // namespace clearway

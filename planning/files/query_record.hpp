@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "mapping/files/map_file.hpp"
 #include "mapping/voxels/voxel_state.hpp"
 #include "planning/problem/pick.hpp"
 #include "planning/robot/goal_configurations.hpp"
@@ -58,6 +59,25 @@ double largest_difference(const Configuration& a, const Configuration& b);
 
 /// The text of queries.json: the queries, the digest of their map and a checksum over both.
 std::string to_json(const QueryRecord& record);
+
+/// A map, the digest of the bytes that it was read from, and the record in its folder: all of one moment.
+struct RecordedMap {
+  Snapshot map;
+  std::string sha256;
+  std::optional<QueryRecord> record;
+};
+
+/// What load_map_with has to read for the record.
+FileBeside record_beside();
+/// The record of a map that was loaded with record_beside() from `map`. @throws as load_query_record
+std::optional<QueryRecord> record_of(const LoadedMap& loaded, const std::filesystem::path& map);
+
+/// The same for a map that is made of the loaded one, of which it says so; none: there is none, or it is of
+/// another map. @throws as load_query_record
+std::optional<QueryRecord> record_to_hand_on(const LoadedMap& loaded, const std::filesystem::path& map);
+
+/// As load_map_with, and what load_query_record says of the record.
+RecordedMap load_recorded_map(const std::filesystem::path& map, std::optional<double> cloud_resolution = {});
 
 /// The record of a map folder, or of the folder whose map.ot `map` is; nothing when it holds none.
 /// @throws DamagedFile when the checksum does not match, std::invalid_argument naming the field that is

@@ -1,11 +1,19 @@
 // `clearway check` where the map's folder has a record of the query, and plan files that ask for less than
 // it.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/inotify.h>
 
 #include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
 #include <random>
+#include <thread>
 
 #include "mapping/files/map_digest.hpp"
+#include "mapping/system/file_descriptor.hpp"
 #include "planning/files/query_record.hpp"
 #include "tests/apps/check/check_command.hpp"
 
@@ -193,6 +201,43 @@ TEST_F(CheckRecorded, a_record_of_another_map_or_robot_does_not_count_and_a_dama
   EXPECT_TRUE(check(plan_).complains_in_one_sentence());
   folder_.write("map/queries.json", std::string(1U << 20, '['));
   EXPECT_EQ(check(plan_).status, exit_damaged);
+}
+
+/// Exchanges two folders as soon as somebody has read `file`, and closed it, for the first time.
+void exchange_after_reading(const std::filesystem::path& file, const std::filesystem::path& a,
+                            const std::filesystem::path& b, const std::function<void()>& reader) {
+  const FileDescriptor watch(::inotify_init1(IN_CLOEXEC));
+  ASSERT_GE(::inotify_add_watch(watch.number(), file.c_str(), IN_CLOSE_NOWRITE), 0);
+  std::thread reading(reader);
+  pollfd waits{watch.number(), POLLIN, 0};
+  EXPECT_EQ(::poll(&waits, 1, 30'000), 1);
+  EXPECT_EQ(::renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE), 0);
+  reading.join();
+}
+
+/// As `replay --out` does: a map with an obstacle in the way, and a record of its own, takes the place of a
+/// free one, or is replaced by it. Whichever was read, all of it was.
+TEST_F(CheckRecorded, a_folder_that_is_exchanged_while_it_is_read_is_judged_as_one) {
+  const std::filesystem::path map = folder_.path() / "map", other = folder_.path() / "other";
+  ASSERT_EQ(
+      run_command({"inspect", map.string(), "--occupy", "sphere:0,0,0,0.1", "--save", other.string()}).status,
+      exit_done);
+  const std::string free = map_sha256(map), blocked = map_sha256(other);
+  query_.name = "newer";
+  folder_.write("other/queries.json", to_json(QueryRecord{blocked, {query_}}));
+  Json plan = plan_;
+  plan.erase("query");
+  for (int i = 0; i < 10; ++i) {
+    plan["map"]["sha256"] = i % 4 < 2 ? blocked : free;
+    CommandRun run;
+    exchange_after_reading(map / "map.ot", map, other, [&] { run = check(plan, {"--json"}); });
+    EXPECT_EQ(map_sha256(map), i % 2 == 0 ? blocked : free);  // exchanged
+    const Json json = Json::parse(run.out), &judged = json["contract"];
+    const bool is_free = judged["map_sha256"]["value"] == free;
+    EXPECT_EQ(judged["query"], is_free ? "twice" : "newer");
+    EXPECT_EQ(json["first_contact"] == "", is_free) << run.out;
+    EXPECT_EQ(run.status, is_free && plan["map"]["sha256"] == free ? exit_done : exit_no) << run.out;
+  }
 }
 
 /// Alters one thing that the contract is about; says whether the plan now asks for more, or for less.

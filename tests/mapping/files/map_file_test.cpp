@@ -2,13 +2,22 @@
 
 #include <gtest/gtest.h>
 
+#include <fcntl.h>
+
+#include <atomic>
+#include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
+#include <map>
 #include <set>
+#include <thread>
 #include <tuple>
+#include <utility>
 
 #include "mapping/files/cloud_file.hpp"
 #include "mapping/files/cloud_gaps.hpp"
+#include "mapping/files/map_digest.hpp"
 #include "mapping/free_space_map.hpp"
 #include "mapping/voxels/fused_tree.hpp"
 #include "tests/worlds/random_map.hpp"
@@ -355,6 +364,90 @@ TEST(MapFile, OfAFolderOfCloudsSaysThatItIsARecording) {
   EXPECT_EQ(told, "map directory '" + folder.path().string() +
                       "' holds no map.ot: expected a folder that `replay` wrote; one of .pcd or .ply clouds, "
                       "KITTI's scans or pictures is a recording, which `replay` reads");
+}
+
+/// Exchanges two files or folders, again and again, in a thread of its own.
+class Exchanging {
+ public:
+  Exchanging(fs::path a, fs::path b) : a_(std::move(a)), b_(std::move(b)), thread_([this] { run(); }) {}
+  ~Exchanging() {
+    ends_ = true;
+    thread_.join();
+  }
+
+ private:
+  void run() const {
+    while (!ends_) {
+      ASSERT_EQ(::renameat2(AT_FDCWD, a_.c_str(), AT_FDCWD, b_.c_str(), RENAME_EXCHANGE), 0);
+      std::this_thread::sleep_for(std::chrono::microseconds(300));
+    }
+  }
+
+  fs::path a_, b_;
+  std::atomic<bool> ends_{false};
+  std::thread thread_;
+};
+
+/// Calls `load` until it succeeded `count` times; it may refuse what changes each time that it is read.
+template <typename Load>
+int loads_while_exchanged(int count, const Load& load) {
+  int done = 0;
+  for (int i = 0; i < 100 * count && done < count; ++i) try {
+      load();
+      ++done;
+    } catch (const std::runtime_error& refused) {
+      EXPECT_NE(std::string(refused.what()).find("was replaced each of the 5 times"), std::string::npos)
+          << refused.what();
+    }
+  return done;
+}
+
+TEST(MapFile, AMapItsDigestAndWhatLiesBesideItAreOfOneMomentWhoeverExchangesTheFolder) {
+  const TemporaryFolder folder;
+  for (const char* name : {"map", "other"}) {
+    const bool is_map = std::string(name) == "map";
+    FreeSpaceMap map({.resolution = 0.05});
+    map.paint(map.add_volume(name, {"tool"}), {{is_map ? 0.0 : 1.0, 0.0, 0.0}, 0.3});
+    save_map(map.snapshot(), folder / name);
+    folder.write(std::string(name) + "/note.txt", name);
+  }
+  const Exchanging exchanging(folder / "map", folder / "other");
+  std::set<std::string> seen;
+  EXPECT_GT(loads_while_exchanged(
+                200,
+                [&] {
+                  const LoadedMap loaded = load_map_with(folder / "map", {{"note.txt", "note", 100}});
+                  const std::string is = loaded.map.volumes().at(0).label;
+                  EXPECT_EQ(loaded.sha256, map_sha256(loaded.map)) << is;
+                  EXPECT_EQ(loaded.beside, (std::map<std::string, std::string>{{"note.txt", is}}));
+                  seen.insert(is);
+                }),
+            50);
+  EXPECT_EQ(seen.size(), 2U);
+}
+
+TEST(MapFile, ACloudsDigestIsThatOfTheBytesThatItsVoxelsAreFrom) {
+  const TemporaryFolder folder;
+  std::map<std::string, std::string> digest_of;
+  for (const char* kind : {"pcd", "ply", "xyz"}) {
+    const std::string file = std::string("cloud.") + kind, other = std::string("other.") + kind;
+    for (const std::string& name : {file, other}) {
+      const float x = name == file ? 0.5F : 1.5F;
+      const std::vector<Eigen::Vector3f> points{{x, 0.1F, 0.1F}, {x, 0.3F, 0.1F}, {x, 0.5F, 0.1F}};
+      std::string text;
+      for (const Eigen::Vector3f& point : points) text += std::to_string(point.x()) + " 0.3 0.1\n";
+      folder.write(name, std::string(kind) == "xyz"   ? text
+                         : std::string(kind) == "pcd" ? format_pcd(points)
+                                                      : format_ply(points));
+      digest_of[name] = map_sha256(folder / name);
+    }
+    const Exchanging exchanging(folder / file, folder / other);
+    for (int i = 0; i < 20; ++i) {
+      const LoadedMap loaded = load_map_with(folder / file, {}, 0.1);
+      const bool is_first = loaded.map.bounds().max().x() < 1.0;
+      EXPECT_EQ(loaded.sha256, digest_of[is_first ? file : other]) << kind;
+    }
+  }
 }
 
 }  // namespace map_file_test

@@ -8,6 +8,7 @@
 
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <stdexcept>
 
 #include "tests/worlds/temporary_folder.hpp"
@@ -73,6 +74,71 @@ TEST(InputFile, the_case_of_an_extension_means_nothing) {
   EXPECT_EQ(extension_of("a/scan.PCD"), ".pcd");
   EXPECT_EQ(extension_of("A.b.Ply"), ".ply");
   EXPECT_EQ(extension_of("a.d/scan"), "");
+}
+
+TEST(InputFolder, StaysTheOneThatWasOpenedAndTellsWhatChanged) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a", "b"}) {
+    std::filesystem::create_directory(folder / name);
+    folder.write(std::string(name) + "/one", std::string(name) + "/one");
+  }
+  InputFolder opened(folder / "a");
+  EXPECT_EQ(opened.read("one", "file", 10), "a/one");
+  EXPECT_EQ(opened.read("two", "file", 10), std::nullopt);
+  EXPECT_TRUE(opened.is_unchanged());
+  std::filesystem::rename(folder / "a", folder / "c");
+  std::filesystem::rename(folder / "b", folder / "a");
+  EXPECT_FALSE(opened.is_unchanged());
+  EXPECT_EQ(opened.read("one", "file", 10), "a/one");
+  std::filesystem::remove_all(folder / "a");
+  EXPECT_FALSE(opened.is_unchanged());
+
+  const auto changed = [&](const std::function<void()>& change) {
+    InputFolder again(folder / "c");
+    EXPECT_EQ(again.read("one", "file", 10), "a/one");
+    EXPECT_EQ(again.read("two", "file", 10), std::nullopt);
+    EXPECT_TRUE(again.is_unchanged());
+    change();
+    return !again.is_unchanged();
+  };
+  EXPECT_FALSE(changed([&] { folder.write("c/three", "3"); }));  // nobody asked for it
+  EXPECT_TRUE(changed([&] { folder.write("c/two", "2"); }));
+  std::filesystem::remove(folder / "c/two");
+  EXPECT_TRUE(changed([&] {  // of the same size
+    folder.write("c/new", "a/one");
+    std::filesystem::rename(folder / "c/new", folder / "c/one");
+  }));
+  EXPECT_TRUE(changed([&] { std::filesystem::remove(folder / "c/one"); }));
+}
+
+TEST(InputFolder, RefusesALinkThatLeadsNowhereAndFollowsOneThatLeadsSomewhere) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "a");
+  folder.write("a/one", "1");
+  std::filesystem::create_symlink("/nowhere", folder / "a/lost");
+  std::filesystem::create_symlink("one", folder / "a/found");
+  InputFolder opened(folder / "a");
+  EXPECT_THROW(opened.read("lost", "file", 10), std::invalid_argument);
+  EXPECT_EQ(opened.read("found", "file", 10), "1");
+  EXPECT_THROW(opened.read("one", "file", 0), std::invalid_argument);
+  EXPECT_THROW(InputFolder(folder / "none"), std::invalid_argument);
+  EXPECT_THROW(InputFolder(folder / "a/one"), std::invalid_argument);
+}
+
+TEST(HeldInput, IsReadInPlaceOfAFileByThisThread) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.write("file", "disk");
+  {
+    const HeldInput held(file, "held");
+    EXPECT_EQ(read_input(file, "file", 10), "held");
+    {
+      const HeldInput inner(file, "inner");
+      EXPECT_EQ(read_input(file, "file", 10), "inner");
+    }
+    EXPECT_EQ(read_input(file, "file", 10), "held");
+    EXPECT_EQ(HeldInput::of(folder / "other"), nullptr);
+  }
+  EXPECT_EQ(read_input(file, "file", 10), "disk");
 }
 
 }  // namespace input_file_test
