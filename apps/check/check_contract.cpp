@@ -13,13 +13,36 @@
 #include "apps/query/query.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/problem/planner.hpp"
+#include "planning/robot/joint_names.hpp"
 #include "planning/robot/kinematics.hpp"
+#include "planning/robot_files/load_robot.hpp"
 #include "planning/robot_files/tip_choice.hpp"
 #include "planning/space/part_policies.hpp"
 
 namespace clearway {
 
 namespace {
+
+/// Where joints stand, and which ones move where neither the plan nor flags hold any.
+void take_held(const CheckOptions& options, const Robot& robot, RecordQuestion& question) {
+  const auto is_asked = [](const HeldJoint& joint) { return joint.source == HoldSource::asked; };
+  Robot usual = robot;
+  if (std::any_of(robot.held.begin(), robot.held.end(), is_asked)) {
+    RobotRequest request = robot_request(options.robot);
+    request.group.clear();
+    request.fixed.clear();
+    request.fixed_states.clear();
+    request.standing.clear();
+    usual = load_robot(request);
+  }
+  question.usual_joints = joint_names(usual);
+  for (const HeldJoint& joint : robot.held) {
+    const auto moves = std::find_if(usual.joints.begin(), usual.joints.end(),
+                                    [&](const Joint& each) { return each.name == joint.name; });
+    const bool slides = moves != usual.joints.end() && moves->kind == JointKind::prismatic;
+    question.held[joint.name] = joint.value * (slides ? question.scale : 1.0);
+  }
+}
 
 /// The plan's terms that distinguish its query from others, or what flags state in their place.
 RecordQuestion question_of(const CheckOptions& options, const Plan& plan, const Robot& robot) {
@@ -29,6 +52,8 @@ RecordQuestion question_of(const CheckOptions& options, const Plan& plan, const 
                           .scale = options.robot.scale.value_or(robot.scale),
                           .start = plan.start,
                           .goals = plan.goals};
+  question.joints = joint_names(robot);
+  if (!robot.held.empty()) take_held(options, robot, question);
   const ChosenStops stops = choose_stops(
       options.start, options.goals, scaled(robot, question.scale / robot.scale), options.degrees, plan.start);
   question.start = turned_to(plan, robot, stops.start);
@@ -165,8 +190,9 @@ class Statement {
 
   /// What the flags say of start and goals; named states slide as far as the robot's size says.
   ChosenStops stops(const Configuration& before) const {
+    const bool is_own = before.size() == static_cast<Eigen::Index>(robot_.dof());  // not of other joints
     return choose_stops(options_.start, options_.goals, scaled(robot_, scale().value / robot_.scale),
-                        options_.degrees, before);
+                        options_.degrees, is_own ? before : Configuration());
   }
 
   Term<Configuration> start() const {
@@ -331,6 +357,7 @@ Contract state_contract(const CheckOptions& options, const Plan& plan, const Rob
   const RecordedTerms recorded =
       recorded_terms(record, question_of(options, plan, robot), map_digest, contract.notes);
   if (recorded.query) contract.query = recorded.query->name;
+  contract.held_apart = recorded.apart;
   const Statement statement(options, plan, robot, map, recorded);
   state_robot(options, plan, robot, contract);
   contract.scale = statement.scale();

@@ -32,6 +32,7 @@ struct Contract {
   Term<std::string> robot;                   ///< as named
   Term<std::string> group;                   ///< planning group; empty: all joints but those held
   std::map<std::string, Term<double>> held;  ///< joints that stand still, rad or m at full size
+  std::vector<std::string> held_apart;       ///< where `query` has one of them elsewhere, a sentence each
   Term<double> scale;
   Term<Eigen::Isometry3d> map_from_base;
   std::map<std::string, Term<Policy>> policies;  ///< of every part, loads included
@@ -79,9 +80,10 @@ Configuration turned_to(const Plan& plan, const Robot& robot, const Configuratio
 /// robot's own, the padding its position accuracy, and a part of which the plan says nothing has the policy
 /// that it would have by default. Where the record holds other queries for that robot and scale, the plan's
 /// policies are no looser than the loosest of theirs, the least padding is the smallest of theirs where that
-/// is less, and base and age limit have to be those of one of them. What a plan carries that neither flags
-/// nor record name counts, since it asks for more. A load whose policy they do not name keeps what its
-/// holders keep. A pick is never taken from the plan, because it frees voxels and lets things touch.
+/// is less, base, age limit and gravity have to be those of one of them, and what the plan carries at least
+/// what one of them does. A record is for a robot, whichever of its joints move. What a plan carries that
+/// neither flags nor record name counts, since it asks for more. A load whose policy they do not name keeps
+/// what its holders keep. A pick is never taken from the plan, because it frees voxels and lets things touch.
 /// @param robot robot_to_check() @param is_timed whether there is a motion, whose torques are judged
 /// @throws std::invalid_argument for a flag or a plan that does not fit the robot.
 Contract state_contract(const CheckOptions& options, const Plan& plan, const Robot& robot,

@@ -81,6 +81,9 @@ class Comparison {
               by(term.source) + ", the plan says " +
               (said == plan_.held.end() ? std::string("nothing of it") : significant(said->second, 7)));
     }
+    const auto is_of_record = [](TermSource source) { return source == TermSource::map; };
+    if (!is_of_record(contract_.start.source) && !is_of_record(contract_.goals.source)) return;
+    for (const std::string& sentence : contract_.held_apart) add(AcceptedTerm::held, sentence);
   }
 
   void compare_policies() {

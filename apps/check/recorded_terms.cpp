@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
+#include "apps/console/parse.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/problem/planner.hpp"
 
@@ -12,22 +14,117 @@ namespace clearway {
 namespace {
 
 bool is_for(const QueryTerms& query, const RecordQuestion& question) {
-  return std::filesystem::path(query.robot).stem() == question.robot &&
-         query.start.size() == static_cast<Eigen::Index>(question.dof);
+  return std::filesystem::path(query.robot).stem() == question.robot;
 }
 
 bool has_scale(const QueryTerms& query, double scale) {
   return std::abs(query.scale - scale) <= contract_tolerance * scale;
 }
 
+/// Of the query's start and goals; none: an older record's, of joints that nothing names.
+std::vector<std::string> joints_of(const QueryTerms& query, const RecordQuestion& question) {
+  const auto count = static_cast<std::size_t>(query.start.size());
+  if (!query.joints.empty()) return query.joints;
+  if (question.joints.size() == count) return question.joints;
+  return question.usual_joints.size() == count ? question.usual_joints : std::vector<std::string>();
+}
+
+/// The value of a joint that moves, or stands still; none: it does neither.
+std::optional<double> value_of(const std::string& joint, const RecordQuestion& question,
+                               const Configuration& q) {
+  const auto at = std::find(question.joints.begin(), question.joints.end(), joint);
+  const auto j = at - question.joints.begin();
+  if (at != question.joints.end()) return j < q.size() ? std::optional(q[j]) : std::nullopt;
+  const auto held = question.held.find(joint);
+  return held == question.held.end() ? std::nullopt : std::optional(held->second);
+}
+
+/// The question's stop as the query has its own; of no size where a joint of the query is none of the robot.
+Configuration as_asked(const std::vector<std::string>& joints, const RecordQuestion& question,
+                       const Configuration& stop) {
+  Configuration q(static_cast<Eigen::Index>(joints.size()));
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const std::optional<double> value = value_of(joints[j], question, stop);
+    if (!value) return {};
+    q[static_cast<Eigen::Index>(j)] = *value;
+  }
+  return q;
+}
+
+/// The query's stop in the question's joints; those that the query does not have are at `otherwise`, where
+/// that is of these joints.
+Configuration as_moved(const std::vector<std::string>& joints, const RecordQuestion& question,
+                       const Configuration& stop, const Configuration& otherwise) {
+  const auto dof = static_cast<Eigen::Index>(question.joints.size());
+  Configuration q = otherwise;
+  if (q.size() != dof) q = Configuration::Constant(dof, std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t j = 0; j < question.joints.size(); ++j) {
+    const auto at = std::find(joints.begin(), joints.end(), question.joints[j]);
+    if (at != joints.end()) q[static_cast<Eigen::Index>(j)] = stop[at - joints.begin()];
+  }
+  return q;
+}
+
+/// With start and goals of the question's joints.
+QueryTerms moved(QueryTerms query, const RecordQuestion& question) {
+  const std::vector<std::string> joints = joints_of(query, question);
+  if (joints.empty() || joints == question.joints) return query;
+  const Configuration& start = question.start;
+  const std::vector<Configuration>& goals = question.goals;
+  query.start = as_moved(joints, question, query.start, start);
+  for (std::size_t i = 0; i < query.goals.size(); ++i)
+    query.goals[i] = as_moved(joints, question, query.goals[i],
+                              goals.empty() ? start : goals[std::min(i, goals.size() - 1)]);
+  query.joints = question.joints;
+  return query;
+}
+
+/// Where a joint that stands still is not where the query has it.
+std::vector<std::string> apart_from(const QueryTerms& query, const RecordQuestion& question) {
+  std::vector<std::string> sentences;
+  const std::vector<std::string> joints = joints_of(query, question);
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const auto held = question.held.find(joints[j]);
+    if (held == question.held.end()) continue;
+    const auto value = [&](const Configuration& q) { return q[static_cast<Eigen::Index>(j)]; };
+    double farthest = value(query.start);
+    for (const Configuration& goal : query.goals)
+      if (std::abs(value(goal) - held->second) > std::abs(farthest - held->second)) farthest = value(goal);
+    if (std::abs(farthest - held->second) <= contract_tolerance) continue;
+    sentences.push_back("joint " + shortened(joints[j]) + ": expected to come to " +
+                        significant(farthest, 7) + " by the map's query " + quote(query.name) +
+                        ", it stands at " + significant(held->second, 7));
+  }
+  return sentences;
+}
+
 /// The plan's own query, or that of which it is a part; null when there is none.
 const QueryTerms* query_of(const QueryRecord& record, const RecordQuestion& question,
                            std::vector<std::string>& notes) {
-  const QueryTerms* query = record.find(question.query, question.start, question.goals, contract_tolerance);
-  if (query) return query;
-  query = record.find_whole(question.start, question.goals, contract_tolerance);
-  if (query) notes.push_back("the plan is a part of the map's query " + quote(query->name));
-  return query;
+  for (const QueryTerms& query : record.queries)
+    if (!question.query.empty() && query.name == question.query) return &query;
+  const auto found = [&](const QueryTerms& query, const auto& find) {
+    const std::vector<std::string> joints = joints_of(query, question);
+    const auto asked = [&](const Configuration& stop) {
+      return joints.empty() || question.joints.empty() ? stop : as_asked(joints, question, stop);
+    };
+    std::vector<Configuration> goals;
+    for (const Configuration& goal : question.goals) goals.push_back(asked(goal));
+    return find(QueryRecord{"", {query}}, asked(question.start), goals) != nullptr;
+  };
+  for (const QueryTerms& query : record.queries)
+    if (found(query, [](const QueryRecord& one, const auto& start, const auto& goals) {
+          return one.find("", start, goals, contract_tolerance);
+        }))
+      return &query;
+  for (const QueryTerms& query : record.queries)
+    if (found(query, [](const QueryRecord& one, const auto& start, const auto& goals) {
+          return one.find_whole(start, goals, contract_tolerance);
+        })) {
+      notes.push_back("the plan is a part of the map's query " + quote(query.name));
+      return &query;
+    }
+  return nullptr;
 }
 
 }  // namespace
@@ -78,9 +175,11 @@ RecordedTerms recorded_terms(const std::optional<QueryRecord>& record, const Rec
   }
   if (!record->made_for.empty())
     notes.push_back("the record of queries was made for the map of which `inspect` made this one");
-  if (const QueryTerms* query = query_of(*record, question, notes)) {
+  const QueryTerms* query = query_of(*record, question, notes);
+  if (query != nullptr) {
     if (is_for(*query, question)) {
-      terms.query = *query;
+      terms.query = moved(*query, question);
+      terms.apart = apart_from(*query, question);
       return terms;
     }
     notes.push_back("the map's query " + quote(query->name) + " is for robot " + quote(query->robot) +
@@ -88,8 +187,10 @@ RecordedTerms recorded_terms(const std::optional<QueryRecord>& record, const Rec
   } else {
     notes.push_back("the plan's query is none of the map's own");
   }
-  for (const QueryTerms& query : record->queries)
-    if (is_for(query, question) && has_scale(query, question.scale)) terms.others.push_back(query);
+  for (const QueryTerms& other : record->queries)
+    if (is_for(other, question) && has_scale(other, question.scale)) terms.others.push_back(other);
+  if (terms.others.empty() && query == nullptr)
+    notes.push_back("none of the map's queries is for " + quote(question.robot) + " at its scale");
   if (!terms.others.empty())
     notes.push_back("the plan's policies are held to the loosest of the map's queries for " +
                     quote(question.robot));

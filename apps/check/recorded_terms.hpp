@@ -12,7 +12,10 @@ namespace clearway {
 
 /// What a map folder's record of its queries says of a plan.
 struct RecordedTerms {
-  std::optional<QueryTerms> query = {};  ///< that the plan answers, in whole or in part
+  /// That the plan answers, in whole or in part, with start and goals of the plan's joints.
+  std::optional<QueryTerms> query = {};
+  /// Where the query has a joint elsewhere than the plan holds it, a sentence each.
+  std::vector<std::string> apart = {};
   /// Of a plan that answers none of them: the queries for its robot and scale, of which it keeps at least the
   /// loosest.
   std::vector<QueryTerms> others = {};
@@ -35,6 +38,9 @@ struct RecordQuestion {
   double scale = 1.0;
   Configuration start;
   std::vector<Configuration> goals;
+  std::vector<std::string> joints = {};        ///< of start and goals
+  std::map<std::string, double> held = {};     ///< joints that stand still, as a configuration has them
+  std::vector<std::string> usual_joints = {};  ///< that the robot moves where the plan has no say
 };
 
 /// @param notes gains a sentence where the record is of another map or robot, or the plan answers none of its

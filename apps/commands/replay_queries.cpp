@@ -17,6 +17,7 @@
 #include "planning/plan_pick.hpp"
 #include "planning/planned_motion.hpp"
 #include "planning/planner_table.hpp"
+#include "planning/robot/joint_names.hpp"
 #include "planning/robot_files/srdf_file.hpp"
 #include "planning/space/part_policies.hpp"
 
@@ -260,7 +261,8 @@ QueryTerms QueryRunner::terms_of(const QuerySetup& query, const ConfigurationSpa
           .goal_poses = goal_poses,
           .tip = query.tip,
           .payload = setup_.robot->payload,
-          .gravity = setup_.robot->gravity};
+          .gravity = setup_.robot->gravity,
+          .joints = joint_names(robot_)};
 }
 
 std::vector<std::string> QueryRunner::planners(const QuerySetup& query) const {

@@ -8,6 +8,7 @@
 #include "planning/files/query_record.hpp"
 #include "planning/files/trajectory_file.hpp"
 #include "planning/planned_motion.hpp"
+#include "planning/robot/joint_names.hpp"
 
 namespace clearway {
 namespace {
@@ -30,7 +31,8 @@ QueryTerms terms_of(const TaughtPlan& taught) {
           .loads = taught.plan.pick ? std::vector<LegLoad>{} : taught.plan.loads,
           .pick = taught.plan.pick,
           .payload = taught.plan.payload,
-          .gravity = taught.plan.gravity};
+          .gravity = taught.plan.gravity,
+          .joints = joint_names(space.robot())};
 }
 
 Json events_json(const TeachSession& session) {

@@ -59,6 +59,7 @@ Json terms_json(const QueryTerms& query) {
   if (query.pick) json["pick"] = json_of(*query.pick);
   if (query.payload) json["payload_kg"] = *query.payload;
   if (query.gravity) json["gravity"] = json_of(Eigen::VectorXd(*query.gravity));
+  if (!query.joints.empty()) json["joints"] = query.joints;
   return json;
 }
 
@@ -85,6 +86,11 @@ QueryTerms terms_of(const JsonField& field) {
   if (field.has("loads")) query.loads = loads_of(field.at("loads"));
   if (field.has("payload_kg")) query.payload = payload_of(field.at("payload_kg"));
   if (field.has("gravity")) query.gravity = gravity_of(field.at("gravity"));
+  if (field.has("joints")) {
+    for (const JsonField& joint : field.at("joints").items()) query.joints.push_back(joint.text());
+    if (query.joints.size() != joints)
+      field.at("joints").refuse("as many as 'start' has values, " + std::to_string(joints));
+  }
   return query;
 }
 

@@ -32,6 +32,7 @@ struct QueryTerms {
   std::optional<Pick> pick = {};                ///< what is picked and placed
   std::optional<double> payload = {};           ///< kg at the tip, full size; none: the record is older
   std::optional<Eigen::Vector3d> gravity = {};  ///< m/s^2, map frame; the same
+  std::vector<std::string> joints = {};         ///< of start and goals, in this order; none: the same
 };
 
 /// The record that a map folder keeps of its queries, in DIR/queries.json. It holds for one map.

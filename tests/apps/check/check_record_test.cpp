@@ -240,6 +240,34 @@ TEST_F(CheckRecorded, a_folder_that_is_exchanged_while_it_is_read_is_judged_as_o
   }
 }
 
+TEST_F(CheckRecorded, a_plan_that_holds_a_joint_is_held_to_the_record_all_the_same) {
+  const std::string file = folder_.file("held.json");
+  const auto planned = [&](const std::string& start, const std::string& y) {
+    const CommandRun run = run_command({"plan", "--map", folder_.file("map"), "--robot", "point", "--fix",
+                                        "y=" + y, "--start=" + start, "--goal=0.3", "--policy",
+                                        "not_occupied", "--padding", "0.005", "--out", file});
+    EXPECT_EQ(run.status, exit_done) << run.out << run.log;
+    return Json::parse(read_file(file));
+  };
+  for (const bool names_joints : {true, false}) {
+    query_.joints = names_joints ? std::vector<std::string>{"x", "y"} : std::vector<std::string>();
+    record(map_sha256(folder_.path() / "map"));
+    const Json another = planned("-0.31", "0.05");
+    EXPECT_EQ(refused_terms(check(another, {"--json"})), Terms{"policy"});
+    EXPECT_EQ(check(another, {"--policy", "not_occupied"}).status, exit_done);
+    const CommandRun part = check(planned("-0.3", "0"), {"--json"});
+    EXPECT_NE(part.out.find("a part of the map's query 'twice'"), std::string::npos) << part.out;
+    EXPECT_EQ(part.out.find("is for robot"), std::string::npos);
+    EXPECT_EQ(refused_terms(part), (Terms{"held", "policy", "padding", "goals", "goals"}));
+    EXPECT_NE(part.out.find("joint y: expected to come to 0.2 by the map's query 'twice', it stands at 0"),
+              std::string::npos)
+        << part.out;
+  }
+  query_.goals.pop_back();  // which the plan reaches, although it holds y
+  record(map_sha256(folder_.path() / "map"));
+  EXPECT_EQ(refused_terms(check(planned("-0.3", "0"), {"--json"})), (Terms{"policy", "padding"}));
+}
+
 /// Alters one thing that the contract is about; says whether the plan now asks for more, or for less.
 class Mutator {
  public:

@@ -108,12 +108,71 @@ TEST(RecordedTerms, ARecordOfAnotherMapOrAQueryForAnotherRobotDoesNotCount) {
             std::vector<std::string>{"the map's query 'own' is for robot 'legs' and does not count"});
   asked = {};
   asked.by_name = "own";
-  asked.query.start = Eigen::Vector3d::Zero();  // of three joints
+  asked.query.start = Eigen::Vector3d::Zero();  // of three joints, which nothing names
+  EXPECT_TRUE(asked.answered().query.has_value());
+  asked.by_name.clear();
   EXPECT_FALSE(asked.answered().query.has_value());
-  EXPECT_TRUE(asked.answered().others.empty());
+  EXPECT_EQ(asked.answered().others.size(), 1U);  // of the same robot
   std::vector<std::string> notes;
   EXPECT_FALSE(recorded_terms(std::nullopt, {}, "digest", notes).query.has_value());
   EXPECT_TRUE(notes.empty());
+}
+
+/// A plan of two of the robot's three joints, x and y, that holds z at 0.5, from (0, 0) to (1, 0).
+RecordQuestion holding() {
+  return {.query = "",
+          .robot = "arm",
+          .dof = 2,
+          .scale = 1.0,
+          .start = Eigen::Vector2d(0.0, 0.0),
+          .goals = {Eigen::Vector2d(1.0, 0.0)},
+          .joints = {"x", "y"},
+          .held = {{"z", 0.5}},
+          .usual_joints = {"x", "y", "z"}};
+}
+
+TEST(RecordedTerms, AQueryIsTheSameWhicheverOfItsJointsThePlanHoldsWhereTheyAre) {
+  QueryTerms query;
+  query.name = "own", query.robot = "arm";
+  query.joints = {"z", "y", "x"};
+  query.start = Eigen::Vector3d(0.5, 0.0, 0.0);
+  query.goals = {Eigen::Vector3d(0.5, 0.0, 1.0)};
+  std::vector<std::string> notes;
+  const auto answered = [&](const RecordQuestion& question) {
+    notes.clear();
+    return recorded_terms(QueryRecord{"digest", {query}}, question, "digest", notes);
+  };
+  const RecordedTerms terms = answered(holding());
+  ASSERT_TRUE(terms.query.has_value());
+  EXPECT_EQ(terms.query->start, Configuration(Eigen::Vector2d(0.0, 0.0)));
+  EXPECT_EQ(terms.query->goals, std::vector<Configuration>{Eigen::Vector2d(1.0, 0.0)});
+  EXPECT_TRUE(terms.apart.empty());
+  EXPECT_TRUE(notes.empty());
+
+  query.goals[0][0] = 0.7;  // to which z would have to move
+  EXPECT_FALSE(answered(holding()).query.has_value());
+  EXPECT_EQ(answered(holding()).others.size(), 1U);
+  RecordQuestion named = holding();
+  named.query = "own";
+  EXPECT_EQ(answered(named).apart,
+            std::vector<std::string>{
+                "joint z: expected to come to 0.7 by the map's query 'own', it stands at 0.5"});
+
+  query.joints.clear();  // an older record
+  query.start = Eigen::Vector3d(0.0, 0.0, 0.5);
+  query.goals = {Eigen::Vector3d(1.0, 0.0, 0.5)};
+  ASSERT_TRUE(answered(holding()).query.has_value());
+  EXPECT_EQ(answered(holding()).query->start, Configuration(Eigen::Vector2d(0.0, 0.0)));
+
+  query.joints = {"x"};  // of a smaller group: the other joint is the plan's
+  query.start = Configuration::Zero(1);
+  query.goals = {Configuration::Ones(1)};
+  RecordQuestion lifted = holding();
+  lifted.start = Eigen::Vector2d(0.0, 0.3);
+  lifted.goals = {Eigen::Vector2d(1.0, 0.4)};
+  ASSERT_TRUE(answered(lifted).query.has_value());
+  EXPECT_EQ(answered(lifted).query->start, lifted.start);
+  EXPECT_EQ(answered(lifted).query->goals, lifted.goals);
 }
 
 /// In whatever order they are.

@@ -38,6 +38,7 @@ QueryRecord example() {
     query.goals = {random.point(3.0), random.point(3.0)};
     query.payload = 0.7;
     query.gravity = random.point(9.0);
+    query.joints = {"x", "y", "z"};
     record.queries.push_back(query);
   }
   return record;
@@ -53,15 +54,19 @@ TEST_F(QueryRecordFile, ReadsBackEveryBit) {
   EXPECT_EQ(back->queries[0].policies, record.queries[0].policies);
   EXPECT_EQ(back->queries[1].payload, record.queries[1].payload);
   EXPECT_EQ(back->queries[1].gravity, record.queries[1].gravity);
+  EXPECT_EQ(back->queries[1].joints, record.queries[1].joints);
 }
 
-TEST_F(QueryRecordFile, AnOlderOneSaysNothingOfPayloadAndGravity) {
+TEST_F(QueryRecordFile, AnOlderOneSaysNothingOfPayloadGravityAndJoints) {
   QueryRecord record = example();
-  for (QueryTerms& query : record.queries) query.payload = {}, query.gravity = {};
+  record.queries[0].joints.pop_back();
+  EXPECT_THROW(read(to_json(record)), std::invalid_argument);
+  for (QueryTerms& query : record.queries) query.payload = {}, query.gravity = {}, query.joints = {};
   const auto back = read(to_json(record));
   ASSERT_TRUE(back);
   EXPECT_FALSE(back->queries[0].payload);
   EXPECT_FALSE(back->queries[0].gravity);
+  EXPECT_TRUE(back->queries[0].joints.empty());
   record.queries[1].payload = -1.0;
   EXPECT_THROW(read(to_json(record)), std::invalid_argument);
 }
