@@ -98,6 +98,8 @@ class Statement {
       stated = {choose_loads(options_.attach, robot_), TermSource::flag};
     else if (query_)
       stated = {query_->loads, TermSource::map};
+    else if (const auto recorded = record_.loads_instead_of(plan_); recorded && !pick)
+      stated = {*recorded, TermSource::map};
     const auto is_known = [&](const std::string& name) {
       return std::any_of(stated.value.begin(), stated.value.end(),
                          [&](const LegLoad& load) { return load.load.name == name; });
@@ -151,6 +153,8 @@ class Statement {
   Term<double> payload() const {
     if (options_.dynamics.payload) return {*options_.dynamics.payload, TermSource::flag};
     if (query_ && query_->payload) return {*query_->payload, TermSource::map};
+    if (const double least = record_.smallest_payload(); plan_.payload < least)
+      return {least, TermSource::map};
     return {plan_.payload, TermSource::plan};
   }
 
@@ -158,6 +162,7 @@ class Statement {
     if (!options_.dynamics.gravity.empty())
       return {Eigen::Vector3d(options_.dynamics.gravity.data()), TermSource::flag};
     if (query_ && query_->gravity) return {*query_->gravity, TermSource::map};
+    if (const auto recorded = record_.gravity_instead_of(plan_.gravity)) return {*recorded, TermSource::map};
     return {plan_.gravity, TermSource::plan};
   }
 
@@ -268,6 +273,7 @@ class Statement {
     Policies of_parts{.other = Policy::not_occupied};  // as loaded_policies
     for (const Body& body : robot_.bodies) of_parts.parts[body.part] = terms.at(body.part).value;
     const auto usual = part_policies(loaded, map_, of_parts);
+    const std::map<std::string, Policy> loosest = record_.loosest_policies();
     for (const Load& load : loaded.loads) {
       Term<Policy>& term = terms.at(load.name);
       if (flags.parts.contains(load.name) || term.source == TermSource::map) continue;
@@ -278,6 +284,9 @@ class Statement {
             (of_holder.value == term.value && term.source == TermSource::by_default))
           term = of_holder;
       }
+      const auto of_record = loosest.find(load.name);  // of other queries
+      if (of_record != loosest.end() && of_record->second < term.value)
+        term = {of_record->second, TermSource::map};
     }
   }
 

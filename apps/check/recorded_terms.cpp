@@ -8,6 +8,7 @@
 #include "apps/console/parse.hpp"
 #include "mapping/system/plain_text.hpp"
 #include "planning/problem/planner.hpp"
+#include "planning/robot/load.hpp"
 
 namespace clearway {
 
@@ -127,6 +128,16 @@ const QueryTerms* query_of(const QueryRecord& record, const RecordQuestion& ques
   return nullptr;
 }
 
+/// Whether the plan carries it on all of its legs.
+bool carries(const Plan& plan, const LegLoad& load) {
+  return std::any_of(plan.loads.begin(), plan.loads.end(), [&](const LegLoad& carried) {
+    if (carried.load.name != load.load.name || !is_same(carried.load, load.load)) return false;
+    for (std::size_t leg = 0; leg < std::max(plan.legs.size(), plan.goals.size()); ++leg)
+      if (!carried.rides_on(static_cast<int>(leg))) return false;
+    return true;
+  });
+}
+
 }  // namespace
 
 std::map<std::string, Policy> RecordedTerms::loosest_policies() const {
@@ -165,6 +176,36 @@ std::optional<Eigen::Isometry3d> RecordedTerms::base_instead_of(
   return others.front().map_from_base;
 }
 
+std::optional<std::vector<LegLoad>> RecordedTerms::loads_instead_of(const Plan& plan) const {
+  std::optional<std::vector<LegLoad>> fewest;
+  for (const QueryTerms& other : others) {
+    std::vector<LegLoad> always;
+    for (const LegLoad& load : other.loads)
+      if (load.legs.empty()) always.push_back(load);
+    if (std::all_of(always.begin(), always.end(), [&](const LegLoad& load) { return carries(plan, load); }))
+      return std::nullopt;
+    if (!fewest || always.size() < fewest->size()) fewest = std::move(always);
+  }
+  return fewest;
+}
+
+double RecordedTerms::smallest_payload() const {
+  std::optional<double> smallest;
+  for (const QueryTerms& other : others) {
+    const double payload = other.payload.value_or(0.0);
+    smallest = std::min(smallest.value_or(payload), payload);
+  }
+  return smallest.value_or(0.0);
+}
+
+std::optional<Eigen::Vector3d> RecordedTerms::gravity_instead_of(const Eigen::Vector3d& gravity) const {
+  const auto is_it = [&](const QueryTerms& other) {
+    return !other.gravity || (*other.gravity - gravity).cwiseAbs().maxCoeff() <= contract_tolerance;
+  };
+  if (others.empty() || std::any_of(others.begin(), others.end(), is_it)) return std::nullopt;
+  return others.front().gravity;
+}
+
 RecordedTerms recorded_terms(const std::optional<QueryRecord>& record, const RecordQuestion& question,
                              const std::string& map_digest, std::vector<std::string>& notes) {
   RecordedTerms terms;
@@ -192,8 +233,10 @@ RecordedTerms recorded_terms(const std::optional<QueryRecord>& record, const Rec
   if (terms.others.empty() && query == nullptr)
     notes.push_back("none of the map's queries is for " + quote(question.robot) + " at its scale");
   if (!terms.others.empty())
-    notes.push_back("the plan's policies are held to the loosest of the map's queries for " +
-                    quote(question.robot));
+    notes.push_back(
+        "the plan's policies, padding, ages, base, loads, payload and gravity are held to the loosest of the "
+        "map's queries for " +
+        quote(question.robot));
   return terms;
 }
 

@@ -28,6 +28,13 @@ struct RecordedTerms {
   double longest_age() const;
   /// Where the first of the others has its base, when none of them has the plan's.
   std::optional<Eigen::Isometry3d> base_instead_of(const Eigen::Isometry3d& map_from_base) const;
+  /// The fewest loads that one of the others carries all the way, when the plan carries those of none of
+  /// them.
+  std::optional<std::vector<LegLoad>> loads_instead_of(const Plan& plan) const;
+  /// The smallest payload of the others, kg; 0: one of them does not say.
+  double smallest_payload() const;
+  /// The gravity of the first of the others, when each says one and none that of the plan.
+  std::optional<Eigen::Vector3d> gravity_instead_of(const Eigen::Vector3d& gravity) const;
 };
 
 /// What is asked of the record: the plan's terms, or what flags state in their place.

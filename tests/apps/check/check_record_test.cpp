@@ -268,6 +268,32 @@ TEST_F(CheckRecorded, a_plan_that_holds_a_joint_is_held_to_the_record_all_the_sa
   EXPECT_EQ(refused_terms(check(planned("-0.3", "0"), {"--json"})), (Terms{"policy", "padding"}));
 }
 
+TEST_F(CheckRecorded, what_all_its_queries_carry_a_plan_of_another_query_carries) {
+  LegLoad beam;
+  beam.load.name = "beam";
+  beam.load.link = "base";
+  beam.load.shape = Shape::box({0.05, 0.3, 0.05});
+  query_.loads = {beam};
+  query_.policies = {{"base", Policy::known_free}, {"beam", Policy::painted}};
+  query_.payload = 3.0;
+  query_.gravity = Eigen::Vector3d(0.0, 0.0, -9.81);
+  record(map_sha256(folder_.path() / "map"));
+  Json plan = plan_;
+  plan.erase("query");
+  plan["waypoints"][0] = plan["start"] = {-0.3, 2e-6};
+  plan["policy"]["base"] = "known_free";
+  const CommandRun run = check(plan, {"--json"});
+  EXPECT_EQ(run.status, exit_no);
+  EXPECT_EQ(refused_terms(run), (Terms{"load", "payload"})) << run.out;
+  const Json contract = Json::parse(run.out)["contract"];
+  EXPECT_EQ(contract["loads"]["source"], "map");
+  EXPECT_EQ(contract["policy"]["beam"], Json({{"value", "painted"}, {"source", "map"}}));
+  EXPECT_EQ(contract["payload_kg"], Json({{"value", 3.0}, {"source", "map"}}));
+  EXPECT_EQ(check(plan, {"--accept-load", "--accept-payload"}).status, exit_done);
+  plan["gravity"] = {0.0, 0.0, -1.62};
+  EXPECT_EQ(refused_terms(check(plan, {"--json"})), (Terms{"load", "payload", "payload"}));
+}
+
 /// Alters one thing that the contract is about; says whether the plan now asks for more, or for less.
 class Mutator {
  public:

@@ -86,7 +86,8 @@ TEST(RecordedTerms, TheQueryIsFoundByNameElseByStartAndGoalsElseAsTheWholeOfThem
   EXPECT_EQ(asked.answered().others.size(), 1U);
   EXPECT_EQ(asked.notes, (std::vector<std::string>{
                              "the plan's query is none of the map's own",
-                             "the plan's policies are held to the loosest of the map's queries for 'arm'"}));
+                             "the plan's policies, padding, ages, base, loads, payload and gravity are held "
+                             "to the loosest of the map's queries for 'arm'"}));
   asked.by_name = "own";
   EXPECT_TRUE(asked.answered().query.has_value());
   EXPECT_TRUE(asked.notes.empty());
@@ -173,6 +174,65 @@ TEST(RecordedTerms, AQueryIsTheSameWhicheverOfItsJointsThePlanHoldsWhereTheyAre)
   ASSERT_TRUE(answered(lifted).query.has_value());
   EXPECT_EQ(answered(lifted).query->start, lifted.start);
   EXPECT_EQ(answered(lifted).query->goals, lifted.goals);
+}
+
+LegLoad load_named(const std::string& name, double edge, std::vector<int> legs = {}) {
+  LegLoad load;
+  load.load.name = name;
+  load.load.link = "hand";
+  load.load.shape = Shape::box({edge, edge, edge});
+  load.legs = std::move(legs);
+  return load;
+}
+
+std::vector<std::string> names_of(const std::optional<std::vector<LegLoad>>& loads) {
+  std::vector<std::string> names;
+  if (loads)
+    for (const LegLoad& load : *loads) names.push_back(load.load.name);
+  return names;
+}
+
+TEST(RecordedTerms, WhatAllQueriesCarryThePlanCarriesToo) {
+  using Names = std::vector<std::string>;
+  RecordedTerms terms;
+  Plan plan;
+  plan.goals.resize(2);
+  EXPECT_FALSE(terms.loads_instead_of(plan).has_value());
+  terms.others.resize(2);
+  terms.others[0].loads = {load_named("beam", 0.2), load_named("box", 0.1)};
+  terms.others[1].loads = {load_named("box", 0.1)};
+  EXPECT_EQ(names_of(terms.loads_instead_of(plan)), Names{"box"});
+  plan.loads = {load_named("beam", 0.2)};
+  EXPECT_EQ(names_of(terms.loads_instead_of(plan)), Names{"box"});
+  plan.loads.push_back(load_named("box", 0.05));
+  EXPECT_EQ(names_of(terms.loads_instead_of(plan)), Names{"box"});
+  plan.loads.back() = load_named("box", 0.1, {0});  // not on the second leg
+  EXPECT_EQ(names_of(terms.loads_instead_of(plan)), Names{"box"});
+  for (const std::vector<int>& legs : {std::vector<int>{}, std::vector<int>{0, 1}}) {
+    plan.loads.back() = load_named("box", 0.1, legs);
+    EXPECT_FALSE(terms.loads_instead_of(plan).has_value());
+  }
+  plan.loads.clear();
+  terms.others[1].loads = {load_named("box", 0.1, {1})};  // on one leg of another query
+  EXPECT_FALSE(terms.loads_instead_of(plan).has_value());
+  terms.others.pop_back();
+  EXPECT_EQ(names_of(terms.loads_instead_of(plan)), (Names{"beam", "box"}));
+}
+
+TEST(RecordedTerms, TheLeastPayloadAndAnyOfTheGravitiesCount) {
+  RecordedTerms terms;
+  const Eigen::Vector3d earth(0, 0, -9.81), moon(0, 0, -1.62), side(9.81, 0, 0);
+  EXPECT_EQ(terms.smallest_payload(), 0.0);
+  EXPECT_FALSE(terms.gravity_instead_of(moon).has_value());
+  terms.others.resize(2);
+  terms.others[0].payload = 3.0, terms.others[1].payload = 2.0;
+  terms.others[0].gravity = earth, terms.others[1].gravity = side;
+  EXPECT_EQ(terms.smallest_payload(), 2.0);
+  EXPECT_FALSE(terms.gravity_instead_of(side).has_value());
+  EXPECT_EQ(terms.gravity_instead_of(moon), earth);
+  terms.others[1].payload.reset(), terms.others[1].gravity.reset();  // an older record
+  EXPECT_EQ(terms.smallest_payload(), 0.0);
+  EXPECT_FALSE(terms.gravity_instead_of(moon).has_value());
 }
 
 /// In whatever order they are.
