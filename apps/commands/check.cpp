@@ -307,6 +307,7 @@ int run_check(const CheckOptions& options, Console& console) {
   Contract& contract = report.contract;
   contract = state_contract(options, read.plan, read.robot, map, recorded.sha256, recorded.record,
                             read.plan.motion || !timed.empty());
+  if (const std::string aside = record_aside(options.map); !aside.empty()) contract.notes.push_back(aside);
   if (read.is_trajectory()) complete_trajectory(options, !timed.empty(), read, contract);
   if (const std::string hint = hint_of_degrees(options, contract, read.robot); !hint.empty())
     console.warn(hint);

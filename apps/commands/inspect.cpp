@@ -71,16 +71,7 @@ void require_outputs(const InspectOptions& options) {
   for (const NamedPlace& file : files)
     if (!file.path.empty()) require_writable(file.path);
   if (options.save.empty()) return;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(options.save, error)) {
-    const std::filesystem::path name = entry.path().filename();
-    if (name == "plans" || (is_in_map_folder(name) && !is_in_saved_map(name)))
-      throw std::invalid_argument("--save: " + quote_path(options.save.string()) + " holds " +
-                                  quote(name.string()) +
-                                  ", which is no part of a saved map, expected another folder");
-  }
-  require_no_foreign_map("--save", options.save);
-  AtomicFolder(options.save, is_in_saved_map);
+  require_saved_map_place("--save", options.save);
 }
 
 /// What replay wrote beside the map; none for a map that was edited since, with a word about it.

@@ -125,13 +125,7 @@ KeptRecord record_to_keep(const InspectOptions& options, const LoadedMap& map, c
 }
 
 void save_edited(const InspectOptions& options, std::optional<QueryRecord> record, const Snapshot& map) {
-  AtomicFolder folder(options.save, is_in_saved_map);
-  save_map(map, folder.path());
-  if (record) {
-    record->map_sha256 = map_sha256(map);
-    save_file(folder.path() / "queries.json", to_json(*record));
-  }
-  publish_map_folder(folder, map);
+  save_map_folder(options.save, map, std::move(record));
 }
 
 }  // namespace clearway

@@ -6,6 +6,7 @@
 
 #include "mapping/files/map_digest.hpp"
 #include "mapping/files/map_file.hpp"
+#include "mapping/system/atomic_file.hpp"
 #include "mapping/system/plain_text.hpp"
 
 namespace clearway {
@@ -31,6 +32,30 @@ void require_no_foreign_map(const std::string& flag, const std::filesystem::path
   throw std::invalid_argument(flag + ": " + quote_path(folder.string()) +
                               " holds a map.ot that Clearway did not write and would replace, expected "
                               "another folder");
+}
+
+void require_saved_map_place(const std::string& flag, const std::filesystem::path& folder) {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const std::filesystem::path name = entry.path().filename();
+    if (name == "plans" || (is_in_map_folder(name) && !is_in_saved_map(name)))
+      throw std::invalid_argument(flag + ": " + quote_path(folder.string()) + " holds " +
+                                  quote(name.string()) +
+                                  ", which is no part of a saved map, expected another folder");
+  }
+  require_no_foreign_map(flag, folder);
+  AtomicFolder(folder, is_in_saved_map);
+}
+
+void save_map_folder(const std::filesystem::path& place, const Snapshot& map,
+                     std::optional<QueryRecord> record) {
+  AtomicFolder folder(place, is_in_saved_map);
+  save_map(map, folder.path());
+  if (record) {
+    record->map_sha256 = map_sha256(map);
+    save_file(folder.path() / "queries.json", to_json(*record));
+  }
+  publish_map_folder(folder, map);
 }
 
 void publish_map_folder(AtomicFolder& folder, const Snapshot& map) {

@@ -1,7 +1,9 @@
 // Maps to ask: states, slices, rays; loading, saving and combining them.
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
+#include "apps/inspect/map_folder.hpp"
 #include "apps/python/bindings.hpp"
 #include "apps/python/named_files.hpp"
 #include "apps/python/records.hpp"
@@ -22,10 +24,35 @@ NamedMap load_snapshot(const std::filesystem::path& path, std::optional<double> 
   const bool is_folder = std::filesystem::is_directory(path, error);
   return without_lock([&] {
     return read_named(is_folder ? path / "map.ot" : path, [&] {
-      LoadedMap loaded = load_map_with(path, {}, cloud_resolution);
-      return NamedMap{std::move(loaded.map), path, std::move(loaded.sha256)};
+      LoadedMap loaded = load_map_with(path, {record_beside()}, cloud_resolution);
+      NamedMap named{std::exchange(loaded.map, {}), path, loaded.sha256, {}, path};
+      named.made_of = std::make_shared<const LoadedMap>(std::move(loaded));
+      return named;
     });
   });
+}
+
+/// As `inspect --save`: the folder is replaced as a whole, or not at all.
+void save_snapshot(const NamedMap& self, const std::filesystem::path& directory) {
+  without_lock([&] {
+    require_saved_map_place("directory", directory);
+    std::optional<QueryRecord> record;
+    if (self.made_of) record = record_to_hand_on(*self.made_of, self.made_of_file);
+    save_map_folder(directory, self.map, std::move(record));
+  });
+}
+
+/// A map made of others, of which the first with a record of queries hands it on.
+NamedMap made_of(Snapshot map, const NamedMap& first, const NamedMap* second = nullptr) {
+  const auto has_record = [](const NamedMap& each) {
+    try {
+      return each.made_of && record_to_hand_on(*each.made_of, each.made_of_file).has_value();
+    } catch (const std::exception&) {
+      return true;  // save() says what is wrong with it
+    }
+  };
+  const NamedMap& from = second != nullptr && !has_record(first) ? *second : first;
+  return {std::move(map), {}, {}, from.made_of, from.made_of_file};
 }
 
 std::uint8_t number(VoxelState state) { return static_cast<std::uint8_t>(state); }
@@ -268,13 +295,7 @@ py::dict differences(const NamedMap& self, const NamedMap& other) {
 }
 
 void bind_files(py::class_<NamedMap>& snapshot) {
-  snapshot
-      .def(
-          "save",
-          [](const NamedMap& self, const std::filesystem::path& directory) {
-            without_lock([&] { save_map(self.map, directory); });
-          },
-          py::arg("directory"), doc("save_map"))
+  snapshot.def("save", &save_snapshot, py::arg("directory"), doc("save_map_folder"))
       .def(
           "export",
           [](const NamedMap& self, const std::filesystem::path& file) {
@@ -284,20 +305,20 @@ void bind_files(py::class_<NamedMap>& snapshot) {
       .def(
           "merge",
           [](const NamedMap& self, const NamedMap& other) {
-            return without_lock([&] { return NamedMap{merge(self.map, other.map)}; });
+            return without_lock([&] { return made_of(merge(self.map, other.map), self, &other); });
           },
           py::arg("other"), doc("merge"))
       .def(
           "crop",
           [](const NamedMap& self, const py::object& box) {
             const Eigen::AlignedBox3d wanted = box_from(box, "box");
-            return without_lock([&] { return NamedMap{crop(self.map, wanted)}; });
+            return without_lock([&] { return made_of(crop(self.map, wanted), self); });
           },
           py::arg("box"), doc("crop", "The box is (low, high), two points."))
       .def(
           "coarsen",
           [](const NamedMap& self, double resolution) {
-            return without_lock([&] { return NamedMap{coarsen(self.map, resolution)}; });
+            return without_lock([&] { return made_of(coarsen(self.map, resolution), self); });
           },
           py::arg("resolution"), doc("coarsen"))
       .def("difference", &differences, py::arg("other"), doc("Snapshot::difference"));
@@ -385,12 +406,7 @@ void bind_snapshots(py::module_& module) {
   bind_questions(snapshot);
   module.def("load_map", &load_snapshot, py::arg("path"), py::arg("cloud_resolution") = py::none(),
              doc("load_map"));
-  module.def(
-      "save_map",
-      [](const NamedMap& map, const std::filesystem::path& directory) {
-        without_lock([&] { save_map(map.map, directory); });
-      },
-      py::arg("map"), py::arg("directory"), doc("save_map"));
+  module.def("save_map", &save_snapshot, py::arg("map"), py::arg("directory"), doc("save_map_folder"));
 }
 
 }  // namespace clearway

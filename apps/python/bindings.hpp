@@ -8,6 +8,7 @@
 #include <string>
 
 #include "mapping/snapshot.hpp"
+#include "planning/files/query_record.hpp"
 #include "planning/geometry/shape.hpp"
 #include "planning/problem/planner.hpp"
 #include "planning/robot/robot.hpp"
@@ -20,6 +21,9 @@ struct NamedMap {
   Snapshot map;
   std::filesystem::path file{};  ///< empty: of no file
   std::string digest{};          ///< map_sha256 of that file
+  /// The map that it was loaded from, or made of, with its record of queries and without its voxels.
+  std::shared_ptr<const LoadedMap> made_of{};
+  std::filesystem::path made_of_file{};  ///< of that
 };
 
 /// A robot, and the name or path that it was asked for by.

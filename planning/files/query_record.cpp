@@ -11,6 +11,7 @@
 #include "mapping/files/map_digest.hpp"
 #include "mapping/files/map_file.hpp"
 #include "mapping/system/input_file.hpp"
+#include "mapping/system/plain_text.hpp"
 #include "planning/files/json_field.hpp"
 #include "planning/files/json_text.hpp"
 #include "planning/files/load_json.hpp"
@@ -215,6 +216,21 @@ std::optional<QueryRecord> record_to_hand_on(const LoadedMap& loaded, const std:
   return record;
 }
 
+std::string record_aside(const std::filesystem::path& map) {
+  std::error_code error;
+  const bool is_folder = std::filesystem::is_directory(map, error);
+  const std::filesystem::path file = is_folder ? map / "map.ot" : map;
+  if (!std::filesystem::is_symlink(std::filesystem::symlink_status(file, error))) return {};
+  const std::filesystem::path there = std::filesystem::canonical(file, error);
+  if (error || there.filename() != "map.ot") return {};
+  const std::filesystem::path other = there.parent_path() / record_name, own = file_of_record(map);
+  const bool is_named = is_folder || map.filename() == "map.ot";  // else it has none of its own
+  if (!std::filesystem::exists(other, error)) return {};
+  if (is_named && std::filesystem::exists(own, error)) return {};  // which has a digest of its map
+  return quote_path(file.string()) + " leads to " + quote_path(there.string()) +
+         ", whose folder has a record of queries that does not count here: name that folder to be held to it";
+}
+
 RecordedMap load_recorded_map(const std::filesystem::path& map, std::optional<double> cloud_resolution) {
   LoadedMap loaded = load_map_with(map, {record_beside()}, cloud_resolution);
   std::optional<QueryRecord> record = record_of(loaded, map);
@@ -225,7 +241,7 @@ std::optional<QueryRecord> load_query_record(const std::filesystem::path& map) {
   std::error_code error;
   if (!std::filesystem::is_directory(map, error) && map.filename() != "map.ot") return {};
   const std::filesystem::path file = file_of_record(map);
-  if (!std::filesystem::exists(file, error)) return {};
+  if (!std::filesystem::exists(std::filesystem::symlink_status(file, error))) return {};
   return parse_record(read_input(file, "queries", most_bytes), file);
 }
 

@@ -77,6 +77,10 @@ std::optional<QueryRecord> record_of(const LoadedMap& loaded, const std::filesys
 /// another map. @throws as load_query_record
 std::optional<QueryRecord> record_to_hand_on(const LoadedMap& loaded, const std::filesystem::path& map);
 
+/// One sentence where `map` is, or has as its map.ot, a link into a folder with a record of queries, which
+/// does not count for it; else empty.
+std::string record_aside(const std::filesystem::path& map);
+
 /// As load_map_with, and what load_query_record says of the record.
 RecordedMap load_recorded_map(const std::filesystem::path& map, std::optional<double> cloud_resolution = {});
 

@@ -294,6 +294,23 @@ TEST_F(CheckRecorded, what_all_its_queries_carry_a_plan_of_another_query_carries
   EXPECT_EQ(refused_terms(check(plan, {"--json"})), (Terms{"load", "payload", "payload"}));
 }
 
+TEST_F(CheckRecorded, a_link_does_not_hide_it) {
+  std::filesystem::create_directory(folder_.path() / "linked");
+  std::filesystem::create_symlink(folder_.path() / "map/map.ot", folder_.path() / "linked/map.ot");
+  const std::string file = folder_.write("edited.json", plan_.dump());
+  const auto on = [&](const std::string& map) {
+    return run_command({"check", "--map", folder_.file(map), "--robot", "point", file});
+  };
+  EXPECT_NE(on("linked").out.find("has a record of queries that does not count here"), std::string::npos)
+      << on("linked").out;
+  EXPECT_NE(on("linked/map.ot").out.find("has a record of queries that does not"), std::string::npos);
+  EXPECT_EQ(on("map").out.find("has a record of queries that does not"), std::string::npos);
+  std::filesystem::create_symlink("/nowhere", folder_.path() / "linked/queries.json");
+  const CommandRun run = on("linked");
+  EXPECT_EQ(run.status, exit_bad_input) << run.out;
+  EXPECT_NE(run.log.find("queries.json' cannot be read: No such file"), std::string::npos) << run.log;
+}
+
 /// Alters one thing that the contract is about; says whether the plan now asks for more, or for less.
 class Mutator {
  public:

@@ -1,6 +1,8 @@
 """Maps from Python, against NumPy's brute force and the command line program."""
 
 import gc
+import hashlib
+import json
 import pathlib
 import threading
 import unittest
@@ -300,6 +302,35 @@ class Answers(unittest.TestCase):
         self.assertTrue(self.map.line_of_sight([50, 0, 0], [60, 0, 0], "not_occupied"))
         with self.assertRaisesRegex(ValueError, "line of sight"):
             self.map.line_of_sight([np.nan, 0, 0], [1, 0, 0])
+
+    def test_a_map_is_saved_into_a_folder_of_its_own_as_the_program_does(self):
+        with worlds.folder() as folder:
+            for name, content in {"plans/one.json": "{}", "provenance.bin": "p", "map.ot": "of another program"}.items():
+                place = pathlib.Path(folder) / name.partition("/")[0].replace(".", "_")
+                (place / name).parent.mkdir(parents=True)
+                (place / name).write_text(content)
+                with self.assertRaisesRegex(ValueError, "expected another folder"):
+                    self.map.save(place)
+                with self.assertRaisesRegex(ValueError, "expected another folder"):
+                    cw.save_map(self.map, place)
+                self.assertEqual((place / name).read_text(), content)
+                self.assertEqual(len(list(place.iterdir())), 1)
+
+    def test_a_map_made_of_one_with_a_record_of_queries_hands_it_on(self):
+        with worlds.folder() as folder:
+            first, second = pathlib.Path(folder) / "first", pathlib.Path(folder) / "second"
+            self.map.save(first)
+            digest = hashlib.sha256((first / "map.ot").read_bytes()).hexdigest()
+            record = {"format": "clearway queries 1", "map_sha256": digest, "queries": [], "sha256": "0" * 64}
+            text = json.dumps(record, indent=1) + "\n"
+            text = text.replace("0" * 64, hashlib.sha256(text.encode()).hexdigest())
+            (first / "queries.json").write_text(text)
+            cw.load_map(first).crop([[-0.5] * 3, [0.5] * 3]).save(second)
+            made = json.loads((second / "queries.json").read_text())
+            self.assertEqual(made["made_for_sha256"], digest)
+            self.assertEqual(made["map_sha256"], hashlib.sha256((second / "map.ot").read_bytes()).hexdigest())
+            self.map.save(second)  # of no folder, so that no record is its own
+            self.assertFalse((second / "queries.json").exists())
 
     def test_the_program_says_the_same_of_a_saved_map_bit_for_bit(self):
         with worlds.folder() as folder:

@@ -91,6 +91,11 @@ TEST_F(QueryRecordFile, NoRecordIsNone) {
   EXPECT_FALSE(load_query_record(folder_ / "map.bt"));
 }
 
+TEST_F(QueryRecordFile, ALinkThatLeadsNowhereIsRefused) {
+  std::filesystem::create_symlink("/nowhere", folder_ / "queries.json");
+  EXPECT_THROW(load_query_record(folder_.path()), std::invalid_argument);
+}
+
 TEST(QueryRecord, IsSearchedByNameThenByStartAndGoals) {
   const QueryRecord record = example();
   const QueryTerms &over = record.queries[0], &under = record.queries[1];
