@@ -252,6 +252,11 @@ TEST(Setup, EveryMistakeIsOneSentenceNamingFileLineKeyAndExpectation) {
        "line 1", "fy", "expected a positive number"},
       {"source: {bag: {depth: [/d, /e], depth_camera_info: /i}}", "line 1", "source.bag.depth_camera_info",
        "expected one topic for each of 'depth', 2, got 1"},
+      {"source: {bag: {times: recorded}}", "line 1", "source.bag.times", "expected 'stamps' or 'recording'"},
+      {"source: {bag: {times: recording, clock_offsets: [{topic: /a, add: 1}]}}", "line 1",
+       "source.bag.clock_offsets", "beside 'times: recording'"},
+      {"source: {bag: {clock_offsets: [{topic: /a, add: 1}, {topic: /a, add: 2}]}}", "line 1",
+       "source.bag.clock_offsets[1].topic", "topic '/a' is given twice"},
       {"source: {bag: {depth: [/d, /d]}}", "line 1", "source.bag.depth", "topic '/d' is given twice"},
       {"map: {resolution: -0.1}", "line 1", "map.resolution", "got '-0.1'"},
       {"map: {resolution: 1e999}", "line 1", "map.resolution", "expected a number"},
@@ -436,6 +441,16 @@ TEST(Setup, SaysWhichPartOfABagIsReadAndWhatInfiniteBeamsDo) {
           .source.bag;
   EXPECT_EQ(posed.sensor_frame, "lidar");
   EXPECT_FALSE(posed.point_times);
+  EXPECT_EQ(posed.times, BagTimes::agreeing_stamps);
+  const BagTopics clocks =
+      parse_setup("source: {bag: {clouds: [/a], times: stamps, clock_offsets: [{topic: /a, add: -37.5}]}}\n",
+                  "s")
+          .source.bag;
+  EXPECT_EQ(clocks.times, BagTimes::stamps);
+  EXPECT_EQ(clocks.time_of("/a", 100.0, 7.0), 62.5);
+  EXPECT_EQ(clocks.time_of("/b", 100.0, 7.0), 100.0);
+  EXPECT_EQ(parse_setup("source: {bag: {times: recording}}\n", "s").source.bag.time_of("/a", 100.0, 7.0),
+            7.0);
   const BagTopics moved = parse_setup(
                               "source: {bag: {fixed_frame: map, poses: [/odom], pose_frame: /base, frames: "
                               "[{parent: /base, child: lidar, pose_deg: [1, 2, 3, 0, 0, 90]}]}}\n",

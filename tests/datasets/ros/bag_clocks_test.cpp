@@ -185,6 +185,32 @@ TEST_F(BagClocksTest, SensorsThatAreRecordedLateOrAtAnotherPaceAreReadAsBefore) 
   EXPECT_EQ(read_standing(by_topic, "b.mcap", options).damage, "");
 }
 
+TEST_F(BagClocksTest, JointsByAnotherClockThanTheSensorsAreRefused) {
+  for (const double ahead : {0.0, 0.9, -5.0, 5.0}) {
+    std::vector<worlds::BagRecord> records;
+    for (int i = 0; i < 40; ++i) {
+      const double time = start + 0.1 * i;
+      worlds::MessageBytes scan(false), joints(false);
+      scan.header(time, "sensor").all(std::vector<std::uint32_t>{1, 0, 0}).add(std::uint8_t{0});
+      scan.all(std::vector<std::uint32_t>{12, 0, 0}).add(std::uint8_t{1});
+      joints.header(time + ahead, "").add(std::uint32_t{1}).text("lift").list(std::vector<double>{0.1});
+      joints.add(std::uint32_t{0}).add(std::uint32_t{0});
+      records.push_back({"/points", "sensor_msgs/msg/PointCloud2", time, scan.bytes()});
+      records.push_back({"/joint_states", "sensor_msgs/msg/JointState", time + 0.01, joints.bytes()});
+    }
+    worlds::write_bag(folder_ / "a.mcap", records, false);
+    SourceOptions options;
+    options.bag.clouds = options.placed = {"/points"};
+    options.bag.joint_topic = "/joint_states";
+    const auto frames = open_bag(folder_ / "a.mcap", options);
+    while (frames->next()) {
+    }
+    const bool is_refused =
+        frames->damage().value_or("").find("the stamps of '/points' are ") != std::string::npos;
+    EXPECT_EQ(is_refused, std::abs(ahead) > 1.0) << ahead << frames->damage().value_or("");
+  }
+}
+
 TEST_F(BagClocksTest, PosesByAnotherClockAreRefusedAndThoseThatComeLateAreTold) {
   const auto read_with = [&](double ahead) {
     ScanBag bag(folder_ / "a.mcap");
