@@ -72,15 +72,19 @@ std::string moving(const SplinePoint& point, const Robot& robot, const std::stri
 }
 
 /// A sentence where no robot can be as fast at the first point as that says, from rest at 0 s, else empty:
-/// within its limits of acceleration, or, without any, within a millisecond, the cycle of fast controllers.
-std::string too_soon(const SplinePoint& first, const Robot& robot) {
+/// within its limits of acceleration. Without any: within a millisecond, the cycle of fast controllers, or,
+/// where the file states the start, at an acceleration that no arm has.
+std::string too_soon(const SplinePoint& first, const Robot& robot, bool is_start_stated) {
   constexpr double shortest = 1e-3;  // s
+  constexpr double fastest = 1e3;    // rad/s^2 or m/s^2
   constexpr double rounding = 0.01;  // of a limit
   for (Eigen::Index j = 0; j < first.velocity.size(); ++j) {
     const Joint& joint = robot.joints[static_cast<std::size_t>(j)];
     const double speed = std::abs(first.velocity[j]), asked = speed / first.time;
     const double limit = joint.max_acceleration;
-    const bool is_soon = limit > 0.0 ? asked > (1.0 + rounding) * limit : first.time < shortest;
+    const bool is_soon = limit > 0.0       ? asked > (1.0 + rounding) * limit
+                         : is_start_stated ? asked > fastest
+                                           : first.time < shortest;
     if (speed <= rests_within || !is_soon) continue;
     const bool turns = joint.kind == JointKind::revolute;
     return "the first point moves joint " + shortened(joint.name) + " at " +
@@ -115,12 +119,12 @@ void add_start(const ForeignTrajectory& trajectory, const Robot& robot, TimedTra
                                 "how the robot comes to it is not judged, expected it to start at rest");
   if (first.time > 0.0) {
     const Eigen::VectorXd rest = Eigen::VectorXd::Zero(start.size());
+    timed.moving_start = too_soon(first, robot, is_stated);
     if (is_stated) {
       timed.points.insert(timed.points.begin(), {0.0, start, rest, rest});
       timed.has_start = true;
       if (stated != start) timed.stated_start = stated;
     } else {
-      timed.moving_start = too_soon(first, robot);
       timed.notes.push_back("where the robot is before the first point, which it reaches after " +
                             significant(first.time) + " s, is not said: the way there is not judged");
     }

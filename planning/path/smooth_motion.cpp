@@ -71,8 +71,8 @@ void require_sensible_jerk(const Robot& robot, const Waypoints& leg, const RateL
   const std::string takes = "a leg takes more than " + short_text(least, 3) + " s";
   if (enough <= 1.0)
     throw std::invalid_argument("motion: with the jerk scale " + short_text(jerk_scale) + " " + takes +
-                                ", expected at least " + short_text(enough * 1.1, 2) + ", by which " +
-                                short_text(most_jerk_time) + " s may do");
+                                ", expected at least " + short_text(std::min(1.0, enough * 1.1), 2) +
+                                ", by which " + short_text(most_jerk_time) + " s may do");
   throw std::invalid_argument("motion: the jerk limit of joint " +
                               quote(robot.joints[static_cast<std::size_t>(joint)].name) + ", " +
                               short_text(limits.jerk[joint]) + ", is so low that " + takes + ", expected " +

@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <string_view>
 #include <tuple>
 
@@ -74,11 +75,18 @@ bool opens_gripper(const std::string& joint) {
   }) && std::find(words.begin(), words.end(), "gripper") != words.end();
 }
 
+constexpr double most_travel = 0.12;  ///< m, of a finger that slides
+
 /// A robot's links, by the joints that move them.
 class Arms {
  public:
   Arms(const Robot& free, const std::set<std::string>& arm, const Robot& robot)
-      : free_(free), robot_(robot), joint_(free.links.size(), -1), last_(joint_), depth_(joint_.size(), 0) {
+      : free_(free),
+        robot_(robot),
+        arm_is_stated_(!arm.empty()),
+        joint_(free.links.size(), -1),
+        last_(joint_),
+        depth_(joint_.size(), 0) {
     last_[0] = 0;
     for (std::size_t i = 1; i < joint_.size(); ++i) {
       const int joint = free.links[i].joint;
@@ -105,6 +113,8 @@ class Arms {
     for (const int hand : hands)
       if (moving(joints_above(hand)) > moving(joints_above(best))) best = hand;
     result.link = end_of(best);
+    if (const int deepest = deepest_link(); !arm_is_stated_ && !is_sure(result.link, best, deepest))
+      return end_of_longest_branch(deepest);
     for (const int hand : hands)
       if (hand != best && is_rival(hand, best)) result.others.push_back(end_of(hand));
     for (std::size_t i = 1; i < joint_.size(); ++i)
@@ -114,6 +124,81 @@ class Arms {
   }
 
  private:
+  /// The first of the links with the most links above.
+  int deepest_link() const {
+    return static_cast<int>(std::max_element(depth_.begin(), depth_.end()) - depth_.begin());
+  }
+
+  /// Whether what is beyond `end` on the longest branch is a gripper, a camera, or held, and no part of the
+  /// arm, by its names or by its form. Branches alone do not say so: rods of parallelograms, counterweights,
+  /// wheels and the heads of gantries branch as well.
+  bool is_sure(int end, int hand, int deepest) const {
+    if (end == deepest || depth_[static_cast<std::size_t>(end)] == depth_[static_cast<std::size_t>(deepest)])
+      return true;
+    if (rank_of_tool(link(deepest).name) > 2) return false;
+    const int last = last_[static_cast<std::size_t>(deepest)];
+    if (!is_on(deepest, hand)) return !moves_apart(deepest, hand);
+    for (int at = last; at != hand; at = carrier(at))
+      if (at <= 0 || !is_of_gripper(at)) return false;
+    return last != hand || hangs_on_camera(deepest, hand);
+  }
+
+  bool is_on(int link_index, int above) const {
+    while (link_index > above) link_index = link(link_index).parent;
+    return link_index == above;
+  }
+
+  /// Whether a joint that is not held moves a link and not another one.
+  bool moves_apart(int one, int other) const {
+    std::set<int> own = joints_above(one);
+    for (const int joint : joints_above(other)) own.erase(joint);
+    return moving(own) > 0;
+  }
+
+  /// Whether names, a twin, or a tool's frame beside it say that a moved link is of a gripper.
+  bool is_of_gripper(int moved) const {
+    const Link& finger = link(moved);
+    return has_finger_word(finger.name) || has_finger_word(finger.joint_name) ||
+           opens_gripper(finger.joint_name) || has_twin(moved) ||
+           (is_last(moved) && is_beside_tool_frame(moved));
+  }
+
+  /// Whether it slides little, and another link on the same one as far.
+  bool has_twin(int moved) const {
+    const double travel = travel_of(moved);
+    if (travel > most_travel) return false;
+    for (int other = 1; other < static_cast<int>(last_.size()); ++other)
+      if (other != moved && joint(other) >= 0 && carrier(other) == carrier(moved) &&
+          std::abs(travel_of(other) - travel) <= 0.01 * travel)
+        return true;
+    return false;
+  }
+
+  /// How far a moved link slides, m; infinite for one that turns.
+  double travel_of(int moved) const {
+    if (kind_of(free_, link(moved)) != JointKind::prismatic) return std::numeric_limits<double>::infinity();
+    const Joint& slide = free_.joints[static_cast<std::size_t>(link(moved).joint)];
+    return (slide.upper - slide.lower) * std::abs(link(moved).multiplier);
+  }
+
+  /// Whether a link named as a camera or a finger is between a frame, included, and the hand that carries it.
+  bool hangs_on_camera(int frame, int hand) const {
+    for (int at = frame; at != hand; at = link(at).parent)
+      if (is_beside_tool(link(at).name)) return true;
+    return false;
+  }
+
+  /// The tip where nothing is sure; others that are as deep and have joints of their own as an arm has.
+  TipOfJoints end_of_longest_branch(int deepest) const {
+    TipOfJoints result;
+    result.link = deepest;
+    for (int i = deepest + 1; i < static_cast<int>(depth_.size()); ++i)
+      if (depth_[static_cast<std::size_t>(i)] == depth_[static_cast<std::size_t>(deepest)] &&
+          is_rival(i, deepest))
+        result.others.push_back(i);
+    return result;
+  }
+
   const std::string& name_of(int joint) const { return free_.joints[static_cast<std::size_t>(joint)].name; }
   const Link& link(int index) const { return free_.links[static_cast<std::size_t>(index)]; }
   std::size_t parent(std::size_t link) const { return static_cast<std::size_t>(free_.links[link].parent); }
@@ -233,11 +318,7 @@ class Arms {
 
   /// Whether it is a short slide behind five other joints, which alone makes it one of a gripper.
   bool is_only_slide(int moved) const {
-    constexpr double most_travel = 0.12;  // m
-    const Joint& slide = free_.joints[static_cast<std::size_t>(link(moved).joint)];
-    return kind_of(free_, link(moved)) == JointKind::prismatic &&
-           (slide.upper - slide.lower) * std::abs(link(moved).multiplier) <= most_travel &&
-           joints_above(carrier(moved)).size() >= 5;
+    return travel_of(moved) <= most_travel && joints_above(carrier(moved)).size() >= 5;
   }
 
   /// Whether what carries the link carries a tool's frame beside it: more than a flange, which a wrist may
@@ -259,7 +340,8 @@ class Arms {
                         std::inserter(own, own.end()));
     std::set_difference(of_best.begin(), of_best.end(), all.begin(), all.end(),
                         std::inserter(own_of_best, own_of_best.end()));
-    return moving(own) > 0 && 3 * moving(own) >= 2 * moving(own_of_best);
+    constexpr std::size_t fewest = 3;  // a steered wheel has two, a head of a gantry one
+    return moving(own) >= fewest && 3 * moving(own) >= 2 * moving(own_of_best);
   }
 
   /// What a moved link carries along, itself first, without cameras and what hangs on them.
@@ -293,6 +375,7 @@ class Arms {
 
   const Robot& free_;
   const Robot& robot_;
+  bool arm_is_stated_;
   std::vector<int> joint_;  ///< of the arm, that moves each link against its parent; -1: none
   std::vector<int> last_;   ///< the link that the last joint above moves; 0: none, or one not of the arm
   std::vector<int> depth_;

@@ -25,7 +25,11 @@ struct TipOfJoints {
 /// (`tool0`,
 ///   `ee_link`, `flange`, `hand_tcp`, `gripper_center`, …), else the last link that is no camera and no
 ///   finger; of several last ones the link that they hang on.
-/// - Another arm could be meant as well when it has at least two thirds as many joints of its own.
+/// - Another arm could be meant as well when it has at least three joints of its own, and two thirds as many.
+/// - Where no arm is stated, that counts only if what is beyond on the longest branch of the tree is a
+///   gripper's or a camera's: by its names, as one of two short slides that reach equally far, or beside a
+///   tool frame. Else the tip is the end of the longest branch: rods, wheels and heads of gantries branch,
+///   too.
 /// @param free robot with no joint held, at full size
 /// @param arm names of the joints that count; empty: all
 /// @param robot the same with its held joints: they do not count, but move their links all the same

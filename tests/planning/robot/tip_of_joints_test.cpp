@@ -155,9 +155,53 @@ TEST(TipOfJoints, OfSeveralArmsNamesAllOfThem) {
   EXPECT_EQ(Tree().chain("base", "long", 7).chain("base", "leg", 4).tip(), "long7");
   EXPECT_EQ(Tree().chain("base", "leg", 5).chain("base", "long", 7).tip(), "long7/leg5");
   Tree torso = Tree().turns("base", "torso").chain("torso", "l", 4).chain("torso", "r", 4);
-  EXPECT_EQ(torso.tip(), "torso") << "a hand with fingers of 0.3 m";
+  EXPECT_EQ(torso.tip(), "l4/r4");
   torso.fixed("l4", "l_hand").fixed("r4", "r_hand");
-  EXPECT_EQ(torso.tip(), "l_hand/r_hand") << "0.4 m is no finger";
+  EXPECT_EQ(torso.tip(), "l_hand/r_hand");
+}
+
+/// What branches, and is neither a hand nor an arm.
+TEST(TipOfJoints, OfBranchesThatNothingCallsAGripperIsTheEndOfTheLongest) {
+  Tree arm = Tree().chain("base", "j", 6).fixed("j6", "tool0");
+  for (const char* link : {"j3", "j4", "j5"}) {
+    Tree tilted = arm;
+    EXPECT_EQ(tilted.turns(link, "tilt").fixed("tilt", "camera").tip(), "tool0") << link;
+    EXPECT_EQ(tilted.turns("tilt", "pan").tip(), "tool0") << link;
+  }
+  Tree palletizer = Tree().chain("base", "j", 3).fixed("j3", "wrist").fixed("wrist", "suction_cup");
+  palletizer.mimics("j1", "crank", "j2_joint").mimics("crank", "rod", "j3_joint");
+  EXPECT_EQ(palletizer.tip(), "suction_cup");
+  Tree lever = Tree().chain("base", "turret", 1).turns("turret1", "boom").turns("boom", "stick");
+  EXPECT_EQ(
+      lever.fixed("stick", "bucket").turns("turret1", "cylinder").slides("cylinder", "piston", 1.0).tip(),
+      "bucket");
+  Tree gantry = Tree().slides("base", "x", 1.0).slides("x", "y", 1.0).slides("y", "z", 0.1);
+  gantry.fixed("z", "spindle").slides("y", "camera_z", 0.08).fixed("camera_z", "camera");
+  EXPECT_EQ(gantry.tip(), "spindle");
+  Tree mobile = Tree().chain("base", "arm", 3);
+  for (const std::string wheel : {"a", "b", "c", "d"})
+    mobile.turns("base", "steer_" + wheel).turns("steer_" + wheel, "wheel_" + wheel);
+  EXPECT_EQ(mobile.tip(), "arm3") << "no wheel is an arm that could be meant";
+}
+
+/// Words for cameras and fingers are in names of tools, too.
+TEST(TipOfJoints, OfFramesInARowIsTheLastUnlessThatIsACameraOrAFinger) {
+  const auto arm = [] { return Tree().chain("base", "j", 6).fixed("j6", "flange"); };
+  EXPECT_EQ(arm().fixed("flange", "laser_head").fixed("laser_head", "tcp").tip(), "tcp");
+  EXPECT_EQ(arm()
+                .fixed("flange", "camera_bracket")
+                .fixed("camera_bracket", "gripper_base")
+                .fixed("gripper_base", "gripper_tcp")
+                .tip(),
+            "gripper_tcp");
+  EXPECT_EQ(arm().fixed("flange", "adapter").fixed("adapter", "two_finger_gripper_tcp").tip(),
+            "two_finger_gripper_tcp");
+  EXPECT_EQ(arm()
+                .fixed("flange", "tool_changer")
+                .fixed("tool_changer", "torch_body")
+                .fixed("torch_body", "torch_tip")
+                .tip(),
+            "torch_tip");
 }
 
 /// A joint that is held, between arm and hand or of the fingers, moves no link and changes no tip.
@@ -184,11 +228,11 @@ TEST(TipOfJoints, OfASingleFingerIsTheLinkThatCarriesIt) {
       << "the robot's own name";
 }
 
-/// A lone short slide is a gripper's behind five joints, and the axis of a tool before.
+/// A lone short slide is a gripper's where it is called so; it may be the axis of a tool.
 TEST(TipOfJoints, OfASingleSlideDependsOnTheJointsBefore) {
   Tree arm = Tree().chain("base", "j", 5).slides("j5", "part");
-  EXPECT_EQ(arm.tip(), "j5");
-  EXPECT_EQ(arm.finger_joint(), "part_joint");
+  EXPECT_EQ(arm.tip(), "part") << "nothing calls it a finger";
+  EXPECT_EQ(Tree().chain("base", "j", 5).slides("j5", "left_finger").tip(), "j5");
   EXPECT_EQ(Tree().chain("base", "j", 5).slides("j5", "part", 0.2).tip(), "part");
   Tree scara = Tree().chain("base", "j", 3).slides("j3", "quill");
   EXPECT_EQ(scara.tip(), "quill");
