@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 
 #include "apps/console/parse.hpp"
@@ -86,7 +87,12 @@ std::vector<std::string> apart_from(const QueryTerms& query, const RecordQuestio
   const std::vector<std::string> joints = joints_of(query, question);
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const auto held = question.held.find(joints[j]);
-    if (held == question.held.end()) continue;
+    if (held == question.held.end()) {
+      if (std::find(question.joints.begin(), question.joints.end(), joints[j]) == question.joints.end())
+        sentences.push_back("joint " + shortened(joints[j]) + ": expected by the map's query " +
+                            quote(query.name) + ", none of the robot's moves or is held that is called so");
+      continue;
+    }
     const auto value = [&](const Configuration& q) { return q[static_cast<Eigen::Index>(j)]; };
     double farthest = value(query.start);
     for (const Configuration& goal : query.goals)
@@ -95,6 +101,17 @@ std::vector<std::string> apart_from(const QueryTerms& query, const RecordQuestio
     sentences.push_back("joint " + shortened(joints[j]) + ": expected to come to " +
                         significant(farthest, 7) + " by the map's query " + quote(query.name) +
                         ", it stands at " + significant(held->second, 7));
+  }
+  for (std::size_t j = 0; j < question.joints.size() && !joints.empty(); ++j) {
+    const auto way = [&](const Configuration& goal) {
+      const auto at = static_cast<Eigen::Index>(j);
+      return at < goal.size() && at < question.start.size() ? std::abs(goal[at] - question.start[at]) : 0.0;
+    };
+    const bool is_asked = std::find(joints.begin(), joints.end(), question.joints[j]) != joints.end();
+    if (!is_asked && std::any_of(question.goals.begin(), question.goals.end(),
+                                 [&](const Configuration& goal) { return way(goal) > contract_tolerance; }))
+      sentences.push_back("joint " + shortened(question.joints[j]) + ": the map's query " +
+                          quote(query.name) + " does not move it, the plan does");
   }
   return sentences;
 }
@@ -216,7 +233,11 @@ RecordedTerms recorded_terms(const std::optional<QueryRecord>& record, const Rec
   }
   if (!record->made_for.empty())
     notes.push_back("the record of queries was made for the map of which `inspect` made this one");
-  const QueryTerms* query = query_of(*record, question, notes);
+  QueryRecord own{record->map_sha256, {}, record->made_for};
+  std::copy_if(record->queries.begin(), record->queries.end(), std::back_inserter(own.queries),
+               [&](const QueryTerms& query) { return is_for(query, question); });
+  const QueryTerms* query = query_of(own, question, notes);
+  if (query == nullptr) query = query_of(*record, question, notes);  // of another robot
   if (query != nullptr) {
     if (is_for(*query, question)) {
       terms.query = moved(*query, question);

@@ -117,7 +117,11 @@ class SceneSet {
   void add_file(const std::filesystem::path& file) {
     std::string text = read_text(file, "scene or request", largest_scene);
     const bool is_text = extension_of(file) == ".scene";
-    const SceneFileKind kind = is_text ? SceneFileKind::scene : kind_of_scene_file(text, file);
+    SceneFileKind kind = SceneFileKind::scene;
+    if (!is_text && !try_to(file, [&] { kind = kind_of_scene_file(text, file); })) {
+      if (file.stem().string().find("request") == std::string::npos) add_unread(file);
+      return;
+    }
     if (kind == SceneFileKind::request) {
       requests_.emplace_back(file, std::move(text));
       of_requests_.add(file);
@@ -131,20 +135,25 @@ class SceneSet {
       set_.worlds.push_back(is_text ? read_scene_text(text, file, context_)
                                     : read_planning_scene(text, file, context_, set_.left_out));
     });
-    if (!is_read) {  // keeps its place, so that no other scene takes its requests
-      faults_.insert(set_.worlds.size());
-      set_.worlds.push_back({file.stem().string(), {}});
-    }
+    if (!is_read) return add_unread(file);
+    set_.worlds.back().folder = file.parent_path();
+  }
+
+  /// A scene that is left out keeps its place, so that no other one takes its requests.
+  void add_unread(const std::filesystem::path& file) {
+    of_scenes_.add(file);
+    faults_.insert(set_.worlds.size());
+    set_.worlds.push_back({file.stem().string(), {}});
     set_.worlds.back().folder = file.parent_path();
   }
 
   void add_request(const std::filesystem::path& file, const std::string& text) {
-    const std::size_t scene = scene_of(file, {set_.worlds.data(), scenes_});
-    if (faults_.contains(scene)) {
-      set_.left_out.push_back(file.filename().string() + ": its scene was left out");
-      return;
-    }
     try_to(file, [&] {
+      const std::size_t scene = scene_of(file, {set_.worlds.data(), scenes_});
+      if (faults_.contains(scene)) {
+        set_.left_out.push_back(file.filename().string() + ": its scene was left out");
+        return;
+      }
       ForeignProblem problem = read_motion_request(text, file, context_, set_.worlds[scene], set_.left_out);
       problem.experiment = of_requests_.of(file.parent_path());
       take_scene(scene, problem, set_);

@@ -36,7 +36,8 @@ fs::path folder_of_input(const fs::path& input) {
 bool would_overwrite(const fs::path& output, const fs::path& input) {
   if (output.empty() || input.empty()) return false;
   const fs::path folder = folder_of_input(input);
-  return is_same(output, input) || is_read_with(output, input) ||
+  return is_same(output, input) || is_same(output / "map.ot", input) ||
+         is_same(output / "painted.csv", input) ||
          (!folder.empty() && (is_same(output, folder) || is_read_with(folder, output)));
 }
 

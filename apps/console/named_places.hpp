@@ -13,8 +13,8 @@ struct NamedPlace {
 };
 
 /// Nothing that is read is overwritten. An output must not be an input, by whatever link, nor one of the
-/// files that are read with a folder (a map's or a session's), nor the folder in which an input has the name
-/// of such a file. What is not there (the names of cameras, robots and shipped files among them) is nobody's.
+/// files that are read with a folder (a map's or a session's), nor the folder of a map.ot or painted.csv that
+/// is an input. What is not there (the names of cameras, robots and shipped files among them) is nobody's.
 /// @throws std::invalid_argument naming both.
 void require_apart(const std::vector<NamedPlace>& outputs, const std::vector<NamedPlace>& inputs);
 

@@ -24,13 +24,9 @@ namespace {
 
 constexpr std::uint32_t most_message_bytes = 1U << 30U;
 
-/// Of each topic.
-using Ros1Places = std::map<std::string, std::vector<BagPlace>>;
-
 class Ros1Bag final : public MessageBag {
  public:
-  /// @param places of the messages, in the order of their times
-  Ros1Bag(const std::string& path, Ros1Places places) : places_(std::move(places)) {
+  explicit Ros1Bag(const std::string& path) {
     try {
       bag_.open(path, rosbag::bagmode::Read);
       rosbag::View view(bag_);
@@ -77,11 +73,8 @@ class Ros1Bag final : public MessageBag {
       const double count = view.size();
       double done = 0.0;
       std::vector<std::uint8_t> bytes;
-      std::vector<std::size_t> seen(topics_.size());
       for (const rosbag::MessageInstance& message : view) {
         share_ = done++ / count;
-        const std::size_t topic = topic_of(message);
-        const BagPlace place = place_of(topic, seen[topic]++);
         if (message.size() > most_message_bytes) {
           damage_ = "a message is larger than 1 GiB; what comes after it is not read";
           break;
@@ -89,7 +82,7 @@ class Ros1Bag final : public MessageBag {
         bytes.resize(message.size());
         ros::serialization::OStream out(bytes.data(), message.size());
         message.write(out);
-        if (!taken({topic, message.getTime().toSec(), bytes, place})) break;
+        if (!taken({topic_of(message), message.getTime().toSec(), bytes})) break;
       }
     } catch (const std::bad_alloc&) {
       throw;
@@ -110,14 +103,7 @@ class Ros1Bag final : public MessageBag {
   std::size_t topic_of(const rosbag::MessageInstance& message) const {
     return topic_of_.at({message.getTopic(), message.getDataType()});
   }
-  /// Of the message with this number in its topic; where the index is not of these messages, all are one.
-  BagPlace place_of(std::size_t topic, std::size_t number) const {
-    const auto found = places_.find(topics_[topic].name);
-    const bool is_known = found != places_.end() && found->second.size() == topics_[topic].count;
-    return is_known && number < found->second.size() ? found->second[number] : BagPlace{};
-  }
 
-  Ros1Places places_;
   rosbag::Bag bag_;
   std::map<std::pair<std::string, std::string>, std::size_t> topic_of_;
   std::optional<double> first_time_;
@@ -151,22 +137,6 @@ class Ros1Chunks {
   bool is_index_as_said() const { return !first_connection_ || index_at_ == *first_connection_; }
 
   const std::vector<Chunk>& chunks() const { return chunks_; }
-  /// Where the messages of each topic lie, by the indices behind the chunks, in the order of their times.
-  Ros1Places places() const {
-    std::map<std::string, std::vector<std::pair<double, BagPlace>>> timed;
-    for (const auto& [head, data] : connections_) {
-      const auto found = places_.find(ros1_number<std::uint32_t>(head.at("conn")));
-      if (found == places_.end()) continue;
-      auto& topic = timed[std::string(head.at("topic"))];
-      topic.insert(topic.end(), found->second.begin(), found->second.end());
-    }
-    Ros1Places places;
-    for (auto& [topic, entries] : timed) {
-      std::sort(entries.begin(), entries.end());
-      for (const auto& [time, place] : entries) places[topic].push_back(place);
-    }
-    return places;
-  }
   /// Those that stand outside of chunks, with their data.
   const std::vector<std::pair<Ros1Head, std::string>>& connections() const { return connections_; }
   std::uint64_t size() const { return input_.size(); }
@@ -188,7 +158,6 @@ class Ros1Chunks {
     const Ros1Head head =
         ros1_head(at, [this](std::uint64_t from, std::size_t count) { return bytes(from, count); });
     if (head.op() == op_bag) index_at_ = ros1_number<std::uint64_t>(head.at("index_pos"));
-    if (head.op() == op_index && !chunks_.empty()) take_index(head);
     if (head.op() == op_connection) {
       connections_.emplace_back(head, bytes(head.data, head.size));
       if (!first_connection_) first_connection_ = at;
@@ -210,18 +179,6 @@ class Ros1Chunks {
     return head.data + head.size;
   }
 
-  /// What is no index as it should be says no places.
-  void take_index(const Ros1Head& head) {
-    constexpr std::uint32_t most = 1U << 28U, entry = 12;  // bytes
-    if (head.size > most || head.fields.count("conn") == 0) return;
-    auto& places = places_[ros1_number<std::uint32_t>(head.at("conn"))];
-    const std::string entries = bytes(head.data, head.size);
-    for (std::size_t at = 0; at + entry <= entries.size(); at += entry)
-      places.emplace_back(
-          ros1_number<std::uint32_t>(entries, at) + 1e-9 * ros1_number<std::uint32_t>(entries, at + 4),
-          BagPlace{0, chunks_.size(), ros1_number<std::uint32_t>(entries, at + 8)});
-  }
-
   std::string bytes(std::uint64_t from, std::size_t count) const {
     std::string piece;
     input_.read_at(from, count, piece);
@@ -232,8 +189,6 @@ class Ros1Chunks {
   InputFile input_;
   std::vector<Chunk> chunks_;
   std::vector<std::pair<Ros1Head, std::string>> connections_;
-  /// Of each connection, with the messages' times, s.
-  std::map<std::uint32_t, std::vector<std::pair<double, BagPlace>>> places_;
   std::uint64_t index_at_ = 0;  ///< as the bag's head says
   std::optional<std::uint64_t> first_connection_;
   std::string damage_;
@@ -275,11 +230,7 @@ class Ros1RecordsBag final : public MessageBag {
       if (!wanted[entry.topic]) continue;
       share_ = static_cast<double>(i) / static_cast<double>(entries_.size());
       const std::vector<std::uint8_t>& bytes = content_of(entry.chunk);
-      if (!take({entry.topic,
-                 entry.time,
-                 std::span(bytes).subspan(entry.data, entry.size),
-                 {0, entry.chunk, entry.data}}))
-        return;
+      if (!take({entry.topic, entry.time, std::span(bytes).subspan(entry.data, entry.size)})) return;
     }
     share_ = 1.0;
   }
@@ -385,11 +336,10 @@ std::unique_ptr<MessageBag> open_without_index(const std::string& path) {
 
 std::unique_ptr<MessageBag> open_ros1_bag(const std::string& path) {
   if (auto foreign = open_foreign_lz4(path)) return foreign;
-  const Ros1Chunks chunks(path);
-  if (!chunks.is_index_as_said())
+  if (!Ros1Chunks(path).is_index_as_said())
     if (auto bag = open_without_index(path)) return bag;
   try {
-    return std::make_unique<Ros1Bag>(path, chunks.places());
+    return std::make_unique<Ros1Bag>(path);
   } catch (const std::runtime_error&) {
     if (auto bag = open_without_index(path)) return bag;
     throw;

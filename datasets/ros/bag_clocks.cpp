@@ -24,8 +24,10 @@ std::string ways_out(std::optional<double> cut, bool came_first, const char* rec
          "`times: stamps` takes all in the order of the stamps, where they are right";
 }
 
-constexpr double most_apart = 1.0;     ///< s, that recorders may hold messages back
+constexpr double most_apart = 1.0;     ///< s, that is not told: recorders hold messages back
+constexpr double most_late = 5.0;      ///< s, that drivers, networks and dates in advance may account for
 constexpr double longest_work = 10.0;  ///< s, that programs may need for a pose
+constexpr double steady = 0.5;         ///< s, by which the distance of two clocks varies at most
 constexpr std::size_t fewest = 3;      ///< messages that say what a stream is like
 
 double median(std::vector<double> values) {
@@ -40,18 +42,32 @@ double spread(std::vector<double> values) {
   return values[values.size() * 3 / 4] - values[values.size() / 4];
 }
 
+/// With thousandths, also of a clock that counts from another year.
+std::string seconds_text(double seconds) { return short_text(std::round(1e3 * seconds) / 1e3, 13); }
+
 std::string offset_text(const BagClocks::Offset& offset) {
   return "by their times of recording, the stamps of " + offset.name + " are " +
-         short_text(std::abs(offset.ahead), 5) + " s " + (offset.ahead > 0.0 ? "ahead of" : "behind") +
+         seconds_text(std::abs(offset.ahead)) + " s " + (offset.ahead > 0.0 ? "ahead of" : "behind") +
          " those of " + offset.other;
 }
 
-[[noreturn]] void refuse(const BagClocks::Offset& offset, const char* what) {
-  throw ContradictoryBag(
-      "is stamped by clocks that differ: " + offset_text(offset) + ", so that " + what +
-      "; in `source: {bag: …}` of the setup `clock_offsets: [{topic: …, add: …}]` moves the stamps "
-      "of a topic, `times: recording` takes all at the times of recording, `times: stamps` "
-      "takes them as they are");
+/// What can be done about clocks that differ. @param moves whether the topic of the first can be moved alone
+std::string ways_out(const BagClocks::Offset& offset, bool moves) {
+  return "; in `source: {bag: …}` of the setup `times: stamps` takes all as they are, where one only comes "
+         "late" +
+         (moves ? "; where its clock differs, `clock_offsets: [{topic: " +
+                      offset.name.substr(1, offset.name.size() - 2) +
+                      ", add: " + seconds_text(-offset.ahead) + "}]` moves it"
+                : std::string());
+}
+
+std::string doubt(const BagClocks::Offset& offset, bool moves) {
+  return "may be stamped by clocks that differ: " + offset_text(offset) + ways_out(offset, moves);
+}
+
+[[noreturn]] void refuse(const BagClocks::Offset& offset, const char* what, bool moves) {
+  throw ContradictoryBag("is stamped by clocks that differ: " + offset_text(offset) + ", so that " + what +
+                         ways_out(offset, moves));
 }
 
 }  // namespace
@@ -92,10 +108,10 @@ std::optional<BagClocks::Offset> BagClocks::offset_between(const std::string& na
   Stream one = a->second, two = b->second;
   const auto by_recording = [](const Message& x, const Message& y) { return x.recorded < y.recorded; };
   for (Stream* stream : {&one, &two}) std::stable_sort(stream->begin(), stream->end(), by_recording);
-  std::vector<double> aheads, leads, others;
-  for (const Message& message : two) others.push_back(message.lead());
+  for (const Stream& stream : {one, two})  // as of converters, which say nothing of when it came
+    if (stream.front().recorded == stream.back().recorded) return std::nullopt;
+  std::vector<double> aheads;
   for (const Message& message : one) {
-    leads.push_back(message.lead());
     const auto after = std::lower_bound(two.begin(), two.end(), message, by_recording);
     if (after == two.end() || (after == two.begin() && after->recorded > message.recorded)) continue;
     const Message& before = after == two.begin() ? *after : *std::prev(after);
@@ -103,11 +119,8 @@ std::optional<BagClocks::Offset> BagClocks::offset_between(const std::string& na
                  part = span > 0.0 ? (message.recorded - before.recorded) / span : 0.0;
     aheads.push_back(message.lead() - before.lead() - part * (after->lead() - before.lead()));
   }
-  constexpr double steady = 0.5;  // s
-  if (aheads.size() < fewest) {   // one was recorded after the other
-    if (spread(leads) > steady || spread(others) > steady) return std::nullopt;
-    aheads = {median(leads) - median(others)};
-  }
+  // Of batches, of programs that fall behind, and of what was recorded apart it cannot be told.
+  if (aheads.size() < fewest || spread(aheads) > steady) return std::nullopt;
   const double ahead = median(aheads);
   if (std::abs(ahead) <= most_apart) return std::nullopt;
   const auto [first, last] = std::minmax_element(
@@ -118,11 +131,17 @@ std::optional<BagClocks::Offset> BagClocks::offset_between(const std::string& na
   return Offset{name, other, ahead, do_overlap};
 }
 
-void BagClocks::refuse_offsets(const std::vector<std::string>& sensors) const {
+std::vector<std::string> BagClocks::refuse_offsets(const std::vector<std::string>& sensors) const {
+  std::vector<std::string> told;
   for (std::size_t i = 0; i < sensors.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j)
-      if (const auto offset = offset_between(sensors[i], sensors[j]))
-        refuse(*offset, "what one saw last may count as seen before what the other did");
+    for (std::size_t j = 0; j < i; ++j) {
+      const auto offset = offset_between(sensors[i], sensors[j]);
+      if (!offset) continue;
+      if (std::abs(offset->ahead) > most_late)
+        refuse(*offset, "what one saw last may count as seen before what the other did", true);
+      told.push_back(doubt(*offset, true));
+    }
+  return told;
 }
 
 std::vector<std::string> BagClocks::refuse_pose_offsets(const std::vector<std::string>& sensors,
@@ -132,12 +151,9 @@ std::vector<std::string> BagClocks::refuse_pose_offsets(const std::vector<std::s
     for (const std::string& sensor : sensors) {
       const auto offset = offset_between(pose, sensor);
       if (!offset || !offset->do_overlap) continue;
-      if (offset->ahead > 0.0 || offset->ahead < -longest_work)
-        refuse(*offset, "it may be placed by poses of another moment");
-      told.push_back(
-          "is stamped by clocks that may differ: " + offset_text(*offset) +
-          ", as where poses take long to compute; if it is their clock, `clock_offsets` in `source: "
-          "{bag: …}` of the setup moves them");
+      if (offset->ahead > most_late || offset->ahead < -longest_work)
+        refuse(*offset, "it may be placed by poses of another moment", false);
+      told.push_back(doubt(*offset, false));
     }
   return told;
 }
@@ -168,9 +184,12 @@ bool BagClocks::is_file_in_order() const {
   });
 }
 
-void BagClocks::refuse_set_back(double first_time) const {
+void BagClocks::refuse_set_back(const std::vector<std::string>& names, double first_time) const {
   const bool is_in_order = is_file_in_order();
-  for (const auto& [name, stream] : streams_) {
+  for (const std::string& name : names) {
+    const auto found = streams_.find(name);
+    if (found == streams_.end()) continue;
+    const Stream& stream = found->second;
     const std::vector<double> stamps = stamps_of(stream), recorded = recordings_of(stream);
     const Stream written = by_place(stream);
     // A recorder's clock that was set back changes the order of recording, and no stamp.

@@ -27,16 +27,18 @@ class BagClocks {
   void refuse_restarts(double first_time) const;
   /// As that, of a clock that was set back: the stamps fall while the times of recording rise, or both fall
   /// in the order of a file that is in order elsewhere.
-  void refuse_set_back(double first_time) const;
+  /// @param names of the streams that count
+  void refuse_set_back(const std::vector<std::string>& names, double first_time) const;
 
-  /// Of two streams of at least three messages each; nothing: they agree, or it cannot be told, as where both
-  /// were recorded one after the other at a changing pace.
+  /// Of two streams of at least three messages each; nothing: they agree, or it cannot be told, as where they
+  /// were recorded apart, in batches, or at a distance that changes.
   std::optional<Offset> offset_between(const std::string& name, const std::string& other) const;
-  /// @param sensors names of streams: of these no two may differ
+  /// @param sensors names of streams: of these no two may differ by more than five seconds
+  /// @returns clauses about those that differ by less, as of drivers that are late
   /// @throws ContradictoryBag a clause that names two streams
-  void refuse_offsets(const std::vector<std::string>& sensors) const;
-  /// As that, of poses against what they place, where some lie at its times: those that come up to ten
-  /// seconds after what they belong to, as of programs that compute them, are told instead. @returns clauses
+  std::vector<std::string> refuse_offsets(const std::vector<std::string>& sensors) const;
+  /// As that, of poses against what they place, where some lie at its times: those may be ten seconds after
+  /// what they belong to, as of programs that compute them.
   std::vector<std::string> refuse_pose_offsets(const std::vector<std::string>& sensors,
                                                const std::vector<std::string>& poses) const;
   std::vector<std::string> names() const;

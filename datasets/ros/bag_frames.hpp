@@ -54,7 +54,7 @@ class BagFrames {
   void learn();
   /// @throws ContradictoryBag where clocks of what is read differ. @param poses of the streams of `clocks`,
   /// those of poses and the frames that they are of
-  void refuse_offsets(const BagClocks& clocks, const std::map<std::string, std::string>& poses);
+  void refuse_clocks(const BagClocks& clocks, const std::map<std::string, std::string>& poses);
   void learn_camera(const std::string& topic, const RosCameraInfo& info);
   void learn_step(const BagTopic& topic, double step);
   bool is_camera(const BagTopic& topic) const;

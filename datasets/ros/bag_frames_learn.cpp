@@ -186,28 +186,31 @@ void BagFrames::learn() {
     return true;
   });
   clocks.refuse_restarts(bag_.first_time().value_or(0.0));
-  if (options_.bag.times != BagTimes::stamps) clocks.refuse_set_back(bag_.first_time().value_or(0.0));
   add_beyond();
   for (const auto& [topic, path] : paths_)
     for (const RosTransform& pose : path.first) transforms_.add(pose, false, path.second);
   if (!options_.bag.fixed_frame.empty()) transforms_.prefer_ways_to(options_.bag.fixed_frame);
-  refuse_offsets(clocks, poses);
+  refuse_clocks(clocks, poses);
   if (options_.bag.fixed_frame.empty()) return;
   if (!options_.bag.sensor_frame.empty()) sensor_frames_.insert(options_.bag.sensor_frame);
   refuse_contradictions(transforms_, options_.bag.fixed_frame, sensor_frames_);
 }
 
-void BagFrames::refuse_offsets(const BagClocks& clocks, const std::map<std::string, std::string>& poses) {
-  if (options_.bag.times != BagTimes::agreeing_stamps) return;
+void BagFrames::refuse_clocks(const BagClocks& clocks, const std::map<std::string, std::string>& poses) {
   std::vector<std::string> sensors, used;
   for (const std::string& name : clocks.names())
     if (!poses.contains(name)) sensors.push_back(name);
-  clocks.refuse_offsets(sensors);
-  if (options_.bag.fixed_frame.empty()) return;
-  const std::set<std::string> frames = used_frames(transforms_, options_.bag.fixed_frame, sensor_frames_);
-  for (const auto& [name, frame] : poses)
-    if (frames.contains(frame)) used.push_back(name);
-  clock_notes_ = clocks.refuse_pose_offsets(sensors, used);
+  if (!options_.bag.fixed_frame.empty()) {
+    const std::set<std::string> frames = used_frames(transforms_, options_.bag.fixed_frame, sensor_frames_);
+    for (const auto& [name, frame] : poses)
+      if (frames.contains(frame)) used.push_back(name);
+  }
+  std::vector<std::string> all = sensors;
+  all.insert(all.end(), used.begin(), used.end());
+  if (options_.bag.times != BagTimes::stamps) clocks.refuse_set_back(all, bag_.first_time().value_or(0.0));
+  if (options_.bag.times != BagTimes::agreeing_stamps) return;
+  clock_notes_ = clocks.refuse_offsets(sensors);
+  for (std::string& note : clocks.refuse_pose_offsets(sensors, used)) clock_notes_.push_back(std::move(note));
 }
 
 void BagFrames::add_beyond() {

@@ -78,6 +78,7 @@ std::string jump_text(const std::string& name, std::span<const double> times, co
 bool is_one_run(std::span<const double> times) { return begins_of_runs(times).size() <= 1; }
 
 std::optional<std::size_t> find_set_back(std::span<const double> times) {
+  constexpr std::size_t fewest = 3;  // one or two may be a driver's wrong stamps
   std::vector<std::size_t> begins = begins_of_runs(times);
   if (begins.size() < 2 || begins.size() - 1 > std::max<std::size_t>(1, times.size() / 8))
     return std::nullopt;
@@ -87,14 +88,17 @@ std::optional<std::size_t> find_set_back(std::span<const double> times) {
   for (std::size_t run = 0; run + 1 < begins.size(); ++run) {
     const auto of_run = times.subspan(begins[run], begins[run + 1] - begins[run]);
     if (!is_increasing(of_run)) return std::nullopt;
-    const double last = *std::max_element(of_run.begin(), of_run.end());
+    std::vector<double> latest(of_run.begin(), of_run.end());
+    std::sort(latest.rbegin(), latest.rend());
+    const double last = latest[latest.size() < fewest ? 0 : fewest - 1];
     if (last >= reached)
       step.reset();
     else if (!step)
       step = begins[run];
     reached = std::max(reached, last);
   }
-  if (step && fill_gaps(times, *step)) return std::nullopt;
+  if (step && (*step < fewest || times.size() - *step < fewest || fill_gaps(times, *step)))
+    return std::nullopt;
   return step;
 }
 

@@ -19,7 +19,8 @@ std::optional<std::size_t> find_restart(std::span<const double> times);
 /// Where the clock of a stream was set back by more than the stream had run, or so near its end that hardly a
 /// time is passed again: the first message after a step back of more than a second, from which on none comes
 /// up to what had been reached. By such times the newest messages would be the oldest. What is not in order
-/// before and after, as a shuffled or reversed stream, and late messages, which lack before, are no step.
+/// before and after, as a shuffled or reversed stream, late messages, which lack before, and one or two wrong
+/// ones are no step.
 /// Nothing: there is none.
 /// @param times s, in the order of the messages
 std::optional<std::size_t> find_set_back(std::span<const double> times);

@@ -188,8 +188,8 @@ LoadedMap read_map(InputFolder& folder, const fs::path& file, bool in_directory,
                                return painted_csv;
                              }),
                    ""};
-  if (takes_digest)
-    loaded.sha256 = sha256(painted_csv && !loaded.map.volumes().empty() ? *bytes + *painted_csv : *bytes);
+  const bool has_paint_beside = painted_csv && !loaded.map.volumes().empty();
+  if (takes_digest) loaded.sha256 = has_paint_beside ? sha256(*bytes + *painted_csv) : sha256(*bytes);
   for (const FileBeside& asked : beside) {
     if (file.filename() != map_name) continue;
     if (auto found = folder.read(asked.name, asked.what, asked.largest))

@@ -74,7 +74,7 @@ AtomicFolder::AtomicFolder(const fs::path& folder, IsOurs is_ours, Unpublished u
     }
     if (unpublished_ != Unpublished::removed)
       save_file(staging_ / own_files_name, "");  // says that it is ours
-    if (existed_) kept_.update(target_, staging_);
+    if (existed_) kept_.update(target_, staging_, is_ours_);
   } catch (...) {
     if (finished_.empty()) remove_staging();
     throw;
@@ -154,7 +154,7 @@ void AtomicFolder::publish() {
   existed_ = fs::is_directory(target_, error);
   if (existed_) {
     require_no_other_command(folder_, is_ours_);  // it may have been written meanwhile
-    kept_.update(target_, staging_);
+    kept_.update(target_, staging_, is_ours_);
   }
   kept_.write_list(staging_);
   sync_all_folders(staging_, folder_);

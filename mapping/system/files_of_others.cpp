@@ -162,11 +162,11 @@ void require_no_other_command(const fs::path& folder, const IsOurs& is_ours) {
   }
 }
 
-void KeptFiles::update(const fs::path& from, const fs::path& to) {
-  for (const fs::path& relative : files_of_others(from)) keep(from, to, relative);
+void KeptFiles::update(const fs::path& from, const fs::path& to, const IsOurs& is_ours) {
+  for (const fs::path& relative : files_of_others(from)) keep(from, to, relative, is_ours(relative));
 }
 
-void KeptFiles::keep(const fs::path& from, const fs::path& to, const fs::path& relative) {
+void KeptFiles::keep(const fs::path& from, const fs::path& to, const fs::path& relative, bool is_ours) {
   if (is_folder(from / relative)) return make_folders(from, to, relative);
   const unsigned long source = inode(from / relative), present = inode(to / relative);
   if (const auto known = inodes_.find(relative); known != inodes_.end()) {
@@ -174,9 +174,12 @@ void KeptFiles::keep(const fs::path& from, const fs::path& to, const fs::path& r
     if (present == source) return;
     ::unlink((to / relative).c_str());  // replaced by its owner
   } else if (present != 0) {
-    if (present != source) fail_to_replace(from, relative);
-    inodes_[relative] = source;  // linked by an earlier one that did not end
-    return;
+    if (present == source) {
+      inodes_[relative] = source;  // linked by an earlier one that did not end
+      return;
+    }
+    if (is_ours) fail_to_replace(from, relative);
+    ::unlink((to / relative).c_str());  // linked by an earlier one, and replaced by its owner since
   }
   make_folders(from, to, relative.parent_path());
   if (::linkat(AT_FDCWD, (from / relative).c_str(), AT_FDCWD, (to / relative).c_str(), 0) != 0) {

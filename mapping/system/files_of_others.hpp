@@ -37,16 +37,17 @@ void require_no_other_command(const std::filesystem::path& folder, const IsOurs&
 class KeptFiles {
  public:
   /// Brings `to` up to date; to be called again when `from` may have changed.
+  /// @param is_ours whether we write a file of that name
   /// @throws std::runtime_error naming `from` and the file that cannot be kept, also because we wrote another
   ///         of that name into `to`.
-  void update(const std::filesystem::path& from, const std::filesystem::path& to);
+  void update(const std::filesystem::path& from, const std::filesystem::path& to, const IsOurs& is_ours);
 
   /// Writes the list of all other files in `folder`.
   void write_list(const std::filesystem::path& folder) const;
 
  private:
   void keep(const std::filesystem::path& from, const std::filesystem::path& to,
-            const std::filesystem::path& relative);
+            const std::filesystem::path& relative, bool is_ours);
   std::map<std::filesystem::path, unsigned long> inodes_;  ///< of the files kept, by relative name
 };
 

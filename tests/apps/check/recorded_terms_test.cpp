@@ -174,6 +174,40 @@ TEST(RecordedTerms, AQueryIsTheSameWhicheverOfItsJointsThePlanHoldsWhereTheyAre)
   ASSERT_TRUE(answered(lifted).query.has_value());
   EXPECT_EQ(answered(lifted).query->start, lifted.start);
   EXPECT_EQ(answered(lifted).query->goals, lifted.goals);
+  EXPECT_EQ(answered(lifted).apart, std::vector<std::string>{"joint y: the map's query 'own' does not move "
+                                                             "it, the plan does"});
+  lifted.goals = {Eigen::Vector2d(1.0, 0.3)};
+  EXPECT_TRUE(answered(lifted).apart.empty());
+}
+
+/// A joint that was renamed, or became a fixed one of the URDF.
+TEST(RecordedTerms, AJointOfTheQueryThatTheRobotDoesNotHaveIsToldApart) {
+  QueryTerms query;
+  query.name = "own", query.robot = "arm";
+  query.joints = {"xx", "y"};
+  query.start = Eigen::Vector2d(0.0, 0.0);
+  query.goals = {Eigen::Vector2d(1.5, 0.0)};
+  RecordQuestion question = holding();
+  question.query = "own";
+  std::vector<std::string> notes;
+  const RecordedTerms terms = recorded_terms(QueryRecord{"digest", {query}}, question, "digest", notes);
+  ASSERT_EQ(terms.apart.size(), 2U);
+  EXPECT_EQ(terms.apart[0].rfind("joint xx: expected by the map's query 'own', none", 0), 0U);
+  EXPECT_EQ(terms.apart[1], "joint x: the map's query 'own' does not move it, the plan does");
+}
+
+TEST(RecordedTerms, AnotherRobotsQueryWithTheSameEndsComesLast) {
+  QueryTerms other, own;
+  other.name = "other", other.robot = "legs";
+  own.name = "own", own.robot = "arm";
+  for (QueryTerms* query : {&other, &own}) {
+    query->start = Eigen::Vector2d(0.0, 0.0);
+    query->goals = {Eigen::Vector2d(1.0, 0.0)};
+  }
+  std::vector<std::string> notes;
+  const RecordedTerms terms = recorded_terms(QueryRecord{"digest", {other, own}}, holding(), "digest", notes);
+  ASSERT_TRUE(terms.query.has_value());
+  EXPECT_EQ(terms.query->name, "own");
 }
 
 LegLoad load_named(const std::string& name, double edge, std::vector<int> legs = {}) {

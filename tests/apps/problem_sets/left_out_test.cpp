@@ -58,6 +58,19 @@ TEST_F(LeftOut, TheSceneThatIsLeftTakesNoRequestOfTheOther) {
   EXPECT_EQ(said["left_out"][1], "request0002.yaml: its scene was left out");
 }
 
+TEST_F(LeftOut, AFileThatIsNoYamlAndARequestWithoutAScene) {
+  const std::string cut = folder_.write("scene0002.yaml", "world: {collision_objects: [{id: a,");
+  const CommandRun run = import("mbm",
+                                {scene("0001", 0.1, 3.0), cut, request("0001"), request("0002"),
+                                 folder_.write("request0003.yaml", "start_state: {"), request("0004")},
+                                {"--json"});
+  ASSERT_EQ(run.status, exit_done) << run.log;
+  const Json said = Json::parse(run.out);
+  EXPECT_EQ(said["worlds"], 1);
+  EXPECT_EQ(said["problems"], 1);
+  EXPECT_EQ(said["left_out"].size(), 4U) << said["left_out"];
+}
+
 TEST_F(LeftOut, AProblemOfRobometrics) {
   const std::string problem =
       "- {start: [0, 0, 0], goal_ik: [[0.5, 0, 0]], obstacles: {cuboid: {far: {dims: [0.1, 0.1, ";

@@ -3,6 +3,8 @@
 
 #include "datasets/ros/bag_clocks.hpp"
 
+#include <cmath>
+
 #include "tests/datasets/ros/bag_frames_world.hpp"
 
 namespace clearway {
@@ -44,7 +46,8 @@ TEST_F(BagClocksTest, AClockThatWasSetBackIsRefused) {
   for (const char* name : {"a.mcap", "a.bag", "a.db3"})
     for (const bool recorder : {false, true})
       for (const double back : {2.0, 4.0, 37.0, 3600.0})
-        for (const int after : {1, 3}) {
+        for (const int after : {3, 5}) {
+          if (recorder && std::string(name) == "a.bag") continue;  // its messages are in no stated order
           ScanBag bag(folder_ / name);
           add_set_back(bag, back, after, recorder);
           const Reading reading = read_standing(bag, name);
@@ -54,6 +57,36 @@ TEST_F(BagClocksTest, AClockThatWasSetBackIsRefused) {
           EXPECT_NE(reading.damage.find(sentence), std::string::npos)
               << name << ' ' << recorder << ' ' << back << ' ' << after << reading.damage;
         }
+}
+
+/// As of drivers that stamp once in a while wrongly, and of what has no stamp before a simulated clock
+/// begins.
+TEST_F(BagClocksTest, OneWrongStampIsNoClock) {
+  for (const int wrong : {0, 1, 20, 38, 39})
+    for (const double back : {2.0, 3600.0, -3600.0}) {
+      ScanBag bag(folder_ / "a.mcap");
+      for (int i = 0; i < 40; ++i)
+        bag.cloud("/points", {start + 0.1 * i, start + 0.1 * i - (i == wrong ? back : 0.0)}, "sensor",
+                  {{1, 2, static_cast<float>(i)}});
+      EXPECT_EQ(read_standing(bag, "a.mcap").damage, "") << wrong << ' ' << back;
+    }
+}
+
+/// As converters write them: all at once, or in batches of some seconds.
+TEST_F(BagClocksTest, TimesOfRecordingThatSayNothingAreNoClocks) {
+  BagTopics options;
+  options.clouds = {"/a", "/b"};
+  for (const double batch : {2.0, 5.0, 1000.0}) {
+    ScanBag bag(folder_ / "a.mcap");
+    for (int i = 0; i < 200; ++i) {
+      const double time = start + 0.1 * i, recorded = start + batch * std::floor(0.1 * i / batch);
+      bag.cloud("/a", {recorded, time}, "a", {{1, 2, 3}});
+      bag.cloud("/b", {recorded, time + 0.05}, "b", {{1, 2, 3}});
+    }
+    const Reading reading = read_standing(bag, "a.mcap", options);
+    EXPECT_EQ(reading.damage, "") << batch;
+    EXPECT_EQ(reading.warnings.find("clocks that differ"), std::string::npos) << reading.warnings;
+  }
 }
 
 TEST_F(BagClocksTest, TheWaysOutOfARefusalAreOnes) {
@@ -138,20 +171,22 @@ void add_two(ScanBag& bag, double ahead, double latency = 0.0, double jitter = 0
 
 TEST_F(BagClocksTest, TwoSensorsByClocksThatDifferAreRefusedUntilTheSetupSaysHow) {
   for (const char* name : {"a.mcap", "a.bag", "a.db3"})
-    for (const double ahead : {-start + 100, -37.0, -5.0, -1.5, 1.5, 37.0}) {
+    for (const double ahead : {-start + 100, -37.0, -6.0, -1.5, 1.5, 37.0}) {
       ScanBag bag(folder_ / name);
       add_two(bag, ahead);
       BagTopics options;
       options.clouds = {"/a", "/b"};
-      const std::string damage = read_standing(bag, name, options).damage;
-      EXPECT_NE(damage.find("is stamped by clocks that differ: by their times "
-                            "of recording, the stamps of "
-                            "'/b' are "),
-                std::string::npos)
-          << name << ahead << damage;
-      EXPECT_NE(damage.find(ahead < 0 ? " s behind those of '/a'" : " s ahead of those of '/a'"),
-                std::string::npos)
-          << damage;
+      const Reading reading = read_standing(bag, name, options);
+      const bool is_refused = std::abs(ahead) > 5.0;
+      EXPECT_EQ(reading.frames.size(), is_refused ? 0U : 80U) << ahead;
+      const std::string said = is_refused ? reading.damage : reading.warnings;
+      for (const std::string part :
+           {"stamped by clocks that differ: by their times of recording, the stamps of '/b' are ",
+            ahead < 0 ? " s behind those of '/a'" : " s ahead of those of '/a'"})
+        EXPECT_NE(said.find(part), std::string::npos) << name << ahead << said;
+      const std::string way = "`clock_offsets: [{topic: /b, add: ";
+      ASSERT_NE(said.find(way), std::string::npos) << said;
+      EXPECT_NEAR(std::stod(said.substr(said.find(way) + way.size())), -ahead, 1e-3);
       options.clock_offsets["/b"] = -ahead;
       const Reading moved = read_standing(bag, name, options);
       EXPECT_EQ(moved.damage, "");
@@ -186,7 +221,7 @@ TEST_F(BagClocksTest, SensorsThatAreRecordedLateOrAtAnotherPaceAreReadAsBefore) 
 }
 
 TEST_F(BagClocksTest, JointsByAnotherClockThanTheSensorsAreRefused) {
-  for (const double ahead : {0.0, 0.9, -5.0, 5.0}) {
+  for (const double ahead : {0.0, 0.9, -6.0, 6.0}) {
     std::vector<worlds::BagRecord> records;
     for (int i = 0; i < 40; ++i) {
       const double time = start + 0.1 * i;
@@ -224,9 +259,12 @@ TEST_F(BagClocksTest, PosesByAnotherClockAreRefusedAndThoseThatComeLateAreTold) 
   };
   EXPECT_EQ(read_with(0).warnings, "");
   EXPECT_EQ(read_with(0.9).damage, "");
-  for (const double ahead : {-37.0, 1.5, 37.0})
+  for (const double ahead : {-37.0, 37.0})
     EXPECT_NE(read_with(ahead).damage.find("the stamps of '/tf', frame 'base', are "), std::string::npos)
         << ahead;
+  const Reading dated_ahead = read_with(1.5);  // as AMCL dates its transforms
+  EXPECT_EQ(dated_ahead.damage, "");
+  EXPECT_NE(dated_ahead.warnings.find("s ahead of those of '/points'"), std::string::npos);
   const Reading late = read_with(-3);
   EXPECT_EQ(late.damage, "");
   EXPECT_NE(late.warnings.find("the stamps of '/tf', frame 'base', are 2.99 s "

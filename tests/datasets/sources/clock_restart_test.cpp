@@ -63,10 +63,10 @@ TEST(SetBackClock, IsAStepBackFromWhichTheStreamDoesNotComeUpAgain) {
   for (const double back : {1.5, 3.7, 4.0, 37.0, 3600.0})
     for (const int after : {1, 2, 3, 30})
       EXPECT_EQ(find_set_back(joined(before, run_of(103.7 - back, 0.1, after))),
-                0.1 * after < back - 0.05 ? std::optional<std::size_t>(37) : std::nullopt)
+                after > 2 && 0.1 * after < back - 0.05 ? std::optional<std::size_t>(37) : std::nullopt)
           << back << " s, " << after;
   EXPECT_EQ(find_set_back(joined(joined(before, run_of(60, 0.1, 9)), run_of(20, 0.1, 9))), 37U) << "twice";
-  EXPECT_EQ(find_set_back(joined(run_of(9000, 1, 1), before)), 1U) << "the first message alone";
+  EXPECT_FALSE(find_set_back(joined(run_of(9000, 1, 1), before))) << "the first message alone";
   EXPECT_EQ(find_set_back(joined(run_of(22, 1, 3), run_of(10, 1, 12))), 3U) << "parts in another order";
 }
 

@@ -322,15 +322,17 @@ TEST(AtomicFolder, ContinuedWorkGoesOnWithWhatIsThereAndLosesNothing) {
     EXPECT_THROW(AtomicFolder(out, text_is_ours, Unpublished::continued), std::runtime_error);
     EXPECT_EQ(content(partial).at("b.txt"), "half");
   }
+  save_file(out / "mine.dat", "of a person, edited");  // a new file under the old name
   {
     AtomicFolder last(out, text_is_ours, Unpublished::continued);
     EXPECT_EQ(content(last.path()).at("b.txt"), "half");
     save_file(last.path() / "c.txt", "rest");
     last.publish();
   }
-  EXPECT_EQ(content(out), (Content{{"b.txt", "half"}, {"c.txt", "rest"}, {"mine.dat", "of a person"}}));
+  EXPECT_EQ(content(out),
+            (Content{{"b.txt", "half"}, {"c.txt", "rest"}, {"mine.dat", "of a person, edited"}}));
   publish(out, {{"d.txt", "next"}});  // what a person put there is not taken for ours
-  EXPECT_EQ(content(out), (Content{{"d.txt", "next"}, {"mine.dat", "of a person"}}));
+  EXPECT_EQ(content(out), (Content{{"d.txt", "next"}, {"mine.dat", "of a person, edited"}}));
 }
 
 }  // namespace atomic_folder_test
