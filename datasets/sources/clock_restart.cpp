@@ -90,12 +90,11 @@ std::optional<std::size_t> find_set_back(std::span<const double> times) {
     if (!is_increasing(of_run)) return std::nullopt;
     std::vector<double> latest(of_run.begin(), of_run.end());
     std::sort(latest.rbegin(), latest.rend());
-    const double last = latest[latest.size() < fewest ? 0 : fewest - 1];
-    if (last >= reached)
+    if (latest.front() >= reached)
       step.reset();
     else if (!step)
       step = begins[run];
-    reached = std::max(reached, last);
+    reached = std::max(reached, latest[latest.size() < fewest ? 0 : fewest - 1]);
   }
   if (step && (*step < fewest || times.size() - *step < fewest || fill_gaps(times, *step)))
     return std::nullopt;

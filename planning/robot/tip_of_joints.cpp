@@ -140,7 +140,7 @@ class Arms {
     if (!is_on(deepest, hand)) return !moves_apart(deepest, hand);
     for (int at = last; at != hand; at = carrier(at))
       if (at <= 0 || !is_of_gripper(at)) return false;
-    return last != hand || hangs_on_camera(deepest, hand);
+    return last != hand || hangs_on_camera(deepest, hand) || has_tie(deepest, hand);
   }
 
   bool is_on(int link_index, int above) const {
@@ -185,6 +185,14 @@ class Arms {
   bool hangs_on_camera(int frame, int hand) const {
     for (int at = frame; at != hand; at = link(at).parent)
       if (is_beside_tool(link(at).name)) return true;
+    return false;
+  }
+
+  /// Whether a hand carries another frame as deep, so that the first of them would be no more the tip.
+  bool has_tie(int deepest, int hand) const {
+    const int depth = depth_[static_cast<std::size_t>(deepest)];
+    for (std::size_t i = static_cast<std::size_t>(deepest) + 1; i < depth_.size(); ++i)
+      if (depth_[i] == depth && last_[i] == hand) return true;
     return false;
   }
 

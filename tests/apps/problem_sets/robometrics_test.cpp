@@ -79,7 +79,10 @@ TEST_F(Robometrics, TheFirstFreeGoalOfGoalIkCounts) {
   ASSERT_EQ(import_text(text + far_away).status, exit_done);
   EXPECT_EQ(problem().goals[0], (std::vector<double>{0.5, 0.0, 0.0}));
   // What stands in the finger at the first goal.
-  const Robot robot = load_robot(robot_);
+  Robot robot = load_robot(robot_);
+  const auto finger = std::find_if(robot.links.begin(), robot.links.end(),
+                                   [](const Link& link) { return link.name == "finger"; });
+  robot.tip_link = static_cast<int>(finger - robot.links.begin());
   Configuration first = Configuration::Zero(3);
   first[0] = 0.5;
   const Eigen::Vector3d tip = tip_pose(robot, first) * Eigen::Vector3d(0.1, 0.0, 0.0);

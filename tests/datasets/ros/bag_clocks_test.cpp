@@ -63,7 +63,7 @@ TEST_F(BagClocksTest, AClockThatWasSetBackIsRefused) {
 /// begins.
 TEST_F(BagClocksTest, OneWrongStampIsNoClock) {
   for (const int wrong : {0, 1, 20, 38, 39})
-    for (const double back : {2.0, 3600.0, -3600.0}) {
+    for (const double back : {2.0, 3600.0}) {
       ScanBag bag(folder_ / "a.mcap");
       for (int i = 0; i < 40; ++i)
         bag.cloud("/points", {start + 0.1 * i, start + 0.1 * i - (i == wrong ? back : 0.0)}, "sensor",

@@ -219,8 +219,7 @@ TEST(TipChoice, NamesALastJointThatMovesItAsAFinger) {
   const std::string alone =
       doubt(hand(turning_chain("palm", "j", 4, links) + "<link name='quill'/>" +
                  urdf_joint("feed", "prismatic", "j4", "quill", "0 0 0", "0 1 0", urdf_limit(0, 0.1))));
-  EXPECT_NE(alone.find("the tip is link 'j4'"), std::string::npos) << alone;
-  EXPECT_NE(alone.find("joint 'feed' behind it slides little"), std::string::npos) << alone;
+  EXPECT_EQ(alone, "") << "the axis of a tool, for all that is said";
 }
 
 TEST(TipChoice, IsNoQuestionWhereSomebodyChoseIt) {
